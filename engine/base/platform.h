@@ -1,0 +1,34 @@
+// Every call that differs between operating systems. A port to another system is a second platform.cpp.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace neuvv {
+
+// Writes a file so that at any moment, power cuts included, the path holds either the old or the new content:
+// temporary file beside it, sync, rename, sync of the folder. `write` gets a sink to call with consecutive pieces.
+// Throws RuntimeFailure naming the path.
+using ByteSink = std::function<void(const void* data, size_t bytes)>;
+void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write);
+
+// The whole file. Throws InputError if it is missing, unreadable or larger than `limit_bytes`.
+std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
+
+// Peak resident memory of this process, in bytes.
+uint64_t peak_memory_bytes();
+
+// After this, SIGINT and SIGTERM set a flag instead of ending the program; a second one ends it.
+void catch_stop_signals();
+bool stop_requested();
+
+bool stderr_is_terminal();
+
+// Folder for caches of this program (XDG_CACHE_HOME or ~/.cache, plus "neuvv"); created; empty if there is none.
+std::filesystem::path cache_folder();
+
+}  // namespace neuvv

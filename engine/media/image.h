@@ -1,0 +1,42 @@
+// Pictures in memory, PNG in and out. sRGB-encoded 8-bit with straight alpha: the form of image files. Everything
+// inside the engine is linear and premultiplied instead; the two conversions stand here.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace neuvv {
+
+// Row-major from the top left, 4 bytes a pixel: R, G, B sRGB-encoded, straight A.
+struct Image {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<uint8_t> rgba;
+
+    Image() = default;
+    Image(uint32_t w, uint32_t h) : width(w), height(h), rgba(size_t{4} * w * h) {}
+    uint8_t* at(uint32_t x, uint32_t y) { return &rgba[(size_t{y} * width + x) * 4]; }
+    const uint8_t* at(uint32_t x, uint32_t y) const { return &rgba[(size_t{y} * width + x) * 4]; }
+};
+
+// The sRGB transfer function (IEC 61966-2-1) and its inverse, on values in [0,1].
+double srgb_from_linear(double linear);
+double linear_from_srgb(double srgb);
+
+constexpr uint32_t kMaxImageSide = 16384;
+
+// Any PNG colour type and depth, widened to RGBA 8 bit. Throws InputError (missing, truncated, not a PNG, zero-size or
+// beyond kMaxImageSide).
+Image read_png(const std::filesystem::path& path);
+// The same for PNG or JPEG bytes in memory; `name` stands for the file in errors.
+Image decode_image(const uint8_t* bytes, size_t size, const std::string& name);
+
+// Writes RGBA (or RGB where every pixel is opaque), atomically.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+// The picture over an opaque background (sRGB-encoded 0..255), blended in encoded values as image viewers and the NeRF
+// family's metrics do; result is opaque.
+Image composite_over(const Image& image, const uint8_t background_rgb[3]);
+
+}  // namespace neuvv
