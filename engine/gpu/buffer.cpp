@@ -1,0 +1,105 @@
+#include "gpu/buffer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+uint32_t texel_bytes(VkFormat format) {
+    switch (format) {
+        case VK_FORMAT_R32_UINT:
+        case VK_FORMAT_R32_SFLOAT: return 4;
+        case VK_FORMAT_R32G32_UINT:
+        case VK_FORMAT_R16G16B16A16_SFLOAT: return 8;
+        case VK_FORMAT_R32G32B32A32_UINT:
+        case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
+        default: throw RuntimeFailure(fmt::format("texel_bytes: format {} is not in the table", static_cast<int>(format)));
+    }
+}
+
+namespace {
+
+struct MemoryFlags {
+    VkMemoryPropertyFlags wanted, needed;
+};
+
+MemoryFlags flags_of(MemoryKind kind) {
+    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    switch (kind) {
+        case MemoryKind::kDevice: return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+        case MemoryKind::kUpload: return {kHost | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kHost};
+        case MemoryKind::kReadback: return {kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHost};
+    }
+    return {};
+}
+
+}  // namespace
+
+Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format)
+    : device(&owner), name(std::move(label)), bytes(std::max<uint64_t>(size, 16)) {
+    const VkPhysicalDeviceLimits& limits = owner.limits();
+    if (texel_format != VK_FORMAT_UNDEFINED && bytes / texel_bytes(texel_format) > limits.maxTexelBufferElements)
+        throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} texels, device \"{}\" takes {}", name,
+                                         bytes / texel_bytes(texel_format), owner.summary().name,
+                                         limits.maxTexelBufferElements));
+    if (bytes > owner.max_allocation_bytes())
+        throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} MiB, device \"{}\" allocates at most {} MiB at once", name,
+                                         bytes >> 20, owner.summary().name, owner.max_allocation_bytes() >> 20));
+
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = bytes;
+    info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    check(vkCreateBuffer(owner.handle(), &info, nullptr, &buffer), "vkCreateBuffer", name);
+    VkMemoryRequirements requirements{};
+    vkGetBufferMemoryRequirements(owner.handle(), buffer, &requirements);
+
+    const MemoryFlags flags = flags_of(kind);
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocate.allocationSize = requirements.size;
+    allocate.memoryTypeIndex = owner.memory_type(requirements.memoryTypeBits, flags.wanted, flags.needed);
+    check(vkAllocateMemory(owner.handle(), &allocate, nullptr, &memory), "vkAllocateMemory", name);
+    check(vkBindBufferMemory(owner.handle(), buffer, memory, 0), "vkBindBufferMemory", name);
+    owner.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer), name);
+    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
+
+    if (kind != MemoryKind::kDevice)
+        check(vkMapMemory(owner.handle(), memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", name);
+    if (texel_format != VK_FORMAT_UNDEFINED) {
+        VkBufferViewCreateInfo view_info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+        view_info.buffer = buffer;
+        view_info.format = texel_format;
+        view_info.range = VK_WHOLE_SIZE;
+        check(vkCreateBufferView(owner.handle(), &view_info, nullptr, &view), "vkCreateBufferView", name);
+        owner.name_object(VK_OBJECT_TYPE_BUFFER_VIEW, reinterpret_cast<uint64_t>(view), name);
+    }
+}
+
+Buffer::~Buffer() {
+    if (!device) return;
+    vkDestroyBufferView(device->handle(), view, nullptr);
+    vkDestroyBuffer(device->handle(), buffer, nullptr);
+    vkFreeMemory(device->handle(), memory, nullptr);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+    std::swap(device, other.device);
+    std::swap(name, other.name);
+    std::swap(buffer, other.buffer);
+    std::swap(memory, other.memory);
+    std::swap(view, other.view);
+    std::swap(bytes, other.bytes);
+    std::swap(mapped, other.mapped);
+    return *this;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,203 @@
+#include "gpu/commands.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+constexpr uint32_t kMaxScopes = 128;
+}
+
+Commands::Commands(const Device& device, std::string name) : device_(device), name_(std::move(name)) {
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device.queue_family();
+    check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "vkCreateCommandPool", name_);
+    VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, pool_,
+                                     VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
+    check(vkAllocateCommandBuffers(device.handle(), &info, &buffer_), "vkAllocateCommandBuffers", name_);
+    VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    check(vkCreateFence(device.handle(), &fence, nullptr, &fence_), "vkCreateFence", name_);
+    VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    query.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    query.queryCount = 2 * kMaxScopes;
+    check(vkCreateQueryPool(device.handle(), &query, nullptr, &timestamps_), "vkCreateQueryPool", name_);
+    device.name_object(VK_OBJECT_TYPE_COMMAND_POOL, reinterpret_cast<uint64_t>(pool_), name_);
+    device.name_object(VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<uint64_t>(buffer_), name_);
+    device.name_object(VK_OBJECT_TYPE_FENCE, reinterpret_cast<uint64_t>(fence_), name_);
+    device.name_object(VK_OBJECT_TYPE_QUERY_POOL, reinterpret_cast<uint64_t>(timestamps_), name_);
+}
+
+Commands::~Commands() {
+    if (in_flight_) vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
+    vkDestroyQueryPool(device_.handle(), timestamps_, nullptr);
+    vkDestroyFence(device_.handle(), fence_, nullptr);
+    vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+}
+
+void Commands::begin() {
+    assert(!in_flight_ && "begin() while the last submission is under way: wait() first");
+    check(vkResetCommandPool(device_.handle(), pool_, 0), "vkResetCommandPool", name_);
+    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(buffer_, &info), "vkBeginCommandBuffer", name_);
+    vkCmdResetQueryPool(buffer_, timestamps_, 0, 2 * kMaxScopes);
+    scopes_.clear();
+}
+
+void Commands::submit() {
+    check(vkEndCommandBuffer(buffer_), "vkEndCommandBuffer", name_);
+    VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+    buffer.commandBuffer = buffer_;
+    VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+    info.commandBufferInfoCount = 1;
+    info.pCommandBufferInfos = &buffer;
+    check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
+    in_flight_ = true;
+}
+
+void Commands::wait() {
+    if (!in_flight_) return;
+    check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);
+    check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
+    in_flight_ = false;
+}
+
+std::vector<PassTime> Commands::pass_times() const {
+    std::vector<uint64_t> ticks(2 * scopes_.size());
+    if (ticks.empty()) return {};
+    check(vkGetQueryPoolResults(device_.handle(), timestamps_, 0, static_cast<uint32_t>(ticks.size()),
+                                ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
+                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+          "vkGetQueryPoolResults", name_);
+    const double milliseconds_per_tick = static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
+    std::vector<PassTime> times;
+    for (size_t i = 0; i < scopes_.size(); i++)
+        times.push_back({scopes_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * milliseconds_per_tick});
+    return times;
+}
+
+PassScope::PassScope(Commands& commands, const std::string& name)
+    : commands_(commands), index_(static_cast<uint32_t>(commands.scopes_.size())) {
+    assert(index_ < kMaxScopes && "more pass scopes in one submission than timestamps");
+    commands.scopes_.push_back(name);
+    if (vkCmdBeginDebugUtilsLabelEXT) {
+        const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, name.c_str(), {}};
+        vkCmdBeginDebugUtilsLabelEXT(commands.buffer_, &label);
+    }
+    vkCmdWriteTimestamp2(commands.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.timestamps_, 2 * index_);
+}
+
+PassScope::~PassScope() {
+    vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_, 2 * index_ + 1);
+    if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(commands_.buffer_);
+}
+
+namespace {
+
+void bind(Commands& commands, const ComputePass& pass, const BindingSet& set, const void* push, size_t push_bytes) {
+    assert(push_bytes == pass.interface().push_bytes && "push constants differ from the shader's");
+    const VkDescriptorSet handle = set.handle();
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline());
+    vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, pass.layout(), 0, 1, &handle, 0, nullptr);
+    if (push_bytes > 0)
+        vkCmdPushConstants(commands.handle(), pass.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                           static_cast<uint32_t>(push_bytes), push);
+}
+
+constexpr VkPipelineStageFlags2 kDeviceStages =
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkAccessFlags2 kDeviceWrites =
+    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+
+void memory_barrier(Commands& commands, VkPipelineStageFlags2 stages_after, VkAccessFlags2 access_after) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = kDeviceStages;
+    barrier.srcAccessMask = kDeviceWrites;
+    barrier.dstStageMask = stages_after;
+    barrier.dstAccessMask = access_after;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+}  // namespace
+
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const void* push,
+              size_t push_bytes) {
+    if (groups == 0) return;
+    bind(commands, pass, set, push, push_bytes);
+    // One dimension may hold as few as 65535 groups: shaders number themselves by y * gl_NumWorkGroups.x + x.
+    const uint32_t columns = std::min(groups, commands.device().limits().maxComputeWorkGroupCount[0]);
+    vkCmdDispatch(commands.handle(), columns, (groups + columns - 1) / columns, 1);
+}
+
+void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,
+                       uint64_t offset, const void* push, size_t push_bytes) {
+    bind(commands, pass, set, push, push_bytes);
+    vkCmdDispatchIndirect(commands.handle(), arguments.buffer, offset);
+}
+
+void compute_barrier(Commands& commands) {
+    memory_barrier(commands, kDeviceStages | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                   VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+}
+
+void host_barrier(Commands& commands) { memory_barrier(commands, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT); }
+
+void fill(Commands& commands, const Buffer& buffer, uint32_t word) {
+    vkCmdFillBuffer(commands.handle(), buffer.buffer, 0, VK_WHOLE_SIZE, word);
+}
+
+void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset,
+          uint64_t to_offset) {
+    const VkBufferCopy region{from_offset, to_offset, bytes};
+    vkCmdCopyBuffer(commands.handle(), from.buffer, to.buffer, 1, &region);
+}
+
+void run_once(const Device& device, const std::string& name, const std::function<void(Commands&)>& record) {
+    Commands commands(device, name);
+    commands.begin();
+    record(commands);
+    host_barrier(commands);
+    commands.submit();
+    commands.wait();
+}
+
+namespace {
+constexpr uint64_t kStagingBytes = uint64_t{64} << 20;
+}
+
+void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes) {
+    if (bytes > to.bytes) throw RuntimeFailure("upload: more bytes than buffer \"" + to.name + "\" holds");
+    if (bytes == 0) return;
+    const Buffer staging(device, "staging", std::min(bytes, kStagingBytes), MemoryKind::kUpload);
+    for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
+        const uint64_t piece = std::min(kStagingBytes, bytes - at);
+        std::memcpy(staging.mapped, static_cast<const char*>(data) + at, piece);
+        run_once(device, "upload", [&](Commands& commands) {
+            copy(commands, staging, to, piece, 0, at);
+            compute_barrier(commands);
+        });
+    }
+}
+
+void download(const Device& device, const Buffer& from, void* data, uint64_t bytes) {
+    if (bytes > from.bytes) throw RuntimeFailure("download: more bytes than buffer \"" + from.name + "\" holds");
+    if (bytes == 0) return;
+    const Buffer staging(device, "staging", std::min(bytes, kStagingBytes), MemoryKind::kReadback);
+    for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
+        const uint64_t piece = std::min(kStagingBytes, bytes - at);
+        run_once(device, "download", [&](Commands& commands) {
+            copy(commands, from, staging, piece, at, 0);
+            host_barrier(commands);
+        });
+        std::memcpy(static_cast<char*>(data) + at, staging.mapped, piece);
+    }
+}
+
+}  // namespace neuvv

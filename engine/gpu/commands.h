@@ -1,0 +1,94 @@
+// Recording and submitting work on the one queue: dispatches, barriers, copies, and how long each pass took.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gpu/compute_pass.h"
+
+namespace neuvv {
+
+struct PassTime {
+    std::string name;
+    double milliseconds = 0;
+};
+
+// One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again.
+class Commands {
+  public:
+    explicit Commands(const Device& device, std::string name = "commands");
+    ~Commands();
+    Commands(const Commands&) = delete;
+    Commands& operator=(const Commands&) = delete;
+
+    void begin();
+    void submit();
+    // Blocks until the submitted work is done. Returns at once when nothing is under way. Throws on device loss.
+    void wait();
+
+    VkCommandBuffer handle() const { return buffer_; }
+    const Device& device() const { return device_; }
+
+    // GPU time of each PassScope of the last finished submission, in recording order.
+    std::vector<PassTime> pass_times() const;
+
+  private:
+    friend class PassScope;
+    const Device& device_;
+    std::string name_;
+    VkCommandPool pool_ = VK_NULL_HANDLE;
+    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+    VkFence fence_ = VK_NULL_HANDLE;
+    VkQueryPool timestamps_ = VK_NULL_HANDLE;
+    std::vector<std::string> scopes_;
+    bool in_flight_ = false;
+};
+
+// Names a pass in captures and times it on the GPU, for as long as the scope lives.
+class PassScope {
+  public:
+    PassScope(Commands& commands, const std::string& name);
+    ~PassScope();
+    PassScope(const PassScope&) = delete;
+    PassScope& operator=(const PassScope&) = delete;
+
+  private:
+    Commands& commands_;
+    uint32_t index_;
+};
+
+// Push constants must be exactly what the shader declares (assert).
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const void* push,
+              size_t push_bytes);
+// Group counts (three words) come from `arguments` at `offset`, written by an earlier pass.
+void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,
+                       uint64_t offset, const void* push, size_t push_bytes);
+
+template <typename Push>
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const Push& push) {
+    dispatch(commands, pass, set, groups, &push, sizeof(Push));
+}
+template <typename Push>
+void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,
+                       uint64_t offset, const Push& push) {
+    dispatch_indirect(commands, pass, set, arguments, offset, &push, sizeof(Push));
+}
+
+// What compute shaders and copies wrote before is seen by compute shaders, indirect arguments and copies after.
+void compute_barrier(Commands& commands);
+// What compute shaders and copies wrote before is seen by the host after wait().
+void host_barrier(Commands& commands);
+
+void fill(Commands& commands, const Buffer& buffer, uint32_t word);
+void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0,
+          uint64_t to_offset = 0);
+
+// Records, submits and waits: for set-up and tests, not for frames.
+void run_once(const Device& device, const std::string& name, const std::function<void(Commands&)>& record);
+
+// Host ↔ device through a staging buffer in pieces; set-up and tests.
+void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
+void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
+
+}  // namespace neuvv

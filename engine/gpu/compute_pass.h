@@ -1,0 +1,70 @@
+// One compute shader, its layout read from its own SPIR-V, and the buffers it is bound to.
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/buffer.h"
+
+namespace neuvv {
+
+struct BindingSlot {
+    uint32_t binding = 0;
+    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+};
+
+// What a shader's SPIR-V says of its interface: bindings of set 0, bytes of push constants.
+struct ShaderInterface {
+    std::vector<BindingSlot> bindings;
+    uint32_t push_bytes = 0;
+};
+ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name);
+
+class ComputePass {
+  public:
+    // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the device's
+    // pipeline cache.
+    ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
+                const std::vector<uint32_t>& constants = {});
+    ~ComputePass();
+    ComputePass(const ComputePass&) = delete;
+    ComputePass& operator=(const ComputePass&) = delete;
+
+    const std::string& name() const { return name_; }
+    const ShaderInterface& interface() const { return interface_; }
+    VkPipeline pipeline() const { return pipeline_; }
+    VkPipelineLayout layout() const { return layout_; }
+    VkDescriptorSetLayout set_layout() const { return set_layout_; }
+    const Device& device() const { return device_; }
+
+  private:
+    const Device& device_;
+    std::string name_;
+    ShaderInterface interface_;
+    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+// The buffers of one pass, written once at set-up; nothing is written inside a frame. Every binding that the shader has
+// must be given (RuntimeFailure), others are ignored; buffers must outlive the set.
+class BindingSet {
+  public:
+    BindingSet() = default;
+    BindingSet(const ComputePass& pass, std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers);
+    ~BindingSet();
+    BindingSet(BindingSet&& other) noexcept;
+    BindingSet& operator=(BindingSet&& other) noexcept;
+
+    VkDescriptorSet handle() const { return set_; }
+
+  private:
+    const Device* device_ = nullptr;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+}  // namespace neuvv

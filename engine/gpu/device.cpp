@@ -1,0 +1,297 @@
+#include "gpu/device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "gpu/features.h"
+#include "gpu/result_name.h"
+
+namespace neuvv {
+
+void check(VkResult result, const char* call, const std::string& object) {
+    if (result != VK_SUCCESS)
+        throw RuntimeFailure(fmt::format("{} failed for \"{}\": {}", call, object, result_name(result)));
+}
+
+struct Device::Messages {
+    std::mutex mutex;
+    std::vector<std::string> texts;
+};
+
+namespace {
+
+bool instance_has(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+VkInstance make_instance(bool validate, bool* debug_utils) {
+    check(volkInitialize(), "volkInitialize", "Vulkan loader (install libvulkan1 and a driver such as mesa-vulkan-drivers)");
+    uint32_t count = 0;
+    vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> available(count);
+    vkEnumerateInstanceExtensionProperties(nullptr, &count, available.data());
+
+    std::vector<const char*> extensions;
+    *debug_utils = instance_has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (*debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    const bool portability = instance_has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    if (portability) extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+
+    const char* layer = "VK_LAYER_KHRONOS_validation";
+    // Core checks come by default; synchronization validation finds missing barriers between passes.
+    const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, nullptr, 1, enabled, 0, nullptr};
+    const VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "neuvv", 1, "neuvv", 1, VK_API_VERSION_1_3};
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pNext = validate ? &features : nullptr;
+    info.flags = portability ? VkInstanceCreateFlags{VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR} : 0;
+    info.pApplicationInfo = &app;
+    info.enabledLayerCount = validate ? 1 : 0;
+    info.ppEnabledLayerNames = &layer;
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    VkInstance instance = VK_NULL_HANDLE;
+    check(vkCreateInstance(&info, nullptr, &instance), "vkCreateInstance",
+          validate ? "instance with validation (package vulkan-validationlayers)" : "instance");
+    volkLoadInstanceOnly(instance);
+    return instance;
+}
+
+std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+    uint32_t count = 0;
+    check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices", "instance");
+    std::vector<VkPhysicalDevice> devices(count);
+    check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices", "instance");
+    return devices;
+}
+
+const char* kind_of(VkPhysicalDeviceType type) {
+    switch (type) {
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+        case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
+        default: return "other";
+    }
+}
+
+DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver, {}};
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    VkPhysicalDeviceMemoryProperties memory{};
+    vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+
+    DeviceSummary summary;
+    summary.index = index;
+    summary.name = properties.properties.deviceName;
+    summary.kind = kind_of(properties.properties.deviceType);
+    summary.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+    summary.api_version = properties.properties.apiVersion;
+    for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
+        if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+            summary.memory_bytes = std::max<uint64_t>(summary.memory_bytes, memory.memoryHeaps[i].size);
+    find_lacking_features(physical, summary.missing, summary.lacks);
+    return summary;
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+int rank(const DeviceSummary& summary) {
+    constexpr std::array kOrder = {"discrete", "integrated", "virtual", "other", "cpu"};
+    return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), summary.kind) - kOrder.begin());
+}
+
+std::string joined(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ", ")); }
+
+// The index of the device that `choice` names, or of the best usable one where it is empty.
+size_t pick(const std::vector<DeviceSummary>& devices, const std::string& choice) {
+    size_t best = devices.size();
+    if (!choice.empty()) {
+        const bool number = std::all_of(choice.begin(), choice.end(), [](unsigned char c) { return std::isdigit(c); });
+        for (size_t i = 0; i < devices.size() && best == devices.size(); i++)
+            if (number ? std::to_string(i) == choice : lower(devices[i].name).find(lower(choice)) != std::string::npos)
+                best = i;
+        if (best == devices.size())
+            throw InputError("device", choice, "no Vulkan device has this index or name", "`neuvv devices` lists them");
+    } else {
+        for (size_t i = 0; i < devices.size(); i++)
+            if (devices[i].missing.empty() && (best == devices.size() || rank(devices[i]) < rank(devices[best]))) best = i;
+    }
+    if (best == devices.size())
+        throw RuntimeFailure("no usable Vulkan device; `neuvv devices` says what each lacks (mesa-vulkan-drivers brings a "
+                             "software device)");
+    if (!devices[best].missing.empty())
+        throw RuntimeFailure(fmt::format("device \"{}\" lacks: {}", devices[best].name, joined(devices[best].missing)));
+    return best;
+}
+
+}  // namespace
+
+std::vector<DeviceSummary> list_devices() {
+    bool debug_utils = false;
+    VkInstance instance = make_instance(false, &debug_utils);
+    std::vector<DeviceSummary> summaries;
+    for (VkPhysicalDevice physical : physical_devices(instance))
+        summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
+    vkDestroyInstance(instance, nullptr);
+    return summaries;
+}
+
+Device::Device(const std::string& choice, Validation validation) : messages_(std::make_unique<Messages>()) {
+    create_instance(validation);
+    choose_physical(choice);
+    create_device();
+    open_pipeline_cache();
+}
+
+Device::~Device() {
+    vkDeviceWaitIdle(device_);
+    save_pipeline_cache();
+    vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
+    vkDestroyDevice(device_, nullptr);
+    if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    vkDestroyInstance(instance_, nullptr);
+}
+
+void Device::create_instance(Validation validation) {
+    const bool validate = validation == Validation::kOn;
+    instance_ = make_instance(validate, &debug_utils_);
+    if (!validate || !debug_utils_) return;
+    VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    info.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    info.pfnUserCallback = [](auto, auto, const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) -> VkBool32 {
+        auto* messages = static_cast<Messages*>(user);
+        const std::lock_guard lock(messages->mutex);
+        messages->texts.emplace_back(data->pMessage ? data->pMessage : "");
+        return VK_FALSE;
+    };
+    info.pUserData = messages_.get();
+    check(vkCreateDebugUtilsMessengerEXT(instance_, &info, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT",
+          "validation");
+}
+
+void Device::choose_physical(const std::string& choice) {
+    const char* environment = std::getenv("NEUVV_DEVICE");
+    const std::vector<VkPhysicalDevice> all = physical_devices(instance_);
+    std::vector<DeviceSummary> summaries;
+    for (VkPhysicalDevice physical : all) summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
+    const size_t index = pick(summaries, choice.empty() && environment ? environment : choice);
+    physical_ = all[index];
+    summary_ = summaries[index];
+
+    VkPhysicalDeviceVulkan11Properties properties11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &properties11, {}};
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    limits_ = properties.properties.limits;
+    max_allocation_bytes_ = properties11.maxMemoryAllocationSize;
+}
+
+void Device::create_device() {
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (queue_family_ = 0; queue_family_ < count; queue_family_++)
+        if ((families[queue_family_].queueFlags & kNeeded) == kNeeded) break;
+    if (queue_family_ == count)
+        throw RuntimeFailure(fmt::format("device \"{}\" has no queue for graphics and compute", summary_.name));
+
+    const float priority = 1.0f;
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = queue_family_;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+
+    FeatureChain features = features_to_enable(physical_);
+    float_atomics_ = features.float_atomics;
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.pNext = &features.core;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = static_cast<uint32_t>(features.extensions.size());
+    info.ppEnabledExtensionNames = features.extensions.data();
+    features.link();
+    check(vkCreateDevice(physical_, &info, nullptr, &device_), "vkCreateDevice", summary_.name);
+    volkLoadDevice(device_);
+    vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    name_object(VK_OBJECT_TYPE_QUEUE, reinterpret_cast<uint64_t>(queue_), "queue");
+}
+
+namespace {
+std::filesystem::path pipeline_cache_file(VkPhysicalDevice physical) {
+    const std::filesystem::path folder = cache_folder();
+    if (folder.empty()) return {};
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    std::string uuid;
+    for (uint8_t byte : properties.pipelineCacheUUID) uuid += fmt::format("{:02x}", byte);
+    return folder / fmt::format("pipelines-{}.bin", uuid);  // the UUID names device and driver version
+}
+}  // namespace
+
+void Device::open_pipeline_cache() {
+    std::vector<char> bytes;
+    if (const auto file = pipeline_cache_file(physical_); !file.empty()) {
+        std::ifstream stream(file, std::ios::binary);
+        bytes.assign(std::istreambuf_iterator<char>(stream), {});
+    }
+    VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    info.initialDataSize = bytes.size();
+    info.pInitialData = bytes.data();
+    check(vkCreatePipelineCache(device_, &info, nullptr, &pipeline_cache_), "vkCreatePipelineCache", "pipeline cache");
+}
+
+void Device::save_pipeline_cache() const {
+    const auto file = pipeline_cache_file(physical_);
+    size_t size = 0;
+    if (file.empty() || vkGetPipelineCacheData(device_, pipeline_cache_, &size, nullptr) != VK_SUCCESS) return;
+    std::vector<char> bytes(size);
+    if (vkGetPipelineCacheData(device_, pipeline_cache_, &size, bytes.data()) != VK_SUCCESS) return;
+    try {
+        write_file_atomically(file, [&](const ByteSink& sink) { sink(bytes.data(), size); });
+    } catch (const RuntimeFailure&) {
+        // A cache that cannot be kept costs the next start some compile time, nothing else.
+    }
+}
+
+uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const {
+    VkPhysicalDeviceMemoryProperties memory{};
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
+    for (const VkMemoryPropertyFlags flags : {wanted, needed})
+        for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
+            if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
+    throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, needed));
+}
+
+void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {
+    if (!debug_utils_ || !vkSetDebugUtilsObjectNameEXT) return;
+    const VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT, nullptr, type, object,
+                                             name.c_str()};
+    vkSetDebugUtilsObjectNameEXT(device_, &info);
+}
+
+std::vector<std::string> Device::drain_validation_messages() const {
+    const std::lock_guard lock(messages_->mutex);
+    return std::exchange(messages_->texts, {});
+}
+
+void Device::wait_idle() const { check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name); }
+
+}  // namespace neuvv

@@ -1,0 +1,88 @@
+// The Vulkan device: chosen, created with exactly the features we use, and its validation messages.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace neuvv {
+
+// Throws RuntimeFailure naming the call, its object and the result unless it is VK_SUCCESS.
+void check(VkResult result, const char* call, const std::string& object);
+
+enum class Validation { kOff, kOn };
+
+struct DeviceSummary {
+    uint32_t index = 0;
+    std::string name;    // "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string kind;    // "discrete", "integrated", "virtual", "cpu", "other"
+    std::string driver;  // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
+    uint32_t api_version = 0;
+    uint64_t memory_bytes = 0;         // the largest device-local heap
+    std::vector<std::string> missing;  // required features it lacks, in our table's words; empty: usable
+    std::vector<std::string> lacks;    // optional ones, each with what stands in for it
+};
+
+// Every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
+std::vector<DeviceSummary> list_devices();
+
+class Device {
+  public:
+    // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the best
+    // usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none, RuntimeFailure for
+    // a device that lacks what we need.
+    explicit Device(const std::string& choice = "", Validation validation = Validation::kOff);
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    VkDevice handle() const { return device_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkQueue queue() const { return queue_; }
+    uint32_t queue_family() const { return queue_family_; }
+    VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+    const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
+    const DeviceSummary& summary() const { return summary_; }
+    bool float_atomics() const { return float_atomics_; }
+    bool validating() const { return messenger_ != VK_NULL_HANDLE; }
+
+    // First memory type that has `wanted` among those in `type_bits`, or falls back to `needed`. Throws RuntimeFailure.
+    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const;
+
+    // Gives a Vulkan object its debug name (no-op without the debug-utils extension).
+    void name_object(VkObjectType type, uint64_t object, const std::string& name) const;
+
+    // Warnings and errors of the validation layers since the last call.
+    std::vector<std::string> drain_validation_messages() const;
+
+    // Seconds-scale operations end with this; throws RuntimeFailure on device loss.
+    void wait_idle() const;
+
+  private:
+    void create_instance(Validation validation);
+    void choose_physical(const std::string& choice);
+    void create_device();
+    void open_pipeline_cache();
+    void save_pipeline_cache() const;
+
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    uint32_t queue_family_ = 0;
+    VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+    VkPhysicalDeviceLimits limits_{};
+    uint64_t max_allocation_bytes_ = 0;
+    DeviceSummary summary_;
+    bool float_atomics_ = false;
+    bool debug_utils_ = false;
+    struct Messages;
+    std::unique_ptr<Messages> messages_;
+};
+
+}  // namespace neuvv
