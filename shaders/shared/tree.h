@@ -3,7 +3,7 @@
 // A node covers two octree levels: 4×4×4 cells, numbered in Morton order (z1 y1 x1 z0 y0 x0; the high three bits name the
 // 2×2×2 octant). mask_lo/mask_hi hold one bit per occupied cell; its entry in the child array is
 // first_child + popcount(mask bits below it). An entry with kLeafBit set names a leaf, else a node. A leaf of the node's
-// upper level (twice the cell's edge) fills all eight cells of its octant with the same entry.
+// upper level (twice the cell's edge) fills all eight cells of its octant with the same entry, marked kWideLeafBit.
 #ifndef NEUVV_SHARED_TREE_H
 #define NEUVV_SHARED_TREE_H
 #include "shared/types.h"
@@ -11,6 +11,8 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kLeafBit = 0x80000000u;
+CONSTEXPR uint kWideLeafBit = 0x40000000u;
+CONSTEXPR uint kLeafIndexMask = 0x3fffffffu;
 CONSTEXPR uint kMaxNodeLevels = 6u;  // two octree levels each: at most 4096 cells a side
 
 struct TreeNode {

@@ -1,0 +1,35 @@
+// A VOctree in device memory, as rendering and training bind it.
+//
+// Weights are planes of four: texel(leaf, plane) = plane * leaf_count + leaf, so that neighbouring threads read
+// neighbouring texels. Planes of a leaf: w^σ in ⌈C/4⌉, w^γ in ⌈C/4⌉, then one plane (R, G, B, unused) per HH function.
+#ifndef NEUVV_SHARED_FIELD_H
+#define NEUVV_SHARED_FIELD_H
+#include "shared/hh_counts.h"
+#include "shared/tree.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
+
+// Rows A_t and B_t at one (fractional) frame, padded with zeros; a uniform buffer.
+struct BasisRows {
+    vec4 sigma[kMaxBasisPlanes];
+    vec4 gamma[kMaxBasisPlanes];
+};
+
+// Counters that the slice pass leaves behind; the first three words are arguments of dispatch_indirect.
+struct LiveCount {
+    uint groups_x;
+    uint groups_y;
+    uint groups_z;
+    uint slots;     // live leaves of this frame, at most the slice's capacity
+    uint overflow;  // live leaves that found no slot (then the slice is incomplete)
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::BasisRows) == 512);
+static_assert(sizeof(neuvv::LiveCount) == 20);
+#endif
+#endif

@@ -1,0 +1,36 @@
+// The slice passes: a VOctree at one frame as σ and SH per live leaf (errata 7).
+#ifndef NEUVV_SHARED_SLICE_H
+#define NEUVV_SHARED_SLICE_H
+#include "shared/field.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kSliceGroup = 64u;
+
+// rows.comp: interpolates A and B (errata 9).
+CONSTEXPR uint kRowsSigmaBasis = 0u;
+CONSTEXPR uint kRowsGammaBasis = 1u;
+CONSTEXPR uint kRowsOut = 2u;
+CONSTEXPR uint kRowsLive = 3u;
+
+// slice_density.comp and slice_colour.comp
+CONSTEXPR uint kSliceWeights = 0u;
+CONSTEXPR uint kSliceRows = 1u;
+CONSTEXPR uint kSliceHead = 2u;    // per leaf: (σ bits, slot); σ 0 where the leaf is dead
+CONSTEXPR uint kSliceLeaves = 3u;  // per slot: its leaf
+CONSTEXPR uint kSliceLive = 4u;
+CONSTEXPR uint kSliceSh = 5u;  // per slot: (n_max+1)² texels (R, G, B, unused)
+
+struct RowsPush {
+    float frame;  // 0..frames−1, clamped
+    uint frames;
+    uint bases;
+};
+
+struct SlicePush {
+    uint leaf_count;
+    uint capacity;  // slots
+};
+
+NEUVV_SHARED_END
+#endif

@@ -1,0 +1,65 @@
+// The trace pass: rays of 8×8 pixel tiles through a slice.
+#ifndef NEUVV_SHARED_TRACE_H
+#define NEUVV_SHARED_TRACE_H
+#include "shared/field.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kTile = 8u;        // pixels a side
+CONSTEXPR uint kTilePixels = 64u;
+
+CONSTEXPR uint kTraceNodes = 0u;
+CONSTEXPR uint kTraceChildren = 1u;
+CONSTEXPR uint kTraceHead = 2u;
+CONSTEXPR uint kTraceSh = 3u;
+CONSTEXPR uint kTraceCameras = 4u;
+CONSTEXPR uint kTraceTiles = 5u;
+CONSTEXPR uint kTraceRadiance = 6u;  // per ray: premultiplied linear RGB, alpha
+CONSTEXPR uint kTraceDepth = 7u;     // per ray: metres along the ray, infinity where alpha is 0
+// direct.comp reads weights and rows in place of head and SH
+CONSTEXPR uint kTraceWeights = 8u;
+CONSTEXPR uint kTraceRows = 9u;
+// trace_adjoint.comp
+CONSTEXPR uint kTraceAdjoint = 10u;    // per ray: ∂L/∂(R, G, B, alpha)
+CONSTEXPR uint kTraceGradients = 11u;  // per slot: see gradient_stride
+CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step
+
+// Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
+struct ShaderCamera {
+    vec4 origin;
+    vec4 right;   // w: width in pixels
+    vec4 down;    // w: height in pixels
+    vec4 corner;
+};
+
+// One workgroup's pixels: rays tile*64 .. +63 in row-major order inside the tile. One texel.
+struct Tile {
+    uint camera;
+    uint x;  // of the top left pixel
+    uint y;
+    uint padding;
+};
+
+struct TracePush {
+    vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
+    vec4 box_size;  // metres
+    uint leaf_count;
+};
+
+// Floats of one slot's gradient: ∂L/∂σ, Σ|α ∂L/∂α|, then ∂L/∂k_lm (R, G, B) per SH function.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    gradient_stride(uint degree) {
+    return 2u + 3u * sh_count(degree);
+}
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::ShaderCamera) == 64);
+static_assert(sizeof(neuvv::Tile) == 16);
+static_assert(sizeof(neuvv::TracePush) == 36);
+#endif
+#endif

@@ -1,0 +1,39 @@
+// Accessors of a leaf's weights and the field's value from them. The includer binds textureBuffer `leaf_weights` and
+// uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes as specialisation constants.
+#ifndef NEUVV_WEIGHTS_GLSL
+#define NEUVV_WEIGHTS_GLSL
+#include "hh.glsl"
+
+#ifndef NEUVV_FETCH_WEIGHTS
+vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) {
+    return texelFetch(leaf_weights, int(plane * leaf_count + leaf));
+}
+#endif
+
+// σ = relu(A_t·w^σ), 1/m (errata 9)
+float leaf_sigma(uint leaf, uint leaf_count) {
+    float raw = 0.0;
+    for (uint p = 0u; p < kBasisPlanes; p++) raw += dot(rows.sigma[p], fetch_weights(leaf, p, leaf_count));
+    return max(raw, 0.0);
+}
+
+// γ = π·sigmoid(B_t·w^γ) (errata 9)
+float leaf_gamma(uint leaf, uint leaf_count) {
+    float raw = 0.0;
+    for (uint p = 0u; p < kBasisPlanes; p++)
+        raw += dot(rows.gamma[p], fetch_weights(leaf, kBasisPlanes + p, leaf_count));
+    return kPi / (1.0 + exp(-raw));
+}
+
+vec3 leaf_hh(uint leaf, uint function, uint leaf_count) {
+    return fetch_weights(leaf, 2u * kBasisPlanes + function, leaf_count).rgb;
+}
+
+// k_lm = Σ_n w_nlm R_nl(γ) at SH index j of degree l, given the row of R with that l (errata 7).
+vec3 slice_coefficient(uint leaf, uint j, vec4 radial, uint l, uint leaf_count) {
+    vec3 k = vec3(0.0);
+    for (uint n = l; n <= kHhDegree; n++) k += radial[n] * leaf_hh(leaf, kHhBase[n] + j, leaf_count);
+    return k;
+}
+
+#endif
