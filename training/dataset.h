@@ -9,15 +9,9 @@
 #include <vector>
 
 #include "media/image.h"
+#include "stage/camera.h"
 
 namespace neuvv {
-
-// A pinhole camera. Pixel centres are at +0.5; x to the right, y down, in pixels.
-struct Camera {
-    glm::dmat4 world_from_camera{1};  // OpenGL axes: +X right, +Y up, looks along −Z
-    double fx = 1, fy = 1, cx = 0, cy = 0;
-    uint32_t width = 0, height = 0;
-};
 
 // One picture of one camera at one instant.
 struct View {

@@ -1,0 +1,97 @@
+#include "render/field.h"
+
+#include <bit>
+#include <functional>
+
+#include "gpu/commands.h"
+#include "voctree/half.h"
+
+namespace neuvv {
+
+namespace {
+
+// Calls visit(index among the leaf's weights, plane, component) for every weight of a leaf.
+void for_each_weight(const VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
+    const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
+    for (uint32_t kind = 0; kind < 2; kind++)
+        for (uint32_t c = 0; c < tree.bases; c++) visit(kind * tree.bases + c, kind * basis_planes + c / 4, c % 4);
+    for (uint32_t channel = 0; channel < 3; channel++)
+        for (uint32_t f = 0; f < functions; f++)
+            visit(2 * tree.bases + channel * functions + f, 2 * basis_planes + f, channel);
+}
+
+size_t plane_floats(const VOctree& tree) {
+    return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
+}
+
+// The child array with leaves that fill an octant marked, so that a walk steps over them at once.
+std::vector<uint32_t> mark_wide_leaves(const VOctree& tree) {
+    std::vector<uint32_t> marked = tree.children;
+    for (const TreeNode& node : tree.nodes) {
+        const uint64_t mask = uint64_t{node.mask_hi} << 32 | node.mask_lo;
+        size_t slot = node.first_child;
+        for (uint32_t octant = 0; octant < 8; octant++) {
+            const uint64_t cells = mask >> (8 * octant) & 0xff;
+            bool wide = cells == 0xff && (tree.children[slot] & kLeafBit);
+            for (size_t i = 1; wide && i < 8; i++) wide = tree.children[slot + i] == tree.children[slot];
+            if (wide)
+                for (size_t i = 0; i < 8; i++) marked[slot + i] |= kWideLeafBit;
+            slot += static_cast<size_t>(std::popcount(cells));
+        }
+    }
+    return marked;
+}
+
+template <typename T>
+Buffer uploaded(const Device& device, const char* name, const std::vector<T>& data, VkFormat format) {
+    Buffer buffer(device, name, data.size() * sizeof(T), MemoryKind::kDevice, format);
+    upload(device, buffer, data.data(), data.size() * sizeof(T));
+    return buffer;
+}
+
+}  // namespace
+
+std::vector<float> weights_to_planes(const VOctree& tree) {
+    std::vector<float> planes(plane_floats(tree));
+    const uint32_t stride = tree.weights_per_leaf();
+    for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
+        float* to = &planes[size_t{4} * plane * tree.leaf_count + component];
+        for (size_t leaf = 0; leaf < tree.leaf_count; leaf++) to[4 * leaf] = tree.weights[leaf * stride + index];
+    });
+    return planes;
+}
+
+void weights_from_planes(const std::vector<float>& planes, VOctree& tree) {
+    const uint32_t stride = tree.weights_per_leaf();
+    tree.weights.resize(size_t{tree.leaf_count} * stride);
+    for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
+        const float* from = &planes[size_t{4} * plane * tree.leaf_count + component];
+        for (size_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.weights[leaf * stride + index] = from[4 * leaf];
+    });
+}
+
+Field upload_field(const Device& device, const VOctree& tree, WeightPrecision precision) {
+    Field field;
+    field.box_min = tree.box_min;
+    field.box_size = tree.box_size;
+    field.node_levels = tree.node_levels;
+    field.leaf_count = tree.leaf_count;
+    field.bases = tree.bases;
+    field.hh_degree = tree.hh_degree;
+    field.frames = tree.frames;
+    field.nodes = uploaded(device, "tree nodes", tree.nodes, VK_FORMAT_R32G32B32A32_UINT);
+    field.children = uploaded(device, "tree children", mark_wide_leaves(tree), VK_FORMAT_R32_UINT);
+    field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
+    field.gamma_basis = uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
+    const std::vector<float> planes = weights_to_planes(tree);
+    if (precision == WeightPrecision::kFloat) {
+        field.weights = uploaded(device, "leaf weights", planes, VK_FORMAT_R32G32B32A32_SFLOAT);
+    } else {
+        std::vector<uint16_t> halves(planes.size());
+        for (size_t i = 0; i < planes.size(); i++) halves[i] = half_from_float(planes[i]);
+        field.weights = uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
+    }
+    return field;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,33 @@
+// Resolve: traced rays to an 8-bit sRGB picture.
+#pragma once
+
+#include "gpu/commands.h"
+#include "render/trace.h"
+#include "shared/resolve.h"
+
+namespace neuvv {
+
+enum class Show : uint32_t { kColour = kShowColour, kAlpha = kShowAlpha, kDepth = kShowDepth };
+
+struct ResolveSettings {
+    Show show = Show::kColour;
+    glm::vec4 background{0};  // linear RGB, opacity (0: the picture keeps its alpha)
+    float depth_near_m = 0, depth_far_m = 1;
+};
+
+class Resolver {
+  public:
+    // `picture`: at least width·height R32_UINT texels.
+    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture);
+
+  private:
+    friend void record_resolve(Commands&, const Resolver&, uint32_t, uint32_t, const ResolveSettings&);
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// The rays must be tiles_of_picture(·, width, height).
+void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height,
+                    const ResolveSettings& settings);
+
+}  // namespace neuvv

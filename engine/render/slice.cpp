@@ -1,0 +1,53 @@
+#include "render/slice.h"
+
+#include <algorithm>
+
+#include "spirv/rows.comp.h"
+#include "spirv/slice_colour.comp.h"
+#include "spirv/slice_density.comp.h"
+
+namespace neuvv {
+
+Slice::Slice(const Device& device, const Field& field, uint32_t slots)
+    : capacity(std::max(slots, 1u)),
+      rows(device, "basis rows", sizeof(BasisRows), MemoryKind::kDevice),
+      head(device, "slice head", uint64_t{8} * field.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+      slot_leaf(device, "slice leaves", uint64_t{4} * capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice),
+      sh(device, "slice SH", uint64_t{16} * sh_count(field.hh_degree) * capacity, MemoryKind::kDevice,
+         VK_FORMAT_R32G32B32A32_SFLOAT) {}
+
+Slicer::Slicer(const Device& device, const Field& field, const Slice& slice)
+    : field_(field),
+      slice_(slice),
+      rows_(device, "rows", rows_comp),
+      density_(device, "slice density", slice_density_comp, {field.hh_degree, field.basis_planes()}),
+      colour_(device, "slice colour", slice_colour_comp, {field.hh_degree, field.basis_planes()}),
+      rows_set_(rows_, {{kRowsSigmaBasis, &field.sigma_basis},
+                        {kRowsGammaBasis, &field.gamma_basis},
+                        {kRowsOut, &slice.rows},
+                        {kRowsLive, &slice.live}}),
+      density_set_(density_, {{kSliceWeights, &field.weights},
+                              {kSliceRows, &slice.rows},
+                              {kSliceHead, &slice.head},
+                              {kSliceLeaves, &slice.slot_leaf},
+                              {kSliceLive, &slice.live}}),
+      colour_set_(colour_, {{kSliceWeights, &field.weights},
+                            {kSliceRows, &slice.rows},
+                            {kSliceLeaves, &slice.slot_leaf},
+                            {kSliceLive, &slice.live},
+                            {kSliceSh, &slice.sh}}) {}
+
+void record_slice(Commands& commands, const Slicer& slicer, float frame) {
+    const PassScope scope(commands, "slice");
+    const Field& field = slicer.field_;
+    dispatch(commands, slicer.rows_, slicer.rows_set_, 1, RowsPush{frame, field.frames, field.bases});
+    compute_barrier(commands);
+    const SlicePush push{field.leaf_count, slicer.slice_.capacity};
+    dispatch(commands, slicer.density_, slicer.density_set_, (field.leaf_count + kSliceGroup - 1) / kSliceGroup, push);
+    compute_barrier(commands);
+    dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0, push);
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,39 @@
+// Slice: a field at one frame as σ and SH per live leaf (errata 7), on the device.
+#pragma once
+
+#include "gpu/commands.h"
+#include "render/field.h"
+#include "shared/slice.h"
+
+namespace neuvv {
+
+// What a slice leaves for the passes after it. `capacity` slots; a leaf that finds none renders as empty and is counted
+// in LiveCount::overflow.
+struct Slice {
+    Slice(const Device& device, const Field& field, uint32_t slots);
+
+    uint32_t capacity;
+    Buffer rows;       // BasisRows of the frame
+    Buffer head;       // per leaf (σ bits, slot)
+    Buffer slot_leaf;  // per slot its leaf
+    Buffer live;       // LiveCount
+    Buffer sh;         // per slot (n_max+1)² texels
+};
+
+class Slicer {
+  public:
+    // Field and slice must outlive it.
+    Slicer(const Device& device, const Field& field, const Slice& slice);
+
+  private:
+    friend void record_slice(Commands& commands, const Slicer& slicer, float frame);
+    const Field& field_;
+    const Slice& slice_;
+    ComputePass rows_, density_, colour_;
+    BindingSet rows_set_, density_set_, colour_set_;
+};
+
+// Frame 0..frames−1, fractions interpolate (errata 9). Ends with a barrier: passes after it may read the slice.
+void record_slice(Commands& commands, const Slicer& slicer, float frame);
+
+}  // namespace neuvv

@@ -1,0 +1,78 @@
+#include "render/trace.h"
+
+#include <algorithm>
+
+#include "spirv/direct.comp.h"
+#include "spirv/trace.comp.h"
+
+namespace neuvv {
+
+RayBatch::RayBatch(const Device& device, uint32_t camera_count, uint32_t tile_count)
+    : camera_capacity(std::max(camera_count, 1u)),
+      tile_capacity(std::max(tile_count, 1u)),
+      cameras(device, "cameras", sizeof(ShaderCamera) * uint64_t{camera_capacity}, MemoryKind::kUpload,
+              VK_FORMAT_R32G32B32A32_SFLOAT),
+      tiles(device, "tiles", sizeof(Tile) * uint64_t{tile_capacity}, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_UINT),
+      radiance(device, "radiance", uint64_t{16} * kTilePixels * tile_capacity, MemoryKind::kDevice,
+               VK_FORMAT_R32G32B32A32_SFLOAT),
+      depth(device, "depth", uint64_t{4} * kTilePixels * tile_capacity, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT) {}
+
+ShaderCamera shader_camera(const Camera& camera) {
+    const glm::dmat3 rotation(camera.world_from_camera);
+    ShaderCamera shader;
+    shader.origin = glm::vec4(glm::vec3(camera.world_from_camera[3]), 0);
+    shader.right = glm::vec4(glm::vec3(rotation * glm::dvec3(1 / camera.fx, 0, 0)), static_cast<float>(camera.width));
+    shader.down = glm::vec4(glm::vec3(rotation * glm::dvec3(0, -1 / camera.fy, 0)), static_cast<float>(camera.height));
+    shader.corner = glm::vec4(
+        glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)), 0);
+    return shader;
+}
+
+std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height) {
+    std::vector<Tile> tiles;
+    for (uint32_t y = 0; y < height; y += kTile)
+        for (uint32_t x = 0; x < width; x += kTile) tiles.push_back({camera, x, y, 0});
+    return tiles;
+}
+
+TracePush trace_push(const Field& field, float stop) {
+    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.leaf_count};
+}
+
+Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
+    : field_(field),
+      pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels}),
+      set_(pass_, {{kTraceNodes, &field.nodes},
+                   {kTraceChildren, &field.children},
+                   {kTraceHead, &slice.head},
+                   {kTraceSh, &slice.sh},
+                   {kTraceCameras, &rays.cameras},
+                   {kTraceTiles, &rays.tiles},
+                   {kTraceRadiance, &rays.radiance},
+                   {kTraceDepth, &rays.depth}}) {}
+
+void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
+    const PassScope scope(commands, "trace");
+    dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    compute_barrier(commands);
+}
+
+DirectTracer::DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
+    : field_(field),
+      pass_(device, "direct", direct_comp, {field.hh_degree, field.node_levels, field.basis_planes()}),
+      set_(pass_, {{kTraceNodes, &field.nodes},
+                   {kTraceChildren, &field.children},
+                   {kTraceWeights, &field.weights},
+                   {kTraceRows, &slice.rows},
+                   {kTraceCameras, &rays.cameras},
+                   {kTraceTiles, &rays.tiles},
+                   {kTraceRadiance, &rays.radiance},
+                   {kTraceDepth, &rays.depth}}) {}
+
+void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
+    const PassScope scope(commands, "direct");
+    dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,64 @@
+// Trace: rays of pixel tiles through a field, by its slice or directly.
+#pragma once
+
+#include <vector>
+
+#include "gpu/commands.h"
+#include "render/field.h"
+#include "render/slice.h"
+#include "shared/trace.h"
+#include "stage/camera.h"
+
+namespace neuvv {
+
+// Rays on the device: tiles of 8×8 pixels of some cameras, and what tracing them gave, in tile order.
+struct RayBatch {
+    // At most `cameras` cameras and `tiles` tiles; `depth` may be left out where nobody reads it.
+    RayBatch(const Device& device, uint32_t cameras, uint32_t tiles);
+
+    uint32_t camera_capacity, tile_capacity;
+    Buffer cameras;   // ShaderCamera, host-mapped
+    Buffer tiles;     // Tile, host-mapped
+    Buffer radiance;  // per ray premultiplied linear RGB and alpha
+    Buffer depth;     // per ray metres (errata 12)
+};
+
+ShaderCamera shader_camera(const Camera& camera);
+
+// Every tile of one picture, row by row.
+std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);
+
+constexpr float kStopTransmittance = 1.0f / 1024;  // changes no 8-bit value by more than a quarter step
+
+class Tracer {
+  public:
+    Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
+
+  private:
+    friend void record_trace(Commands&, const Tracer&, uint32_t, float);
+    const Field& field_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// Traces the first `tiles` tiles of the batch. `stop` is the transmittance below which rays end (0: never).
+void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
+
+// The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_slice, or rows alone).
+class DirectTracer {
+  public:
+    DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
+
+  private:
+    friend void record_direct(Commands&, const DirectTracer&, uint32_t, float);
+    const Field& field_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
+
+// What both pass to their shader.
+TracePush trace_push(const Field& field, float stop);
+
+}  // namespace neuvv

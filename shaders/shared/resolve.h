@@ -1,0 +1,30 @@
+// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows.
+#ifndef NEUVV_SHARED_RESOLVE_H
+#define NEUVV_SHARED_RESOLVE_H
+#include "shared/types.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kResolveRadiance = 0u;
+CONSTEXPR uint kResolveDepth = 1u;
+CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
+
+CONSTEXPR uint kShowColour = 0u;
+CONSTEXPR uint kShowAlpha = 1u;
+CONSTEXPR uint kShowDepth = 2u;  // near white to far black
+
+struct ResolvePush {
+    vec4 background;  // linear RGB; w: its opacity, 0 for a transparent picture
+    uint width;
+    uint height;
+    uint show;
+    float depth_near;  // metres
+    float depth_far;
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::ResolvePush) == 36);
+#endif
+#endif

@@ -1,0 +1,16 @@
+// The sRGB transfer function (IEC 61966-2-1) on linear values ≥ 0; the power law goes on above 1.
+#ifndef NEUVV_SRGB_GLSL
+#define NEUVV_SRGB_GLSL
+
+vec3 srgb_encode(vec3 linear) {
+    const vec3 x = max(linear, vec3(0.0));
+    return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
+}
+
+// d srgb_encode / d linear
+vec3 srgb_encode_adjoint(vec3 linear) {
+    const vec3 x = max(linear, vec3(0.0031308));
+    return mix((1.055 / 2.4) * pow(x, vec3(1.0 / 2.4 - 1.0)), vec3(12.92), lessThanEqual(linear, vec3(0.0031308)));
+}
+
+#endif
