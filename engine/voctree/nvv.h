@@ -9,8 +9,8 @@
 
 namespace neuvv {
 
-// Extra named chunks (four ASCII characters each) that ride along: the optimiser's state, later paint. A reader keeps what
-// it does not know.
+// Extra named chunks (four ASCII characters each) that ride along: the optimiser's state, later paint. A reader keeps
+// what it does not know.
 struct NvvChunk {
     std::string name;
     std::vector<uint8_t> bytes;

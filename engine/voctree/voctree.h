@@ -17,24 +17,29 @@
 
 namespace neuvv {
 
+// What a tree may hold at most, in memory and in a file.
+constexpr uint32_t kMaxNodes = 1u << 26;
+constexpr uint32_t kMaxLeaves = 1u << 27;
+constexpr uint32_t kMaxFrames = 100000;
+
 struct VOctree {
     // Tree space is [0,1)³; world = box_min + tree * box_size (metres). The box's cells need not be cubes.
     glm::vec3 box_min{0};
     glm::vec3 box_size{1};
 
-    uint32_t node_levels = 1;  // levels of TreeNode; finest cells are box_size / 4^node_levels
+    uint32_t node_levels = 1;        // levels of TreeNode; finest cells are box_size / 4^node_levels
     std::vector<TreeNode> nodes;     // nodes[0] is the root
     std::vector<uint32_t> children;  // see shared/tree.h
     uint32_t leaf_count = 0;
 
-    uint32_t bases = 31;      // C
-    uint32_t hh_degree = 2;   // n_max
-    uint32_t frames = 1;      // N: rows of A and B
-    float fps = 25;           // frames per second of the recording
+    uint32_t bases = 31;     // C
+    uint32_t hh_degree = 2;  // n_max
+    uint32_t frames = 1;     // N: rows of A and B
+    float fps = 25;          // frames per second of the recording
 
     std::vector<float> sigma_basis;  // A, frames × bases, row-major
     std::vector<float> gamma_basis;  // B, frames × bases
-    std::vector<float> weights;      // leaf_count × weights_per_leaf(): [w^σ (C) | w^γ (C) | w^HH R (N) | G (N) | B (N)]
+    std::vector<float> weights;  // leaf_count × weights_per_leaf(): [w^σ (C) | w^γ (C) | w^HH R (N) | G (N) | B (N)]
 
     uint32_t weights_per_leaf() const { return 2 * bases + 3 * hh_count(hh_degree); }
     float* leaf(uint32_t index) { return &weights[size_t{index} * weights_per_leaf()]; }
@@ -58,8 +63,11 @@ std::vector<LeafPlace> leaf_places(const VOctree& tree);
 uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree);
 
 // Everything a reader of a foreign file must know before a shader walks the tree: sizes agree, every child index is in
-// range, no node is reached twice (so walks end), every leaf is reached (once, or as the eight cells of one octant), all
-// numbers are finite. Returns what is wrong, or an empty string.
+// range, no node is reached twice (so walks end), every leaf is reached (once, or as the eight cells of one octant),
+// all numbers are finite. Returns what is wrong, or an empty string.
 std::string defect_of(const VOctree& tree);
+
+// The part of it that needs no weights, rows or box: counts, nodes, children.
+std::string defect_of_topology(const VOctree& tree);
 
 }  // namespace neuvv

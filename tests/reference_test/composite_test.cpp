@@ -12,7 +12,7 @@ std::vector<Sample> random_samples(Random& random, size_t count) {
     double t = 1;
     for (size_t i = 0; i < count; ++i) {
         const double delta = random.uniform(0.05, 0.5);
-        samples.push_back({random.uniform(0.1, 3), random.point(0, 1), delta, t + delta / 2});
+        samples.push_back({random.uniform(0.1, 3), random_point(random, 0, 1), delta, t + delta / 2});
         t += delta;
     }
     return samples;
@@ -80,7 +80,7 @@ TEST(Composite, AdjointIsTheGradient) {
     Random random(2);
     for (int i = 0; i < 20; ++i) {
         std::vector<Sample> samples = random_samples(random, 1 + random.below(12));
-        const glm::dvec3 d_colour = random.point(-1, 1);
+        const glm::dvec3 d_colour = random_point(random, -1, 1);
         const double d_alpha = random.uniform(-1, 1);
         const double stop = i % 2 == 0 ? 0 : 0.5;
         const auto loss = [&] {

@@ -54,7 +54,7 @@ TEST(Hh, CountsAndIndicesAgree) {
 TEST(Hh, SphericalHarmonicsAreTheKnownPolynomials) {
     Random random(1);
     for (int i = 0; i < 200; ++i) {
-        const glm::dvec3 d = random.direction();
+        const glm::dvec3 d = random_direction(random);
         const std::vector<double> expected = sh_polynomials(d);
         const std::vector<double> basis = sh_basis(3, d);
         for (size_t j = 0; j < basis.size(); ++j) EXPECT_NEAR(basis[j], expected[j], 1e-13) << j;
@@ -88,7 +88,7 @@ TEST(Hh, CartesianFormEqualsAngularForm) {
     Random random(2);
     for (int i = 0; i < 300; ++i) {
         const double gamma = random.uniform(0, kPi);
-        const glm::dvec3 d = random.direction();
+        const glm::dvec3 d = random_direction(random);
         const std::vector<double> angular = hh_basis(3, gamma, d);
         const std::vector<double> cartesian = hh_basis_cartesian(3, hypersphere_point(gamma, d));
         for (size_t j = 0; j < angular.size(); ++j) EXPECT_NEAR(angular[j], cartesian[j], 1e-12) << j;
@@ -99,7 +99,7 @@ TEST(Hh, CartesianFormOnTheEquatorIsTheAppendixsRealSh) {
     // At γ = π/2 and n = l the basis is A_ll Y_lm, so the solid harmonics alone are on trial.
     Random random(3);
     for (int i = 0; i < 50; ++i) {
-        const glm::dvec3 d = random.direction();
+        const glm::dvec3 d = random_direction(random);
         const std::vector<double> expected = sh_polynomials(d);
         const std::vector<double> h = hh_basis_cartesian(3, {0, d.z, d.x, d.y});
         for (int l = 0; l <= 3; ++l) {

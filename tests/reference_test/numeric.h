@@ -5,26 +5,25 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
-#include <random>
-#include <utility>
 #include <vector>
+
+#include "support/random_tree.h"
 
 namespace neuvv::reference::test {
 
-class Random {
-  public:
-    explicit Random(uint32_t seed) : engine_(seed) {}
-    double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
-    uint32_t below(uint32_t end) { return std::uniform_int_distribution<uint32_t>(0, end - 1)(engine_); }
-    glm::dvec3 point(double low, double high) { return {uniform(low, high), uniform(low, high), uniform(low, high)}; }
-    glm::dvec3 direction() {
-        std::normal_distribution<double> normal;
-        return glm::normalize(glm::dvec3(normal(engine_), normal(engine_), normal(engine_)));
-    }
+using neuvv::test::Random;
 
-  private:
-    std::mt19937 engine_;
-};
+inline glm::dvec3 random_point(Random& random, double low, double high) {
+    const double x = random.uniform(low, high), y = random.uniform(low, high), z = random.uniform(low, high);
+    return {x, y, z};
+}
+
+inline glm::dvec3 random_direction(Random& random) {
+    const double z = random.uniform(-1, 1);
+    const double phi = random.uniform(0, 2 * std::numbers::pi);
+    const double r = std::sqrt(1 - z * z);
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
 
 struct QuadraturePoint {
     double x = 0;

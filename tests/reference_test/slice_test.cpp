@@ -103,7 +103,7 @@ TEST(Slice, EqualsDirectEvaluation) {
         for (int i = 0; i < 100; ++i) {
             const Leaf leaf = random_leaf(random, degree, 1);
             const LeafSlice s = slice(leaf.weights, leaf.row_a, leaf.row_b, degree);
-            const glm::dvec3 d = random.direction();
+            const glm::dvec3 d = random_direction(random);
             const glm::dvec3 sliced = sample_colour(s, degree, d);
             const glm::dvec3 direct = sample_colour_direct(leaf.weights, s.gamma, degree, d);
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(sliced[c], direct[c], 1e-13);
@@ -143,8 +143,8 @@ TEST(Sample, AdjointIsTheGradient) {
     for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const Leaf leaf = random_leaf(random, degree, 1);
         LeafSlice s = slice(leaf.weights, leaf.row_a, leaf.row_b, degree);
-        const glm::dvec3 d = random.direction();
-        const glm::dvec3 d_colour = random.point(-1, 1);
+        const glm::dvec3 d = random_direction(random);
+        const glm::dvec3 d_colour = random_point(random, -1, 1);
         const ShCoefficients g = sample_colour_adjoint(s, degree, d, d_colour);
         const auto loss = [&] { return glm::dot(d_colour, sample_colour(s, degree, d)); };
         for (size_t c = 0; c < 3; ++c) {

@@ -4,10 +4,34 @@
 
 #include <map>
 
-#include "reference_test/small_tree.h"
+#include "reference_test/numeric.h"
 
 namespace neuvv::reference::test {
 namespace {
+
+struct TreeAndPlaces {
+    VOctree tree;
+    std::vector<LeafPlace> places;  // by leaf index
+};
+
+TreeAndPlaces tree_and_places(uint64_t seed, uint32_t node_levels, uint32_t degree = 2) {
+    TreeAndPlaces result;
+    result.tree =
+        neuvv::test::random_tree({.seed = seed, .node_levels = node_levels, .leaves = 300, .hh_degree = degree});
+    result.places = leaf_places(result.tree);
+    return result;
+}
+
+// By search over all places, without the tree: the leaf at a tree-space position, or UINT32_MAX.
+uint32_t leaf_at(const std::vector<LeafPlace>& places, glm::dvec3 position_tree) {
+    for (uint32_t leaf = 0; leaf < places.size(); ++leaf) {
+        const LeafPlace& place = places[leaf];
+        const glm::dvec3 p = position_tree * static_cast<double>(1u << place.depth);
+        const glm::dvec3 low(place.x, place.y, place.z);
+        if (glm::all(glm::lessThanEqual(low, p)) && glm::all(glm::lessThan(p, low + 1.0))) return leaf;
+    }
+    return UINT32_MAX;
+}
 
 glm::dvec3 world_of(const VOctree& tree, glm::dvec3 tree_position) {
     return glm::dvec3(tree.box_min) + tree_position * glm::dvec3(tree.box_size);
@@ -19,13 +43,13 @@ glm::dvec3 tree_of(const VOctree& tree, glm::dvec3 world) {
 
 // From around the box, or from inside it, through a point of the box.
 Ray random_ray(Random& random, const VOctree& tree) {
-    const glm::dvec3 target = world_of(tree, random.point(0, 1));
+    const glm::dvec3 target = world_of(tree, random_point(random, 0, 1));
     Ray ray;
     if (random.below(4) == 0) {
-        ray.origin = world_of(tree, random.point(0, 1));
-        ray.direction = random.direction();
+        ray.origin = world_of(tree, random_point(random, 0, 1));
+        ray.direction = random_direction(random);
     } else {
-        ray.origin = target + 4.0 * random.direction();
+        ray.origin = target + 4.0 * random_direction(random);
         ray.direction = glm::normalize(target - ray.origin);
     }
     if (random.below(3) == 0) ray.t_min = glm::length(target - ray.origin);
@@ -43,7 +67,7 @@ void expect_ordered_and_disjoint(const std::vector<Segment>& segments, double t_
 
 // Compares with a search over all leaves at finely spaced points. Points within rounding of a segment's end do not
 // count.
-void expect_same_as_point_search(const SmallTree& small, const Ray& ray, const std::vector<Segment>& segments) {
+void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray, const std::vector<Segment>& segments) {
     constexpr int kSteps = 3000;
     constexpr double kEnd = 9;  // metres: beyond every box from every origin
     const double step = (kEnd - ray.t_min) / kSteps;
@@ -74,7 +98,7 @@ TEST(Trace, SegmentsEqualAPointSearchOverAllLeaves) {
     Random random(1);
     size_t found = 0;
     for (int i = 0; i < 30; ++i) {
-        const SmallTree small = random_small_tree(random, 1 + random.below(2));
+        const TreeAndPlaces small = tree_and_places(random.engine(), 1 + random.below(3));
         for (int j = 0; j < 6; ++j) {
             const Ray ray = random_ray(random, small.tree);
             const std::vector<Segment> segments = intersect(small.tree, ray);
@@ -88,8 +112,9 @@ TEST(Trace, SegmentsEqualAPointSearchOverAllLeaves) {
 
 TEST(Trace, AxisParallelRaysOnCellBordersStayInOneColumn) {
     Random random(2);
+    size_t found = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        SmallTree small = random_small_tree(random, 2);
+        TreeAndPlaces small = tree_and_places(random.engine(), 2);
         // A power of two, so that the cells' borders have exact positions in the world.
         small.tree.box_min = glm::vec3(-1);
         small.tree.box_size = glm::vec3(2);
@@ -101,29 +126,34 @@ TEST(Trace, AxisParallelRaysOnCellBordersStayInOneColumn) {
                 ray.direction = glm::dvec3(0);
                 ray.direction[axis] = sign;
                 const std::vector<Segment> segments = intersect(small.tree, ray);
+                found += segments.size();
                 expect_ordered_and_disjoint(segments, 0);
                 expect_same_as_point_search(small, ray, segments);
             }
         }
     }
+    EXPECT_GT(found, 20u);
 }
 
 TEST(Trace, AFullBoxIsCrossedWithoutGaps) {
-    SmallTree small;
+    TreeAndPlaces small;
     small.tree.nodes = {{0xFFFFFFFFu, 0xFFFFFFFFu, 0, 0}};
     for (uint32_t i = 0; i < 64; ++i) small.tree.children.push_back(kLeafBit | i);
     small.tree.leaf_count = 64;
     Random random(3);
+    size_t borders = 0;
     for (int i = 0; i < 200; ++i) {
         const Ray ray = random_ray(random, small.tree);
         const std::vector<Segment> segments = intersect(small.tree, ray);
+        borders += segments.empty() ? 0 : segments.size() - 1;
         for (size_t j = 1; j < segments.size(); ++j) EXPECT_EQ(segments[j].t_enter, segments[j - 1].t_exit);
     }
+    EXPECT_GT(borders, 100u);
 }
 
 TEST(Trace, MissesGiveNothing) {
     Random random(4);
-    const SmallTree small = random_small_tree(random, 1);
+    const TreeAndPlaces small = tree_and_places(random.engine(), 1);
     const std::vector<LeafSlice> slices = slice_tree(small.tree, 0);
     Ray away{{0, 0, 9}, {0, 0, 1}, 0};
     EXPECT_TRUE(intersect(small.tree, away).empty());
@@ -136,7 +166,7 @@ TEST(Trace, MissesGiveNothing) {
 TEST(Trace, SlicedEqualsDirect) {
     Random random(5);
     for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
-        const SmallTree small = random_small_tree(random, 2, degree);
+        const TreeAndPlaces small = tree_and_places(random.engine(), 2, degree);
         const double frame = random.uniform(0, 3);
         const std::vector<LeafSlice> slices = slice_tree(small.tree, frame);
         double seen = 0;
@@ -172,14 +202,14 @@ TEST(Trace, OneLeafByHand) {
 
 TEST(Trace, AdjointIsTheGradientOfEverySlice) {
     Random random(6);
-    const SmallTree small = random_small_tree(random, 1);
+    const TreeAndPlaces small = tree_and_places(random.engine(), 1);
     const VOctree& tree = small.tree;
     std::vector<LeafSlice> slices = slice_tree(tree, 1.25);
     for (LeafSlice& s : slices) s.sigma += 0.2;  // away from 0, where a density cannot be lowered
     size_t checked = 0;
     for (int i = 0; i < 10; ++i) {
         const Ray ray = random_ray(random, tree);
-        const glm::dvec3 d_colour = random.point(-1, 1);
+        const glm::dvec3 d_colour = random_point(random, -1, 1);
         const double d_alpha = random.uniform(-1, 1);
         const auto loss = [&] {
             const RayResult r = trace(tree, slices, ray);

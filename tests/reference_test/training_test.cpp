@@ -13,10 +13,10 @@ namespace {
 Patch random_patch(Random& random, bool dark) {
     Patch patch;
     for (PatchPixel& p : patch) {
-        p.background = dark ? glm::dvec3(0.001) : random.point(0.1, 1);
+        p.background = dark ? glm::dvec3(0.001) : random_point(random, 0.1, 1);
         p.alpha = random.uniform(0, 1);
         p.true_alpha = p.alpha;
-        p.colour = dark ? random.point(0.0005, 0.0015) : random.point(0.1, 0.5);
+        p.colour = dark ? random_point(random, 0.0005, 0.0015) : random_point(random, 0.1, 0.5);
         for (int c = 0; c < 3; ++c) p.true_colour[c] = p.colour[c] + (random.below(2) == 0 ? 0.3 : -0.09);
     }
     return patch;
