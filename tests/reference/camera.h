@@ -1,0 +1,13 @@
+// Rays of a pinhole camera.
+#pragma once
+
+#include "reference/trace.h"
+#include "training/dataset.h"
+
+namespace neuvv::reference {
+
+// Through the centre of pixel (px, py), counted from the picture's top left corner; px and py may lie outside the
+// picture.
+Ray camera_ray(const Camera& camera, double px, double py);
+
+}  // namespace neuvv::reference

@@ -1,0 +1,89 @@
+#include "reference/loss.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace neuvv::reference {
+namespace {
+
+constexpr double kLinearEnd = 0.0031308;
+
+glm::dvec3 display(glm::dvec3 linear) {
+    return {display_value(linear.x), display_value(linear.y), display_value(linear.z)};
+}
+
+glm::dvec3 over_background(glm::dvec3 colour, double alpha, glm::dvec3 background) {
+    return colour + (1 - alpha) * background;
+}
+
+// P − I of each pixel.
+std::array<glm::dvec3, kPatchPixels> differences(const Patch& patch) {
+    std::array<glm::dvec3, kPatchPixels> result;
+    for (size_t i = 0; i < kPatchPixels; ++i) {
+        const PatchPixel& p = patch[i];
+        result[i] = display(over_background(p.colour, p.alpha, p.background)) -
+                    display(over_background(p.true_colour, p.true_alpha, p.background));
+    }
+    return result;
+}
+
+// Calls visit(pixel, neighbour) for each forward difference inside the patch.
+template <typename Visit>
+void each_neighbour(const Visit& visit) {
+    for (size_t y = 0; y < kPatchSide; ++y) {
+        for (size_t x = 0; x < kPatchSide; ++x) {
+            const size_t i = y * kPatchSide + x;
+            if (x + 1 < kPatchSide) visit(i, i + 1);
+            if (y + 1 < kPatchSide) visit(i, i + kPatchSide);
+        }
+    }
+}
+
+}  // namespace
+
+double display_value(double linear) {
+    const double x = std::max(linear, 0.0);
+    return x <= kLinearEnd ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+
+double display_slope(double linear) {
+    if (linear < 0) return 0;
+    return linear <= kLinearEnd ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
+}
+
+PatchLoss patch_loss(const Patch& patch, double batch_pixels) {
+    const auto difference = differences(patch);
+    PatchLoss loss;
+    for (const glm::dvec3& d : difference) loss.rgb += glm::dot(d, d);
+    each_neighbour([&](size_t pixel, size_t neighbour) {
+        const glm::dvec3 step = glm::abs(difference[neighbour]) - glm::abs(difference[pixel]);
+        loss.grad += glm::dot(step, step);
+    });
+    loss.rgb /= batch_pixels;
+    loss.grad /= batch_pixels;
+    return loss;
+}
+
+std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, double lambda_grad,
+                                                           double batch_pixels) {
+    const auto difference = differences(patch);
+    std::array<glm::dvec3, kPatchPixels> d_error{};  // by e = |P−I|
+    each_neighbour([&](size_t pixel, size_t neighbour) {
+        const glm::dvec3 step = glm::abs(difference[neighbour]) - glm::abs(difference[pixel]);
+        d_error[neighbour] += 2.0 * lambda_grad / batch_pixels * step;
+        d_error[pixel] -= 2.0 * lambda_grad / batch_pixels * step;
+    });
+    std::array<PixelGradient, kPatchPixels> gradient{};
+    for (size_t i = 0; i < kPatchPixels; ++i) {
+        const PatchPixel& p = patch[i];
+        const glm::dvec3 linear = over_background(p.colour, p.alpha, p.background);
+        const glm::dvec3 slope{display_slope(linear.x), display_slope(linear.y), display_slope(linear.z)};
+        // glm::sign(0) is 0: the subgradient of |·|.
+        const glm::dvec3 d_display = 2.0 / batch_pixels * difference[i] + glm::sign(difference[i]) * d_error[i];
+        gradient[i].colour = d_display * slope;
+        gradient[i].alpha = -glm::dot(gradient[i].colour, p.background);
+    }
+    return gradient;
+}
+
+}  // namespace neuvv::reference

@@ -1,0 +1,46 @@
+// The training loss on one patch of pixels (paper eq. rgb-loss and L_grad, errata 10, 16), and the adjoint.
+//
+// Errors are taken between display values: P = srgb(C + (1−α) B) against I = srgb(C* + (1−α*) B), B the linear
+// background.
+//   L_rgb  = 1/M Σ_pixels Σ_channels (P−I)²
+//   L_grad = 1/M Σ_pixels Σ_channels (e_right − e)² + (e_below − e)²,  e = |P−I|, neighbours inside the patch only
+//   L      = L_rgb + λ L_grad,  M = pixels of the whole batch
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+namespace neuvv::reference {
+
+constexpr size_t kPatchSide = 8;
+constexpr size_t kPatchPixels = kPatchSide * kPatchSide;
+
+// IEC 61966-2-1 on max(linear, 0); above 1 its power law goes on.
+double display_value(double linear);
+double display_slope(double linear);  // its derivative; from the right at 0
+
+struct PatchPixel {
+    glm::dvec3 colour{0};  // C, premultiplied linear
+    double alpha = 0;
+    glm::dvec3 true_colour{0};  // C*, premultiplied linear
+    double true_alpha = 0;
+    glm::dvec3 background{0};  // B, linear
+};
+using Patch = std::array<PatchPixel, kPatchPixels>;  // row-major
+
+struct PatchLoss {
+    double rgb = 0;
+    double grad = 0;
+    double total(double lambda_grad) const { return rgb + lambda_grad * grad; }
+};
+// This patch's share of the batch's loss.
+PatchLoss patch_loss(const Patch& patch, double batch_pixels);
+
+struct PixelGradient {
+    glm::dvec3 colour{0};
+    double alpha = 0;
+};
+// Derivatives of total() by each pixel's C and α. |·| has subgradient 0 at 0.
+std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, double lambda_grad, double batch_pixels);
+
+}  // namespace neuvv::reference

@@ -1,0 +1,54 @@
+// Slice: a leaf's weights at one instant → density and spherical harmonics (errata 7, 9), and the adjoint.
+//
+//   σ = relu(A_t·w^σ),  γ = π sigmoid(B_t·w^γ),  k_lm = Σ_n w_nlm R_nl(γ) for each of R, G, B
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "voctree/voctree.h"
+
+namespace neuvv::reference {
+
+// One row of SH coefficients for each of R, G, B; entries beyond sh_count(degree) are 0.
+using ShCoefficients = std::array<std::array<double, kMaxShCount>, 3>;
+
+// Rows of A and B that a continuous frame falls between: row(t) = (1−blend) row(first) + blend row(second).
+struct FrameRows {
+    uint32_t first = 0;
+    uint32_t second = 0;
+    double blend = 0;
+};
+FrameRows frame_rows(double frame, uint32_t frames);  // frame is clamped to [0, frames−1]
+
+// A_t or B_t, from the tree's sigma_basis or gamma_basis.
+std::vector<double> basis_row(const std::vector<float>& basis, uint32_t bases, const FrameRows& rows);
+
+struct LeafWeights {
+    std::vector<double> sigma;              // w^σ, C
+    std::vector<double> gamma;              // w^γ, C
+    std::array<std::vector<double>, 3> hh;  // w^HH of R, G, B, N each
+};
+LeafWeights leaf_weights(const VOctree& tree, uint32_t leaf);
+
+struct LeafSlice {
+    double sigma = 0;  // 1/m
+    double gamma = 0;  // hyper angle, kept for the direct evaluation
+    ShCoefficients k{};
+};
+LeafSlice slice(const LeafWeights& weights, const std::vector<double>& row_a, const std::vector<double>& row_b,
+                uint32_t degree);
+std::vector<LeafSlice> slice_tree(const VOctree& tree, double frame);  // by leaf index
+
+// Derivatives of a loss by a leaf's weights and, this leaf's share, by the rows A_t and B_t.
+struct SliceGradient {
+    LeafWeights weights;
+    std::vector<double> row_a;
+    std::vector<double> row_b;
+};
+// d_sigma and d_k are the loss's derivatives by the slice. relu's subgradient at 0 is 0.
+SliceGradient slice_adjoint(const LeafWeights& weights, const std::vector<double>& row_a,
+                            const std::vector<double>& row_b, uint32_t degree, double d_sigma,
+                            const ShCoefficients& d_k);
+
+}  // namespace neuvv::reference
