@@ -1,0 +1,76 @@
+// The container of .nvv: a magic, a version, then named, checksummed, compressed chunks up to END. What the chunks mean
+// is nvv.cpp's business. Byte layout: README.md beside this file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "base/platform.h"
+
+namespace neuvv {
+
+constexpr uint32_t kNvvVersion = 1;
+
+struct ChunkHeader {
+    std::string name;  // four ASCII letters or digits, or "END "
+    uint64_t raw_bytes = 0;
+    uint64_t stored_bytes = 0;
+    uint64_t checksum = 0;
+};
+
+// Four ASCII letters or digits, the first a letter.
+bool is_chunk_name(const std::string& name);
+// Lower-case first letter: a reader that does not know the chunk may ignore it.
+bool is_ancillary(const std::string& chunk_name);
+
+// Writes a container into `sink` in one pass. Throws RuntimeFailure where a reader would refuse the result.
+class ChunkWriter {
+  public:
+    ChunkWriter(std::string path, const ByteSink& sink, int compression);
+    void add(const std::string& name, const void* data, size_t bytes);
+    void finish();
+
+  private:
+    void put(const void* data, size_t bytes);
+    void put_chunk(const std::string& name, uint64_t raw_bytes, const void* stored, size_t stored_bytes);
+
+    std::string path_;  // for errors
+    const ByteSink& sink_;
+    int compression_;
+    uint64_t previous_checksum_ = 0;
+    uint64_t file_bytes_ = 0, raw_bytes_ = 0;
+    std::vector<std::string> names_;
+};
+
+// Reads a container front to back, one chunk in memory at a time. Every method throws InputError.
+class ChunkReader {
+  public:
+    explicit ChunkReader(const std::filesystem::path& path);
+
+    // Opens the next chunk; false at END, after which the file is known to be whole. Each chunk must be taken or
+    // skipped.
+    bool next(ChunkHeader& header);
+    // The open chunk's content, checked against its checksum. `raw_bytes` is what the caller knows it must be.
+    std::vector<uint8_t> take(uint64_t raw_bytes);
+    // Passes over the open chunk; with `verify` its checksum is checked.
+    void skip(bool verify);
+
+    uint64_t file_bytes() const { return file_bytes_; }
+    [[noreturn]] void fail(const std::string& problem, const std::string& mend) const;  // at the open chunk
+    [[noreturn]] void fail_damaged(const std::string& problem) const;
+
+  private:
+    void get(void* data, size_t bytes);
+
+    std::string path_;
+    std::ifstream file_;
+    uint64_t file_bytes_ = 0, position_ = 0, raw_total_ = 0;
+    uint64_t previous_checksum_ = 0;
+    ChunkHeader open_;
+    std::vector<std::string> names_;
+};
+
+}  // namespace neuvv

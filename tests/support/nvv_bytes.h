@@ -1,0 +1,102 @@
+// .nvv files by hand, from the specification and independent of the engine's writer: with valid checksums around
+// whatever content a test wants to smuggle past them.
+#pragma once
+
+#include <xxhash.h>
+#include <zstd.h>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voctree/half.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::test {
+
+using Bytes = std::vector<uint8_t>;
+
+template <typename T>
+void append(Bytes& bytes, const T& value) {
+    const auto* begin = reinterpret_cast<const uint8_t*>(&value);
+    bytes.insert(bytes.end(), begin, begin + sizeof value);
+}
+
+struct Chunk {
+    std::string name;
+    Bytes raw;
+    uint32_t flags = 0;
+    std::optional<uint64_t> claimed_raw_bytes = {};
+    std::optional<Bytes> stored = {};  // instead of raw's zstd frame
+};
+
+inline Bytes compressed(const Bytes& raw) {
+    Bytes stored(ZSTD_compressBound(raw.size()));
+    stored.resize(ZSTD_compress(stored.data(), stored.size(), raw.data(), raw.size(), 1));
+    return stored;
+}
+
+inline void append_chunk(Bytes& file, const Chunk& chunk, uint64_t& previous_checksum) {
+    const Bytes stored = chunk.stored ? *chunk.stored : compressed(chunk.raw);
+    Bytes hashed(chunk.name.begin(), chunk.name.end());
+    append(hashed, chunk.flags);
+    append(hashed, chunk.claimed_raw_bytes.value_or(chunk.raw.size()));
+    append(hashed, uint64_t{stored.size()});
+    file.insert(file.end(), hashed.begin(), hashed.end());
+    hashed.insert(hashed.end(), stored.begin(), stored.end());
+    previous_checksum = XXH3_64bits_withSeed(hashed.data(), hashed.size(), previous_checksum);
+    append(file, previous_checksum);
+    file.insert(file.end(), stored.begin(), stored.end());
+}
+
+inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 1) {
+    Bytes file = {0x89, 'N', 'V', 'V', 0x0d, 0x0a, 0x1a, 0x0a};
+    append(file, version);
+    uint64_t checksum = 0;
+    for (const Chunk& chunk : chunks) append_chunk(file, chunk, checksum);
+    append_chunk(file, {.name = "END ", .raw = {}, .stored = Bytes{}}, checksum);
+    return file;
+}
+
+// The eight chunks of a tree, defects and all.
+inline std::vector<Chunk> chunks_of(const VOctree& tree) {
+    std::vector<Chunk> chunks;
+    for (const char* name : {"HEAD", "NODE", "CHLD", "BASA", "BASB", "WSIG", "WGAM", "WHHC"})
+        chunks.push_back({.name = name, .raw = {}});
+    for (const uint32_t value :
+         {tree.node_levels, static_cast<uint32_t>(tree.nodes.size()), static_cast<uint32_t>(tree.children.size()),
+          tree.leaf_count, tree.bases, tree.hh_degree, tree.frames})
+        append(chunks[0].raw, value);
+    append(chunks[0].raw, tree.fps);
+    for (const glm::vec3& corner : {tree.box_min, tree.box_size})
+        for (int axis = 0; axis < 3; ++axis) append(chunks[0].raw, corner[axis]);
+    for (const TreeNode& node : tree.nodes)
+        for (const uint32_t word : {node.mask_lo, node.mask_hi, node.first_child}) append(chunks[1].raw, word);
+    for (const uint32_t entry : tree.children) append(chunks[2].raw, entry);
+    for (const float value : tree.sigma_basis) append(chunks[3].raw, value);
+    for (const float value : tree.gamma_basis) append(chunks[4].raw, value);
+    for (uint32_t weight = 0; weight < tree.weights_per_leaf(); ++weight) {
+        Bytes& planes = chunks[weight < tree.bases ? 5 : weight < 2 * tree.bases ? 6 : 7].raw;
+        for (const int shift : {0, 8})
+            for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+                planes.push_back(static_cast<uint8_t>(half_from_float(tree.leaf(leaf)[weight]) >> shift));
+    }
+    return chunks;
+}
+
+inline void put_file(const std::filesystem::path& path, const Bytes& bytes) {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+inline Bytes get_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return Bytes(std::istreambuf_iterator<char>(file), {});
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,437 @@
+#include "voctree/nvv.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <limits>
+
+#include "base/error.h"
+#include "support/nvv_bytes.h"
+#include "support/random_tree.h"
+
+namespace neuvv {
+namespace {
+
+using test::Bytes;
+using test::Chunk;
+using test::chunks_of;
+using test::get_file;
+using test::nvv_of;
+using test::put_file;
+using test::Random;
+using test::random_tree;
+
+bool same_tree(const VOctree& a, const VOctree& b) {
+    const auto same_node = [](const TreeNode& m, const TreeNode& n) {
+        return m.mask_lo == n.mask_lo && m.mask_hi == n.mask_hi && m.first_child == n.first_child;
+    };
+    return a.box_min == b.box_min && a.box_size == b.box_size && a.node_levels == b.node_levels &&
+           std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), same_node) &&
+           a.children == b.children && a.leaf_count == b.leaf_count && a.bases == b.bases &&
+           a.hh_degree == b.hh_degree && a.frames == b.frames && a.fps == b.fps && a.sigma_basis == b.sigma_basis &&
+           a.gamma_basis == b.gamma_basis && a.weights == b.weights;
+}
+
+VOctree small_tree() {
+    return random_tree({.seed = 4, .node_levels = 2, .leaves = 20, .bases = 2, .hh_degree = 1, .frames = 2});
+}
+
+class Nvv : public testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = std::filesystem::path(testing::TempDir()) /
+                  ("neuvv_" + std::to_string(getpid()) + testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder_);
+        path_ = folder_ / "tree.nvv";
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    // The complaint about these bytes, empty if there is none.
+    std::string complaint(const Bytes& bytes) {
+        put_file(path_, bytes);
+        std::vector<NvvChunk> extra;
+        try {
+            read_nvv(path_, &extra);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    }
+    void expect_complaint(const std::string& words, const Bytes& bytes) {
+        const std::string found = complaint(bytes);
+        EXPECT_NE(std::string::npos, found.find(words)) << "wanted: " << words << "\nfound: " << found;
+        EXPECT_EQ(0u, found.find(path_.string())) << found;
+    }
+
+    std::filesystem::path folder_, path_;
+};
+
+TEST_F(Nvv, RoundTripOfMixedTrees) {
+    for (uint32_t seed = 0; seed < 24; ++seed) {
+        const VOctree tree = random_tree({.seed = seed,
+                                          .node_levels = 1 + seed % 3,
+                                          .leaves = 1 + 97 * (seed % 7),
+                                          .bases = 1 + seed,
+                                          .hh_degree = seed % 4,
+                                          .frames = 1 + seed % 5});
+        write_nvv(path_, tree, {}, seed % 2 ? 1 : 9);
+        ASSERT_TRUE(same_tree(tree, read_nvv(path_))) << seed;
+    }
+}
+
+TEST_F(Nvv, RoundTripBeyondOnePiece) {
+    const VOctree tree = random_tree({.seed = 2, .node_levels = 3, .leaves = 40000, .bases = 31, .hh_degree = 2});
+    write_nvv(path_, tree);
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+}
+
+TEST_F(Nvv, RoundTripOfTheEmptyTree) {
+    VOctree tree = random_tree({.leaves = 0});
+    ASSERT_EQ(0u, tree.leaf_count);
+    tree.fps = 29.97f;
+    write_nvv(path_, tree);
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+}
+
+TEST_F(Nvv, SameTreeCatchesADifference) {
+    const VOctree tree = small_tree();
+    VOctree other = tree;
+    other.weights[7] += 1;
+    EXPECT_FALSE(same_tree(tree, other));
+    other = tree;
+    other.nodes[0].mask_hi ^= 1;
+    EXPECT_FALSE(same_tree(tree, other));
+}
+
+TEST_F(Nvv, WeightsRoundToHalfAndSaturate) {
+    VOctree tree = small_tree();
+    tree.leaf(0)[0] = 1e9f;
+    tree.leaf(0)[1] = -1e9f;
+    tree.leaf(1)[2] = 1.0f / 3;
+    tree.sigma_basis[0] = 1.0f / 3;
+    write_nvv(path_, tree);
+    const VOctree read = read_nvv(path_);
+    EXPECT_EQ(65504.0f, read.leaf(0)[0]);
+    EXPECT_EQ(-65504.0f, read.leaf(0)[1]);
+    EXPECT_EQ(0.333251953125f, read.leaf(1)[2]);
+    EXPECT_EQ(1.0f / 3, read.sigma_basis[0]);
+}
+
+TEST_F(Nvv, ReadsWhatTheSpecificationSays) {
+    const VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 300, .bases = 5, .hh_degree = 2});
+    put_file(path_, nvv_of(chunks_of(tree)));
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+}
+
+TEST_F(Nvv, WritesWhatTheSpecificationSays) {
+    const VOctree tree = small_tree();
+    write_nvv(path_, tree, {}, 1);
+    EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
+}
+
+TEST_F(Nvv, ExtraChunksRideAlong) {
+    const VOctree tree = small_tree();
+    const std::vector<NvvChunk> extra = {{"adam", Bytes(100000, 7)}, {"p4nt", {}}, {"zzzz", {1, 2, 3}}};
+    write_nvv(path_, tree, extra);
+    std::vector<NvvChunk> read = {{"left", {1}}};
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_, &read)));
+    ASSERT_EQ(extra.size(), read.size());
+    for (size_t i = 0; i < extra.size(); ++i) {
+        EXPECT_EQ(extra[i].name, read[i].name);
+        EXPECT_EQ(extra[i].bytes, read[i].bytes);
+    }
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+
+    // Between the known chunks, too.
+    std::vector<Chunk> chunks = chunks_of(tree);
+    chunks.insert(chunks.begin() + 3, {.name = "note", .raw = {9}});
+    put_file(path_, nvv_of(chunks));
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_, &read)));
+    ASSERT_EQ(1u, read.size());
+    EXPECT_EQ("note", read[0].name);
+}
+
+TEST_F(Nvv, SummaryListsChunks) {
+    const VOctree tree = small_tree();
+    write_nvv(path_, tree, {{"adam", Bytes(1000)}});
+    const NvvSummary summary = summarise_nvv(path_);
+    EXPECT_EQ(1u, summary.version);
+    EXPECT_EQ(std::filesystem::file_size(path_), summary.file_bytes);
+    EXPECT_EQ(tree.leaf_count, summary.head.leaf_count);
+    EXPECT_EQ(tree.box_size, summary.head.box_size);
+    ASSERT_EQ(9u, summary.chunks.size());
+    EXPECT_EQ("HEAD", summary.chunks[0].name);
+    EXPECT_EQ(56u, summary.chunks[0].raw_bytes);
+    EXPECT_EQ("adam", summary.chunks[8].name);
+    EXPECT_EQ(1000u, summary.chunks[8].raw_bytes);
+    uint64_t total = 12 + 32;
+    for (const NvvSummary::Chunk& chunk : summary.chunks) total += 32 + chunk.stored_bytes;
+    EXPECT_EQ(summary.file_bytes, total);
+
+    std::filesystem::resize_file(path_, summary.file_bytes - 1);
+    EXPECT_THROW(summarise_nvv(path_), InputError);
+}
+
+TEST_F(Nvv, FileStartsAreTold) {
+    Bytes bytes = nvv_of(chunks_of(small_tree()));
+    EXPECT_EQ("", complaint(bytes));
+    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), 2));
+    bytes.erase(bytes.begin() + 4);  // CRLF became LF
+    expect_complaint("text-mode", bytes);
+    bytes[0] &= 0x7f;
+    expect_complaint("not an .nvv file", bytes);
+    expect_complaint("not an .nvv file", {});
+    EXPECT_THROW(read_nvv(folder_ / "missing.nvv"), InputError);
+    EXPECT_THROW(read_nvv(folder_), InputError);
+}
+
+TEST_F(Nvv, EveryTruncationIsSeen) {
+    const Bytes whole = nvv_of(chunks_of(small_tree()));
+    for (size_t size = 0; size < whole.size(); ++size)
+        ASSERT_NE("", complaint(Bytes(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(size)))) << size;
+    EXPECT_EQ("", complaint(whole));
+    Bytes longer = whole;
+    longer.push_back(0);
+    expect_complaint("not the end", longer);
+}
+
+TEST_F(Nvv, EverySingleFlippedBitIsSeen) {
+    const Bytes whole = nvv_of(chunks_of(small_tree()));
+    for (size_t i = 0; i < whole.size(); ++i) {
+        Bytes damaged = whole;
+        damaged[i] = static_cast<uint8_t>(damaged[i] ^ 1 << i % 8);
+        ASSERT_NE("", complaint(damaged)) << i;
+    }
+}
+
+// Damage without knowledge of checksums: refused, or the tree is what it was.
+TEST_F(Nvv, FuzzOfBytesAndChunks) {
+    const VOctree tree = small_tree();
+    std::vector<Chunk> chunks = chunks_of(tree);
+    chunks.push_back({.name = "adam", .raw = Bytes(50, 3)});
+    const Bytes whole = nvv_of(chunks);
+    std::vector<std::pair<size_t, size_t>> spans;  // of the chunks in `whole`
+    for (size_t at = 12; at < whole.size();) {
+        uint64_t stored = 0;
+        std::memcpy(&stored, &whole[at + 16], 8);
+        spans.emplace_back(at, at + 32 + stored);
+        at += 32 + stored;
+    }
+    ASSERT_EQ(10u, spans.size());
+
+    Random random(11);
+    int refused = 0;
+    const auto offset = [](size_t at) { return static_cast<ptrdiff_t>(at); };
+    for (int round = 0; round < 6000; ++round) {
+        Bytes bytes = whole;
+        for (uint32_t edits = 1 + random.below(3); edits > 0; --edits) {
+            const size_t at = random.below(bytes.size());
+            const size_t length = std::min<size_t>(1 + random.below(random.below(4) ? 4 : 200), bytes.size() - at);
+            const uint32_t kind = random.below(5);
+            if (kind == 0) bytes[at] = static_cast<uint8_t>(random.below(256));
+            if (kind == 1) bytes.insert(bytes.begin() + offset(at), length, static_cast<uint8_t>(random.below(256)));
+            if (kind == 2 && length < bytes.size())
+                bytes.erase(bytes.begin() + offset(at), bytes.begin() + offset(at + length));
+            if (kind == 3) std::fill_n(bytes.begin() + offset(at), length, static_cast<uint8_t>(random.below(2) * 255));
+            if (kind == 4) {  // the chunks in another order, one perhaps twice or gone
+                bytes.resize(12);
+                std::vector<std::pair<size_t, size_t>> shuffled = spans;
+                std::swap(shuffled[random.below(10)], shuffled[random.below(10)]);
+                shuffled[random.below(10)] = shuffled[random.below(10)];
+                for (const auto& [begin, end] : shuffled)
+                    bytes.insert(bytes.end(), whole.begin() + offset(begin), whole.begin() + offset(end));
+            }
+        }
+        put_file(path_, bytes);
+        try {
+            std::vector<NvvChunk> extra;
+            ASSERT_TRUE(same_tree(tree, read_nvv(path_, &extra))) << round;
+            ASSERT_EQ(bytes, whole) << round;
+        } catch (const InputError&) {
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 5000);
+}
+
+// Damage under valid checksums: refused, or a tree without defects whose every leaf can be walked to.
+TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
+    Random random(12);
+    int refused = 0, accepted = 0;
+    for (int round = 0; round < 6000; ++round) {
+        std::vector<Chunk> chunks = chunks_of(
+            random_tree({.seed = 50 + random.below(20), .node_levels = 2, .leaves = 12, .bases = 2, .hh_degree = 0}));
+        for (uint32_t edits = 1 + random.below(2); edits > 0; --edits) {
+            Chunk& chunk = chunks[random.below(chunks.size())];
+            const size_t at = random.below(chunk.raw.size());
+            const uint32_t kind = random.below(8);
+            if (kind == 0) chunk.raw.resize(at);
+            if (kind == 1) chunk.raw.insert(chunk.raw.begin() + static_cast<ptrdiff_t>(at), 4, 0);
+            if (kind == 2) chunk.claimed_raw_bytes = random.engine() >> random.below(64);
+            if (kind == 3) std::swap(chunk, chunks[random.below(chunks.size())]);
+            if (kind >= 4 && at < chunk.raw.size())
+                chunk.raw[at] = static_cast<uint8_t>(kind == 4 ? 255 : chunk.raw[at] ^ 1 << random.below(8));
+            if (chunk.raw.empty()) chunk.raw.push_back(0);
+        }
+        put_file(path_, nvv_of(chunks));
+        try {
+            const VOctree tree = read_nvv(path_);
+            ASSERT_EQ("", defect_of(tree)) << round;
+            ASSERT_EQ(tree.leaf_count, leaf_places(tree).size());
+            for (int i = 0; i < 20; ++i) {
+                const uint32_t leaf = find_leaf(tree, {random.uniform(), random.uniform(), random.uniform()});
+                ASSERT_TRUE(leaf == UINT32_MAX || leaf < tree.leaf_count) << round;
+            }
+            ++accepted;
+        } catch (const InputError&) {
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 1500);
+    EXPECT_GT(accepted, 1500);
+}
+
+TEST_F(Nvv, HostileTrees) {
+    const auto file_with = [](const std::function<void(VOctree&)>& damage) {
+        VOctree tree = small_tree();
+        damage(tree);
+        return nvv_of(chunks_of(tree));
+    };
+    const auto node_entry = [](VOctree& tree) -> uint32_t& {
+        for (uint32_t& entry : tree.children)
+            if (!(entry & kLeafBit)) return entry;
+        throw std::logic_error("the tree has one node only");
+    };
+    EXPECT_EQ("", complaint(file_with([](VOctree&) {})));
+    expect_complaint("chunk CHLD: node 0: node 0 is reached more than once",
+                     file_with([&](VOctree& t) { node_entry(t) = 0; }));
+    expect_complaint("out of range", file_with([&](VOctree& t) { node_entry(t) = 0x7fffffff; }));
+    expect_complaint("out of range", file_with([&](VOctree& t) { node_entry(t) = UINT32_MAX; }));
+    expect_complaint("beyond the child array", file_with([](VOctree& t) { t.nodes[0].first_child = UINT32_MAX; }));
+    expect_complaint("box", file_with([](VOctree& t) { t.box_size.x = std::nanf(""); }));
+    expect_complaint("fps", file_with([](VOctree& t) { t.fps = -1; }));
+    expect_complaint("weights: number 5 is not finite", file_with([](VOctree& t) { t.weights[5] = std::nanf(""); }));
+    expect_complaint("gamma basis",
+                     file_with([](VOctree& t) { t.gamma_basis[1] = std::numeric_limits<float>::infinity(); }));
+    expect_complaint("node_levels", file_with([](VOctree& t) { t.node_levels = 7; }));
+    expect_complaint("deeper", file_with([](VOctree& t) { t.node_levels = 1; }));
+}
+
+TEST_F(Nvv, HostileCounts) {
+    const char* names[] = {"node_levels", "node_count", "child_count", "leaf_count", "bases", "hh_degree", "frames"};
+    for (size_t field = 0; field < std::size(names); ++field) {
+        for (const uint32_t count : {UINT32_MAX, 0x80000000u, 0x7fffffffu}) {
+            std::vector<Chunk> chunks = chunks_of(small_tree());
+            std::memcpy(&chunks[0].raw[4 * field], &count, 4);
+            expect_complaint(std::string("chunk HEAD: ") + names[field], nvv_of(chunks));
+        }
+    }
+    // The largest counts that HEAD may name, without the bytes to back them.
+    for (const auto& [field, count] : {std::pair<size_t, uint32_t>{1, kMaxNodes}, {2, 8 * kMaxLeaves}}) {
+        std::vector<Chunk> chunks = chunks_of(small_tree());
+        std::memcpy(&chunks[0].raw[4 * field], &count, 4);
+        expect_complaint("bytes, not the", nvv_of(chunks));
+        chunks[field].claimed_raw_bytes = (field == 1 ? 12 : 4) * uint64_t{count};
+        expect_complaint("too many for a file of", nvv_of(chunks));
+    }
+    // Leaves that no node reaches are refused before memory is taken for their weights.
+    std::vector<Chunk> chunks = chunks_of(small_tree());
+    std::memcpy(&chunks[0].raw[12], &kMaxLeaves, 4);
+    expect_complaint("leaves are not reached", nvv_of(chunks));
+}
+
+TEST_F(Nvv, HostileChunks) {
+    const std::vector<Chunk> good = chunks_of(small_tree());
+    const auto file_with = [&](const std::function<void(std::vector<Chunk>&)>& damage) {
+        std::vector<Chunk> chunks = good;
+        damage(chunks);
+        return nvv_of(chunks);
+    };
+    using Chunks = std::vector<Chunk>;
+    const auto lie = [](Chunk& chunk, size_t more) {
+        chunk.claimed_raw_bytes = chunk.raw.size();
+        chunk.stored = test::compressed(Bytes(chunk.raw.size() + more, 1));
+    };
+    // Raw sizes that the frame does not keep, to either side.
+    expect_complaint("cannot be unpacked", file_with([&](Chunks& c) { lie(c[5], 1); }));
+    expect_complaint("unpacks to", file_with([&](Chunks& c) { lie(c[5], size_t(-1)); }));
+    expect_complaint("too many for a file", file_with([](Chunks& c) { c[5].claimed_raw_bytes = UINT64_MAX; }));
+    expect_complaint("too many for a file",
+                     file_with([](Chunks& c) { c.push_back({.name = "bomb", .raw = Bytes(size_t{80} << 20)}); }));
+    expect_complaint("not one zstd frame", file_with([](Chunks& c) { c[3].stored = Bytes{}; }));
+    expect_complaint("not one zstd frame", file_with([](Chunks& c) { c[3].stored = Bytes(40, 'x'); }));
+    expect_complaint("not one zstd frame", file_with([](Chunks& c) {
+                         c[3].stored = test::compressed(c[3].raw);
+                         c[3].stored->push_back(0);
+                     }));
+    expect_complaint("newer neuvv", file_with([](Chunks& c) { c[4].flags = 1; }));
+    expect_complaint("chunk PLUS: is unknown", file_with([](Chunks& c) { c.push_back({.name = "PLUS", .raw = {}}); }));
+    expect_complaint("appears twice", file_with([](Chunks& c) { c.push_back(c[7]); }));
+    expect_complaint("stands where HEAD must", file_with([](Chunks& c) { c.insert(c.begin(), {"note", {}}); }));
+    expect_complaint("stands where NODE must", file_with([](Chunks& c) { std::swap(c[1], c[2]); }));
+    expect_complaint("comes before chunk WHHC", file_with([](Chunks& c) { c.pop_back(); }));
+    expect_complaint("no chunk starts here",
+                     file_with([](Chunks& c) { c.push_back({.name = "a\n\x1b!", .raw = {}}); }));
+    expect_complaint(
+        "one too many", file_with([](Chunks& c) {
+            for (char i = 0; i < 26; ++i)
+                for (char j = 0; j < 10; ++j)
+                    c.push_back(
+                        {.name = {'x', static_cast<char>('a' + i), static_cast<char>('0' + j), 'x'}, .raw = {}});
+        }));
+}
+
+class NvvAtomic : public Nvv {
+  protected:
+    void SetUp() override {
+        Nvv::SetUp();
+        write_nvv(path_, small_tree());
+        old_ = get_file(path_);
+    }
+    void expect_old_file_alone() {
+        EXPECT_EQ(old_, get_file(path_));
+        const auto files = std::filesystem::directory_iterator(folder_);
+        EXPECT_EQ(1, std::distance(begin(files), end(files)));
+    }
+    Bytes old_;
+};
+
+TEST_F(NvvAtomic, FoldersThatTakeNoFile) {
+    EXPECT_THROW(write_nvv(folder_ / "missing" / "tree.nvv", small_tree()), RuntimeFailure);
+    EXPECT_THROW(write_nvv(path_ / "below_a_file.nvv", small_tree()), RuntimeFailure);
+    EXPECT_THROW(write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // refuses even the super user
+    expect_old_file_alone();
+}
+
+TEST_F(NvvAtomic, ADiskThatFillsUpLeavesTheOldFile) {
+    const VOctree large = random_tree({.node_levels = 3, .leaves = 3000, .bases = 31, .hh_degree = 2});
+    struct rlimit before {};
+    ASSERT_EQ(0, getrlimit(RLIMIT_FSIZE, &before));
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    struct rlimit small = before;
+    small.rlim_cur = 100'000;
+    ASSERT_EQ(0, setrlimit(RLIMIT_FSIZE, &small));
+    EXPECT_THROW(write_nvv(path_, large), RuntimeFailure);
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    expect_old_file_alone();
+    write_nvv(path_, large);
+    EXPECT_TRUE(same_tree(large, read_nvv(path_)));
+}
+
+TEST_F(NvvAtomic, WhatReadersRefuseIsNotWritten) {
+    VOctree diverged = small_tree();
+    diverged.weights[0] = std::nanf("");
+    EXPECT_THROW(write_nvv(path_, diverged), RuntimeFailure);
+    for (const char* name : {"PLUS", "ab", "abcde", "a b1", "1abc", ""})
+        EXPECT_THROW(write_nvv(path_, small_tree(), {{name, {}}}), RuntimeFailure) << name;
+    EXPECT_THROW(write_nvv(path_, small_tree(), {{"twin", {}}, {"twin", {}}}), RuntimeFailure);
+    EXPECT_THROW(write_nvv(path_, small_tree(), {{"zero", Bytes(size_t{80} << 20)}}), RuntimeFailure);
+    expect_old_file_alone();
+}
+
+}  // namespace
+}  // namespace neuvv
