@@ -35,13 +35,15 @@ struct Dataset {
 
 enum class Split { kTrain, kTest };
 
-// Reads `folder`/transforms_train.json or _test.json, or one transforms.json of which every 8th camera is held out for
-// the test split. Fields: engine of the NeRF family, see training/README.md. Throws InputError naming file, JSON place
-// and mend for anything missing, mistyped, non-finite, not a rigid pose, of zero size, or without alpha.
+// Reads `folder`/transforms_train.json or _test.json, or one transforms.json of which every 8th camera (the first, the
+// 9th, …) is held out for the test split. Fields: those of the NeRF family, see training/README.md. Throws InputError
+// naming file, JSON place and mend for anything missing, mistyped, non-finite, not a rigid pose, of zero size, or
+// without alpha.
 Dataset load_dataset(const std::filesystem::path& folder, Split split);
 
 // Cameras of a path for `neuvv render --camera`: the frames of a transforms.json without its images, in file order, with
-// `time` where given.
+// `time` where given. A file without w and h leaves the size to the caller: width, height, cx and cy are then 0, and fx
+// and fy are the focal length in picture widths (multiply by the width chosen; the principal point is the centre).
 struct CameraKey {
     Camera camera;
     std::optional<double> time;

@@ -1,0 +1,141 @@
+#include "training/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint32_t kWindow = 11;
+constexpr double kSigma = 1.5;
+constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // (K L)², L = 1
+constexpr double kMaxPsnr = 99;
+constexpr double kErrorWhite = 0.25;
+
+// The window along a side of `size` pixels: 11 taps, or as many as there are pixels, centred.
+std::vector<double> window_taps(uint32_t size) {
+    std::vector<double> taps(std::min(kWindow, size));
+    double sum = 0;
+    for (size_t i = 0; i < taps.size(); ++i) {
+        const double d = static_cast<double>(i) - 0.5 * (static_cast<double>(taps.size()) - 1);
+        sum += taps[i] = std::exp(-d * d / (2 * kSigma * kSigma));
+    }
+    for (double& tap : taps) tap /= sum;
+    return taps;
+}
+
+// Weighted means over a window: of a, b, a² + b², ab. SSIM needs no more, as the two variances occur only as a sum.
+using Moments = std::array<double, 4>;
+
+double ssim_of(const Moments& m) {
+    const double mean_product = m[0] * m[1], mean_squares = m[0] * m[0] + m[1] * m[1];
+    const double covariance = m[3] - mean_product, variances = m[2] - mean_squares;
+    return (2 * mean_product + kC1) * (2 * covariance + kC2) / ((mean_squares + kC1) * (variances + kC2));
+}
+
+// One row's moments, filtered along x.
+void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& taps, std::vector<Moments>& products,
+                std::vector<Moments>& out) {
+    for (size_t x = 0; x < products.size(); ++x) {
+        const double p = a[4 * x] / 255.0, q = b[4 * x] / 255.0;
+        products[x] = {p, q, p * p + q * q, p * q};
+    }
+    for (size_t x = 0; x < out.size(); ++x) {
+        Moments sum{};
+        for (size_t k = 0; k < taps.size(); ++k)
+            for (size_t m = 0; m < 4; ++m) sum[m] += taps[k] * products[x + k][m];
+        out[x] = sum;
+    }
+}
+
+// Mean SSIM of one channel. The filter is separable: a ring holds as many x-filtered rows as the window is high.
+double mean_ssim(const Image& truth, const Image& result, size_t channel) {
+    const std::vector<double> taps_x = window_taps(truth.width), taps_y = window_taps(truth.height);
+    const size_t columns = truth.width - taps_x.size() + 1, rows = truth.height - taps_y.size() + 1;
+    std::vector<Moments> products(truth.width);
+    std::vector<std::vector<Moments>> ring(taps_y.size(), std::vector<Moments>(columns));
+    std::vector<Moments> sums(columns);
+    double total = 0;
+    for (uint32_t y = 0; y < truth.height; ++y) {
+        filter_row(truth.at(0, y) + channel, result.at(0, y) + channel, taps_x, products, ring[y % ring.size()]);
+        if (y + 1 < taps_y.size()) continue;
+        std::fill(sums.begin(), sums.end(), Moments{});
+        for (size_t k = 0; k < taps_y.size(); ++k) {
+            const std::vector<Moments>& row = ring[(y + 1 + k) % ring.size()];  // oldest first
+            for (size_t x = 0; x < columns; ++x)
+                for (size_t m = 0; m < 4; ++m) sums[x][m] += taps_y[k] * row[x][m];
+        }
+        for (const Moments& moments : sums) total += ssim_of(moments);
+    }
+    return total / static_cast<double>(columns * rows);
+}
+
+// `picture` on white, each `factor`² block averaged, into `sheet` at (left, top).
+void paste_scaled(Image& sheet, const Image& picture, uint32_t factor, uint32_t left, uint32_t top) {
+    const uint8_t white[3] = {255, 255, 255};
+    const Image opaque = composite_over(picture, white);
+    for (uint32_t y = 0; y < picture.height / factor; ++y)
+        for (uint32_t x = 0; x < picture.width / factor; ++x)
+            for (uint32_t c = 0; c < 3; ++c) {
+                uint64_t sum = 0;
+                for (uint32_t v = 0; v < factor; ++v)
+                    for (uint32_t u = 0; u < factor; ++u) sum += opaque.at(x * factor + u, y * factor + v)[c];
+                const uint64_t area = uint64_t{factor} * factor;
+                sheet.at(left + x, top + y)[c] = static_cast<uint8_t>((sum + area / 2) / area);
+            }
+}
+
+}  // namespace
+
+Quality compare(const Image& truth, const Image& result) {
+    assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
+    assert(truth.width > 0 && truth.height > 0 && "pictures to compare have pixels");
+    uint64_t absolute = 0, squared = 0;
+    for (size_t i = 0; i < truth.rgba.size(); ++i) {
+        if (i % 4 == 3) continue;
+        const auto d = static_cast<uint64_t>(std::abs(int{truth.rgba[i]} - int{result.rgba[i]}));
+        absolute += d;
+        squared += d * d;
+    }
+    const double values = 3.0 * truth.width * truth.height;
+    const double mse = static_cast<double>(squared) / (values * 255 * 255);
+    Quality quality;
+    quality.mae = static_cast<double>(absolute) / (values * 255);
+    quality.psnr = mse > 0 ? std::min(kMaxPsnr, -10 * std::log10(mse)) : kMaxPsnr;
+    for (size_t c = 0; c < 3; ++c) quality.ssim += mean_ssim(truth, result, c) / 3;
+    return quality;
+}
+
+Image error_picture(const Image& truth, const Image& result) {
+    assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
+    Image error(truth.width, truth.height);
+    for (size_t i = 0; i < error.rgba.size(); ++i) {
+        const int difference = std::abs(int{truth.rgba[i]} - int{result.rgba[i]});
+        error.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(std::min(255.0, std::round(difference / kErrorWhite)));
+    }
+    return error;
+}
+
+Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32_t cell) {
+    assert(columns > 0 && cell > 0 && "a contact sheet has cells");
+    columns = std::min(columns, static_cast<uint32_t>(pictures.size()));
+    if (columns == 0) return {};
+    const auto rows = static_cast<uint32_t>((pictures.size() + columns - 1) / columns);
+    Image sheet(columns * cell, rows * cell);
+    std::fill(sheet.rgba.begin(), sheet.rgba.end(), uint8_t{255});
+    for (uint32_t i = 0; i < pictures.size(); ++i) {
+        const Image& picture = pictures[i];
+        const uint32_t longest = std::max(picture.width, picture.height);
+        const uint32_t factor = std::max(1u, (longest + cell - 1) / cell);
+        const uint32_t width = picture.width / factor, height = picture.height / factor;
+        paste_scaled(sheet, picture, factor, i % columns * cell + (cell - width) / 2,
+                     i / columns * cell + (cell - height) / 2);
+    }
+    return sheet;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,286 @@
+#include "media/image.h"
+
+#include <jpeglib.h>
+// jerror.h needs jpeglib.h before it.
+#include <fmt/format.h>
+#include <jerror.h>
+#include <png.h>
+
+#include <cassert>
+#include <cmath>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/platform.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 31;
+constexpr uint64_t kMaxDeflateRatio = 1032;  // of zlib's format: no stream grows by more
+constexpr int kMaxJpegScans = 200;           // a progressive file of more scans is built to waste time
+constexpr int kPngCompression = 4;  // with one filter: several times faster than the default, files little larger
+
+// libpng and libjpeg leave by longjmp, which skips destructors: every function below that calls setjmp holds plain data
+// only, and its callers own what needs freeing.
+struct PngReader {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    const uint8_t* at = nullptr;
+    size_t left = 0;
+    char message[128] = "out of memory";
+
+    PngReader() = default;
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct PngWriter {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    std::vector<uint8_t> bytes;
+    char message[128] = "out of memory";
+
+    PngWriter() = default;
+    PngWriter(const PngWriter&) = delete;
+    PngWriter& operator=(const PngWriter&) = delete;
+    ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+void on_png_error(png_structp png, png_const_charp text) {
+    std::snprintf(static_cast<char*>(png_get_error_ptr(png)), sizeof(PngReader::message), "%s", text);
+    png_longjmp(png, 1);
+}
+
+void on_png_warning(png_structp, png_const_charp) {}
+
+void pull_png_bytes(png_structp png, png_bytep to, size_t bytes) {
+    auto& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
+    if (bytes > reader.left) png_error(png, "the file ends too early");
+    std::memcpy(to, reader.at, bytes);
+    reader.at += bytes;
+    reader.left -= bytes;
+}
+
+void push_png_bytes(png_structp png, png_bytep from, size_t bytes) {
+    auto& out = static_cast<PngWriter*>(png_get_io_ptr(png))->bytes;
+    bool stored = true;
+    try {
+        out.insert(out.end(), from, from + bytes);
+    } catch (...) {  // must not unwind through libpng
+        stored = false;
+    }
+    if (!stored) png_error(png, "out of memory");
+}
+
+// Sets up the conversion of any PNG to RGBA 8; returns bytes per row, 0 on error.
+size_t begin_png(PngReader& reader) {
+    if (setjmp(png_jmpbuf(reader.png))) return 0;
+    png_set_user_limits(reader.png, kMaxImageSide, kMaxImageSide);
+    png_set_read_fn(reader.png, &reader, pull_png_bytes);
+    png_read_info(reader.png, reader.info);
+    png_set_expand(reader.png);    // palettes, greys below 8 bit, transparent colours
+    png_set_scale_16(reader.png);  // rounds where strip_16 truncates; no gamma involved
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, 0xff, PNG_FILLER_AFTER);
+    png_set_interlace_handling(reader.png);
+    png_read_update_info(reader.png, reader.info);
+    return png_get_rowbytes(reader.png, reader.info);
+}
+
+bool finish_png(PngReader& reader, png_bytepp rows) {
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_read_image(reader.png, rows);
+    png_read_end(reader.png, nullptr);
+    return true;
+}
+
+uint32_t big_endian_32(const uint8_t* at) {
+    return uint32_t{at[0]} << 24 | uint32_t{at[1]} << 16 | uint32_t{at[2]} << 8 | at[3];
+}
+
+void check_size(uint64_t width, uint64_t height, const std::string& name) {
+    if (width == 0 || height == 0)
+        throw InputError(name, "", fmt::format("the picture has zero size ({}×{})", width, height));
+    if (width > kMaxImageSide || height > kMaxImageSide)
+        throw InputError(name, "",
+                         fmt::format("the picture is {}×{}, more than {} a side", width, height, kMaxImageSide),
+                         "scale it down");
+}
+
+// The size that the header claims, refused before anything is allocated if the file cannot hold that much.
+Image allocate_for_png(const uint8_t* bytes, size_t size, const std::string& name) {
+    if (size < 33 || std::memcmp(bytes + 12, "IHDR", 4) != 0)
+        throw InputError(name, "IHDR", "truncated or damaged PNG", "export the picture again");
+    const uint32_t width = big_endian_32(bytes + 16), height = big_endian_32(bytes + 20);
+    check_size(width, height, name);
+    constexpr uint64_t kChannels[7] = {1, 0, 3, 1, 2, 0, 4};
+    const uint64_t depth = bytes[24], channels = bytes[25] < 7 ? kChannels[bytes[25]] : 0;
+    const uint64_t raw_bytes = height * ((width * channels * depth + 7) / 8);
+    if (raw_bytes / kMaxDeflateRatio > size)
+        throw InputError(name, "IHDR", fmt::format("truncated PNG: {} bytes cannot hold {}×{}", size, width, height),
+                         "export the picture again");
+    return Image(width, height);
+}
+
+Image decode_png(const uint8_t* bytes, size_t size, const std::string& name) {
+    Image image = allocate_for_png(bytes, size, name);
+    PngReader reader;
+    reader.at = bytes;
+    reader.left = size;
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, reader.message, on_png_error, on_png_warning);
+    if (reader.png) reader.info = png_create_info_struct(reader.png);
+    std::vector<png_bytep> rows(image.height);
+    for (uint32_t y = 0; y < image.height; ++y) rows[y] = image.at(0, y);
+    if (!reader.info || begin_png(reader) != size_t{4} * image.width || !finish_png(reader, rows.data()))
+        throw InputError(name, "", fmt::format("damaged PNG: {}", reader.message), "export the picture again");
+    return image;
+}
+
+struct JpegReader {
+    jpeg_decompress_struct info{};
+    jpeg_error_mgr errors{};
+    jpeg_progress_mgr progress{};
+    jmp_buf jump{};
+    char message[JMSG_LENGTH_MAX] = "";
+
+    JpegReader() = default;
+    JpegReader(const JpegReader&) = delete;
+    JpegReader& operator=(const JpegReader&) = delete;
+    ~JpegReader() { jpeg_destroy_decompress(&info); }
+};
+
+void on_jpeg_error(j_common_ptr info) {
+    auto& reader = *static_cast<JpegReader*>(info->client_data);
+    reader.errors.format_message(info, reader.message);
+    longjmp(reader.jump, 1);
+}
+
+// libjpeg fills what a truncated file lacks with grey and warns; for us that is an error.
+void on_jpeg_message(j_common_ptr info, int level) {
+    const int code = info->err->msg_code;
+    if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER)) on_jpeg_error(info);
+}
+
+void on_jpeg_progress(j_common_ptr info) {
+    auto& reader = *static_cast<JpegReader*>(info->client_data);
+    if (reader.info.input_scan_number <= kMaxJpegScans) return;
+    std::snprintf(reader.message, sizeof(reader.message), "more than %d scans", kMaxJpegScans);
+    longjmp(reader.jump, 1);
+}
+
+bool begin_jpeg(JpegReader& reader, const uint8_t* bytes, size_t size) {
+    reader.info.err = jpeg_std_error(&reader.errors);
+    reader.errors.error_exit = on_jpeg_error;
+    reader.errors.emit_message = on_jpeg_message;
+    reader.info.client_data = &reader;
+    if (setjmp(reader.jump)) return false;
+    jpeg_create_decompress(&reader.info);  // keeps err and client_data
+    reader.progress.progress_monitor = on_jpeg_progress;
+    reader.info.progress = &reader.progress;
+    jpeg_mem_src(&reader.info, bytes, static_cast<unsigned long>(size));
+    jpeg_read_header(&reader.info, TRUE);
+    reader.info.out_color_space = JCS_EXT_RGBA;
+    return true;
+}
+
+bool finish_jpeg(JpegReader& reader, uint8_t* rgba) {
+    if (setjmp(reader.jump)) return false;
+    jpeg_start_decompress(&reader.info);
+    while (reader.info.output_scanline < reader.info.output_height) {
+        JSAMPROW row = rgba + size_t{4} * reader.info.output_width * reader.info.output_scanline;
+        jpeg_read_scanlines(&reader.info, &row, 1);
+    }
+    jpeg_finish_decompress(&reader.info);
+    return true;
+}
+
+Image decode_jpeg(const uint8_t* bytes, size_t size, const std::string& name) {
+    JpegReader reader;
+    Image image;
+    bool good = begin_jpeg(reader, bytes, size);
+    if (good) {
+        check_size(reader.info.image_width, reader.info.image_height, name);
+        image = Image(reader.info.image_width, reader.info.image_height);
+        good = finish_jpeg(reader, image.rgba.data());
+    }
+    if (!good)
+        throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
+                         "export the picture again, as RGB or grey");
+    return image;
+}
+
+// `pixels` has 4 bytes a pixel; the fourth is dropped where `opaque`.
+bool encode_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, bool opaque) {
+    if (setjmp(png_jmpbuf(writer.png))) return false;
+    png_set_write_fn(writer.png, &writer, push_png_bytes, nullptr);
+    png_set_user_limits(writer.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_IHDR(writer.png, writer.info, width, height, 8, opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_set_compression_level(writer.png, kPngCompression);
+    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_write_info(writer.png, writer.info);
+    if (opaque) png_set_filler(writer.png, 0, PNG_FILLER_AFTER);
+    for (uint32_t y = 0; y < height; ++y) png_write_row(writer.png, pixels + size_t{4} * width * y);
+    png_write_end(writer.png, nullptr);
+    return true;
+}
+
+}  // namespace
+
+double srgb_from_linear(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double linear_from_srgb(double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
+    constexpr uint8_t kPng[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    constexpr uint8_t kJpeg[3] = {0xff, 0xd8, 0xff};
+    if (size >= sizeof(kPng) && std::memcmp(bytes, kPng, sizeof(kPng)) == 0) return decode_png(bytes, size, name);
+    if (size >= sizeof(kJpeg) && std::memcmp(bytes, kJpeg, sizeof(kJpeg)) == 0) return decode_jpeg(bytes, size, name);
+    throw InputError(name, "", size == 0 ? "the file is empty" : "is neither a PNG nor a JPEG",
+                     "convert the picture to PNG");
+}
+
+Image read_png(const std::filesystem::path& path) {
+    const std::vector<uint8_t> bytes = read_file(path, kMaxImageFileBytes);
+    if (bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8)
+        throw InputError(path.string(), "", "is a JPEG, not a PNG", "convert the picture to PNG");
+    return decode_image(bytes.data(), bytes.size(), path.string());
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+    assert(image.width > 0 && image.height > 0 && "a picture to write has pixels");
+    assert(image.rgba.size() == size_t{4} * image.width * image.height && "four bytes a pixel");
+    bool opaque = true;
+    for (size_t i = 3; i < image.rgba.size() && opaque; i += 4) opaque = image.rgba[i] == 255;
+    PngWriter writer;
+    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, writer.message, on_png_error, on_png_warning);
+    if (writer.png) writer.info = png_create_info_struct(writer.png);
+    if (!writer.info || !encode_png(writer, image.width, image.height, image.rgba.data(), opaque))
+        throw RuntimeFailure(fmt::format("{}: cannot encode a PNG: {}", path.string(), writer.message));
+    write_file_atomically(path, [&](const ByteSink& sink) { sink(writer.bytes.data(), writer.bytes.size()); });
+}
+
+Image composite_over(const Image& image, const uint8_t background_rgb[3]) {
+    Image result(image.width, image.height);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        const uint32_t alpha = image.rgba[i + 3];
+        for (size_t c = 0; c < 3; ++c) {
+            const uint32_t sum = image.rgba[i + c] * alpha + background_rgb[c] * (255 - alpha);
+            result.rgba[i + c] = static_cast<uint8_t>((sum + 127) / 255);
+        }
+        result.rgba[i + 3] = 255;
+    }
+    return result;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,298 @@
+#include "media/video.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+namespace neuvv {
+
+namespace {
+
+constexpr char kCrf[] = "18";        // visually lossless
+constexpr int kMpeg4Quantiser = 3;   // the fallback's counterpart
+constexpr int kMaxTimeBase = 65535;  // MPEG-4 part 2 stores no finer one
+
+std::string error_text(int code) {
+    char text[AV_ERROR_MAX_STRING_SIZE] = "";
+    av_strerror(code, text, sizeof(text));
+    return text;
+}
+
+// Without the scheme, a path with a colon in it would be taken for a protocol.
+std::string file_url(const std::filesystem::path& path) {
+    return "file:" + path.string();
+}
+
+void free_context(AVCodecContext* context) {
+    avcodec_free_context(&context);
+}
+void free_frame(AVFrame* frame) {
+    av_frame_free(&frame);
+}
+void free_packet(AVPacket* packet) {
+    av_packet_free(&packet);
+}
+void close_input(AVFormatContext* context) {
+    avformat_close_input(&context);
+}
+void close_output(AVFormatContext* context) {
+    avio_closep(&context->pb);
+    avformat_free_context(context);
+}
+
+template <auto release>
+struct Release {
+    template <typename T>
+    void operator()(T* object) const {
+        release(object);
+    }
+};
+template <typename T, auto release>
+using Owned = std::unique_ptr<T, Release<release>>;
+
+using OwnedCodec = Owned<AVCodecContext, free_context>;
+using OwnedFrame = Owned<AVFrame, free_frame>;
+using OwnedPacket = Owned<AVPacket, free_packet>;
+
+uint32_t even(uint32_t size) {
+    return size + (size & 1);
+}
+
+}  // namespace
+
+struct VideoWriter::State {
+    std::filesystem::path path;
+    std::filesystem::path temporary;
+    uint32_t width = 0, height = 0;  // of the frames given; the video's are even
+    Owned<AVFormatContext, close_output> output;
+    OwnedCodec codec;
+    OwnedFrame rgba, yuv;
+    OwnedPacket packet;
+    Owned<SwsContext, sws_freeContext> to_yuv;
+    AVStream* stream = nullptr;  // owned by output
+    int64_t frames = 0;
+
+    State() = default;
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State() {
+        output.reset();
+        std::error_code ignored;
+        if (!temporary.empty()) std::filesystem::remove(temporary, ignored);
+    }
+
+    [[noreturn]] void fail(const char* what, int code) const {
+        throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, error_text(code)));
+    }
+    void check(int code, const char* what) const {
+        if (code < 0) fail(what, code);
+    }
+    template <typename T>
+    T* checked(T* object, const char* what) const {
+        if (!object) fail(what, AVERROR(ENOMEM));
+        return object;
+    }
+
+    bool open_encoder(const char* name, AVRational frame_rate);
+    void open_output(AVRational frame_rate);
+    void make_frames();
+    void encode(const AVFrame* frame);
+};
+
+// False where this FFmpeg lacks the encoder or it refuses the size.
+bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
+    const AVCodec* encoder = avcodec_find_encoder_by_name(name);
+    if (!encoder) return false;
+    codec.reset(checked(avcodec_alloc_context3(encoder), "make an encoder"));
+    codec->width = static_cast<int>(even(width));
+    codec->height = static_cast<int>(even(height));
+    codec->pix_fmt = AV_PIX_FMT_YUV420P;
+    codec->framerate = frame_rate;
+    codec->time_base = av_inv_q(frame_rate);
+    codec->color_range = AVCOL_RANGE_MPEG;
+    codec->colorspace = AVCOL_SPC_BT709;
+    codec->color_primaries = AVCOL_PRI_BT709;
+    codec->color_trc = AVCOL_TRC_BT709;
+    if (output->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    if (encoder->id == AV_CODEC_ID_H264) {
+        check(av_opt_set(codec->priv_data, "crf", kCrf, 0), "set the quality");
+    } else {
+        codec->flags |= AV_CODEC_FLAG_QSCALE;
+        codec->global_quality = FF_QP2LAMBDA * kMpeg4Quantiser;
+    }
+    return avcodec_open2(codec.get(), encoder, nullptr) >= 0;
+}
+
+void VideoWriter::State::open_output(AVRational frame_rate) {
+    const std::string url = file_url(temporary);
+    AVFormatContext* made = nullptr;
+    check(avformat_alloc_output_context2(&made, nullptr, "mp4", url.c_str()), "open a muxer for .mp4");
+    output.reset(made);
+    if (!open_encoder("libx264", frame_rate) && !open_encoder("mpeg4", frame_rate))
+        throw RuntimeFailure(
+            fmt::format("{}: no video encoder opens for {}×{}; install an FFmpeg with libx264 or mpeg4", path.string(),
+                        even(width), even(height)));
+    stream = checked(avformat_new_stream(output.get(), nullptr), "add a stream");
+    stream->time_base = codec->time_base;
+    stream->avg_frame_rate = frame_rate;
+    check(avcodec_parameters_from_context(stream->codecpar, codec.get()), "describe the stream");
+    check(avio_open(&output->pb, url.c_str(), AVIO_FLAG_WRITE), "create the file");
+    AVDictionary* options = nullptr;
+    const int set = av_dict_set(&options, "movflags", "+faststart", 0);
+    const int begun = set < 0 ? set : avformat_write_header(output.get(), &options);
+    av_dict_free(&options);
+    check(begun, "write the header");
+}
+
+void VideoWriter::State::make_frames() {
+    packet.reset(checked(av_packet_alloc(), "make a packet"));
+    for (OwnedFrame* frame : {&rgba, &yuv}) {
+        frame->reset(checked(av_frame_alloc(), "make a frame"));
+        (*frame)->width = codec->width;
+        (*frame)->height = codec->height;
+        (*frame)->format = frame == &rgba ? AV_PIX_FMT_RGBA : AV_PIX_FMT_YUV420P;
+        check(av_frame_get_buffer(frame->get(), 0), "allocate a frame");
+    }
+    yuv->color_range = codec->color_range;
+    yuv->colorspace = codec->colorspace;
+    yuv->color_primaries = codec->color_primaries;
+    yuv->color_trc = codec->color_trc;
+    to_yuv.reset(checked(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGBA, codec->width, codec->height,
+                                        AV_PIX_FMT_YUV420P, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr),
+                         "convert to YUV"));
+    // Full-range RGB in, limited-range BT.709 out; swscale's default matrix is BT.601.
+    const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
+    check(sws_setColorspaceDetails(to_yuv.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16), "convert to BT.709");
+}
+
+// Hands a frame (null: the end) to the encoder and writes what comes out.
+void VideoWriter::State::encode(const AVFrame* frame) {
+    check(avcodec_send_frame(codec.get(), frame), "encode a frame");
+    for (;;) {
+        const int got = avcodec_receive_packet(codec.get(), packet.get());
+        if (got == AVERROR(EAGAIN) || got == AVERROR_EOF) return;
+        check(got, "encode a frame");
+        packet->duration = 1;
+        packet->stream_index = stream->index;
+        av_packet_rescale_ts(packet.get(), codec->time_base, stream->time_base);
+        check(av_interleaved_write_frame(output.get(), packet.get()), "write a frame");
+    }
+}
+
+VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps)
+    : state_(std::make_unique<State>()) {
+    State& state = *state_;
+    state.path = path;
+    if (width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide)
+        throw RuntimeFailure(fmt::format("{}: a video of {}×{} cannot be written", path.string(), width, height));
+    const AVRational frame_rate = std::isfinite(fps) && fps > 0 ? av_d2q(fps, kMaxTimeBase) : AVRational{0, 1};
+    if (frame_rate.num <= 0 || frame_rate.den <= 0)
+        throw RuntimeFailure(fmt::format("{}: a video of {} frames a second cannot be written", path.string(), fps));
+    av_log_set_level(AV_LOG_QUIET);  // only tools print
+    state.width = width;
+    state.height = height;
+    state.temporary = path.string() + ".tmp.mp4";
+    state.open_output(frame_rate);
+    state.make_frames();
+}
+
+VideoWriter::~VideoWriter() = default;
+VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
+VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
+
+void VideoWriter::add(const Image& image) {
+    State& state = *state_;
+    if (image.width != state.width || image.height != state.height)
+        throw RuntimeFailure(fmt::format("{}: frame {} is {}×{}, the video {}×{}", state.path.string(), state.frames,
+                                         image.width, image.height, state.width, state.height));
+    AVFrame& rgba = *state.rgba;
+    for (int y = 0; y < rgba.height; ++y) {  // the last row and column repeat where the size is odd
+        const uint32_t from = std::min(static_cast<uint32_t>(y), image.height - 1);
+        uint8_t* row = rgba.data[0] + ptrdiff_t{y} * rgba.linesize[0];
+        std::memcpy(row, image.at(0, from), size_t{4} * image.width);
+        if (image.width & 1) std::memcpy(row + size_t{4} * image.width, image.at(image.width - 1, from), 4);
+    }
+    state.check(av_frame_make_writable(state.yuv.get()), "allocate a frame");  // the encoder may hold the last one
+    state.check(
+        sws_scale(state.to_yuv.get(), rgba.data, rgba.linesize, 0, rgba.height, state.yuv->data, state.yuv->linesize),
+        "convert a frame");
+    state.yuv->pts = state.frames++;
+    state.encode(state.yuv.get());
+}
+
+void VideoWriter::finish() {
+    State& state = *state_;
+    if (state.frames == 0) throw RuntimeFailure(fmt::format("{}: a video needs frames", state.path.string()));
+    state.encode(nullptr);
+    state.check(av_write_trailer(state.output.get()), "complete the file");
+    state.check(avio_closep(&state.output->pb), "close the file");
+    std::error_code error;
+    std::filesystem::rename(state.temporary, state.path, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot replace: {}", state.path.string(), error.message()));
+    state.temporary.clear();
+}
+
+VideoSummary summarise_video(const std::filesystem::path& path) {
+    av_log_set_level(AV_LOG_QUIET);
+    const auto check = [&](int code, const char* what) {
+        if (code < 0) throw InputError(path.string(), "", fmt::format("{}: {}", what, error_text(code)));
+    };
+    AVDictionary* options = nullptr;  // a file must not make us open another one, or the network
+    av_dict_set(&options, "protocol_whitelist", "file", 0);
+    av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
+    AVFormatContext* opened = nullptr;
+    const int opening = avformat_open_input(&opened, file_url(path).c_str(), nullptr, &options);
+    av_dict_free(&options);
+    check(opening, "cannot open as a video");
+    const Owned<AVFormatContext, close_input> input(opened);
+    check(avformat_find_stream_info(opened, nullptr), "cannot find its streams");
+    const AVCodec* decoder = nullptr;
+    const int index = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+    check(index, "no video stream");
+    const AVStream& stream = *opened->streams[index];
+    const OwnedCodec codec(avcodec_alloc_context3(decoder));
+    const OwnedFrame frame(av_frame_alloc());
+    const OwnedPacket packet(av_packet_alloc());
+    if (!codec || !frame || !packet) throw RuntimeFailure("out of memory while decoding a video");
+    check(avcodec_parameters_to_context(codec.get(), stream.codecpar), "cannot decode");
+    codec->max_pixels = int64_t{kMaxImageSide} * kMaxImageSide;
+    check(avcodec_open2(codec.get(), decoder, nullptr), "cannot decode");
+
+    VideoSummary summary;
+    for (bool more = true; more;) {
+        const int read = av_read_frame(opened, packet.get());
+        more = read != AVERROR_EOF;
+        if (more) check(read, "cannot read");
+        if (more && packet->stream_index != index) {
+            av_packet_unref(packet.get());
+            continue;
+        }
+        check(avcodec_send_packet(codec.get(), more ? packet.get() : nullptr), "damaged frame");
+        av_packet_unref(packet.get());
+        int got = 0;
+        while ((got = avcodec_receive_frame(codec.get(), frame.get())) >= 0) {
+            if (summary.frames++ > 0) continue;
+            summary.width = static_cast<uint32_t>(frame->width);
+            summary.height = static_cast<uint32_t>(frame->height);
+        }
+        if (got != AVERROR(EAGAIN) && got != AVERROR_EOF) check(got, "damaged frame");
+    }
+    if (summary.frames == 0 || summary.frames < stream.nb_frames)
+        throw InputError(path.string(), "", fmt::format("holds {} of {} frames", summary.frames, stream.nb_frames),
+                         "the file was cut short: write it again");
+    const AVRational rate = stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
+    summary.fps = rate.den > 0 ? av_q2d(rate) : 0;
+    return summary;
+}
+
+}  // namespace neuvv

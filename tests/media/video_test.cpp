@@ -1,0 +1,147 @@
+#include "media/video.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+namespace neuvv {
+namespace {
+
+Image plain(uint32_t width, uint32_t height, uint8_t r, uint8_t g, uint8_t b) {
+    Image image(width, height);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        const uint8_t colour[4] = {r, g, b, 255};
+        std::copy(colour, colour + 4, image.rgba.begin() + static_cast<ptrdiff_t>(i));
+    }
+    return image;
+}
+
+void write_video(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps, int frames) {
+    VideoWriter video(path, width, height, fps);
+    for (int i = 0; i < frames; ++i) video.add(plain(width, height, static_cast<uint8_t>(9 * i), 80, 160));
+    video.finish();
+}
+
+TEST(Video, SummaryIsWhatWasWritten) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "a:b.mp4";  // a colon must not become a protocol
+    write_video(path, 64, 48, 25, 24);
+    const VideoSummary summary = summarise_video(path);
+    EXPECT_EQ(summary.width, 64u);
+    EXPECT_EQ(summary.height, 48u);
+    EXPECT_EQ(summary.frames, 24u);
+    EXPECT_NEAR(summary.fps, 25, 1e-6);
+    EXPECT_EQ(folder.entries(), 1u) << "a temporary file stayed";
+}
+
+TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "odd.mp4", 33, 17, 30000.0 / 1001, 7);
+    const VideoSummary summary = summarise_video(folder.path / "odd.mp4");
+    EXPECT_EQ(summary.width, 34u);
+    EXPECT_EQ(summary.height, 18u);
+    EXPECT_EQ(summary.frames, 7u);
+    EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
+}
+
+TEST(Video, OneFrameIsAVideo) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "one.mp4", 16, 16, 10, 1);
+    EXPECT_EQ(summarise_video(folder.path / "one.mp4").frames, 1u);
+}
+
+// Decodes the first frame and looks at its Y, Cb, Cr and tags: pure red is (63, 102, 240) in BT.709 and (81, 90, 240)
+// in BT.601, and a player chooses by the tags.
+TEST(Video, ColoursAreBt709) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "red.mp4";
+    VideoWriter writer(path, 64, 64, 25);
+    for (int i = 0; i < 3; ++i) writer.add(plain(64, 64, 255, 0, 0));
+    writer.finish();
+
+    AVFormatContext* input = nullptr;
+    ASSERT_EQ(avformat_open_input(&input, path.c_str(), nullptr, nullptr), 0);
+    ASSERT_GE(avformat_find_stream_info(input, nullptr), 0);
+    const AVCodecParameters& parameters = *input->streams[0]->codecpar;
+    EXPECT_EQ(parameters.color_space, AVCOL_SPC_BT709);
+    EXPECT_EQ(parameters.color_primaries, AVCOL_PRI_BT709);
+    EXPECT_EQ(parameters.color_trc, AVCOL_TRC_BT709);
+    AVCodecContext* codec = avcodec_alloc_context3(avcodec_find_decoder(parameters.codec_id));
+    ASSERT_GE(avcodec_parameters_to_context(codec, &parameters), 0);
+    ASSERT_EQ(avcodec_open2(codec, nullptr, nullptr), 0);
+    AVPacket* packet = av_packet_alloc();
+    AVFrame* frame = av_frame_alloc();
+    int got = AVERROR(EAGAIN);
+    while (got == AVERROR(EAGAIN)) {
+        const bool more = av_read_frame(input, packet) == 0;
+        avcodec_send_packet(codec, more ? packet : nullptr);
+        av_packet_unref(packet);
+        got = avcodec_receive_frame(codec, frame);
+    }
+    ASSERT_EQ(got, 0);
+    EXPECT_EQ(frame->format, AV_PIX_FMT_YUV420P);
+    const int expected[3] = {63, 102, 240};
+    for (int plane = 0; plane < 3; ++plane) {
+        const int side = plane == 0 ? 32 : 16;
+        EXPECT_NEAR(frame->data[plane][side * frame->linesize[plane] + side], expected[plane], 3) << plane;
+    }
+    av_frame_free(&frame);
+    av_packet_free(&packet);
+    avcodec_free_context(&codec);
+    avformat_close_input(&input);
+}
+
+TEST(Video, IndexStandsBeforeTheFrames) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "a.mp4", 32, 32, 25, 5);
+    const std::string bytes = read_text(folder.path / "a.mp4");
+    ASSERT_NE(bytes.find("moov"), std::string::npos);
+    EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+}
+
+TEST(Video, WithoutFinishNothingStays) {
+    const TemporaryFolder folder;
+    {
+        VideoWriter video(folder.path / "a.mp4", 32, 32, 25);
+        video.add(plain(32, 32, 1, 2, 3));
+        VideoWriter moved(std::move(video));
+        EXPECT_EQ(folder.entries(), 1u);
+    }
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Video, WhatCannotBeWrittenIsRefused) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "a.mp4";
+    EXPECT_THROW(VideoWriter(path, 0, 32, 25), RuntimeFailure);
+    EXPECT_THROW(VideoWriter(path, 32, 32, 0), RuntimeFailure);
+    EXPECT_THROW(VideoWriter(path, 32, 32, NAN), RuntimeFailure);
+    EXPECT_THROW(VideoWriter(folder.path / "none" / "a.mp4", 32, 32, 25), RuntimeFailure);
+    VideoWriter video(path, 32, 32, 25);
+    EXPECT_THROW(video.add(plain(32, 31, 0, 0, 0)), RuntimeFailure);
+    EXPECT_THROW(video.finish(), RuntimeFailure);
+}
+
+TEST(Video, WhatCannotBeReadIsNamed) {
+    const TemporaryFolder folder;
+    expect_input_error([&] { summarise_video(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
+    write_text(folder.path / "text.mp4", "#EXTM3U\nhttp://example.org/a.ts\n");
+    expect_input_error([&] { summarise_video(folder.path / "text.mp4"); }, {"text.mp4", "cannot open"});
+    write_video(folder.path / "a.mp4", 64, 64, 25, 24);
+    const std::string bytes = read_text(folder.path / "a.mp4");
+    for (const double part : {0.01, 0.3, 0.6, 0.9}) {
+        write_text(folder.path / "cut.mp4", bytes.substr(0, static_cast<size_t>(part * double(bytes.size()))));
+        expect_input_error([&] { summarise_video(folder.path / "cut.mp4"); }, {"cut.mp4"});
+    }
+}
+
+}  // namespace
+}  // namespace neuvv
