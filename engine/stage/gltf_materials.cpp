@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "stage/gltf_parse.h"
+#include "stage/gltf_scene.h"
+
+namespace neuvv {
+
+namespace {
+
+// Decoded pixels of all images together: a few bytes of PNG can ask for a gigabyte each.
+constexpr uint64_t kMaxImagePixels = uint64_t{1} << 28;
+
+GltfWrap wrap_mode(const GltfScene& scene, int value, const std::string& place) {
+    switch (value) {
+        case TINYGLTF_TEXTURE_WRAP_REPEAT:
+            return GltfWrap::kRepeat;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+            return GltfWrap::kClampToEdge;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+            return GltfWrap::kMirroredRepeat;
+        default:
+            throw InputError(scene.file, place, fmt::format("{} is no wrapping mode", value));
+    }
+}
+
+GltfTexture texture_of(const GltfScene& scene, const tinygltf::Model& model, size_t index) {
+    const tinygltf::Texture& source = model.textures[index];
+    const std::string place = fmt::format("/textures/{}", index);
+    if (source.source < 0 || static_cast<size_t>(source.source) >= model.images.size())
+        throw InputError(scene.file, place + "/source", "has no image of the model", "use PNG or JPEG textures");
+    GltfTexture texture;
+    texture.image = static_cast<uint32_t>(source.source);
+    if (source.sampler < 0) return texture;
+    if (static_cast<size_t>(source.sampler) >= model.samplers.size())
+        throw InputError(scene.file, place + "/sampler", fmt::format("{} does not exist", source.sampler));
+    const tinygltf::Sampler& sampler = model.samplers[static_cast<size_t>(source.sampler)];
+    const std::string sampler_place = fmt::format("/samplers/{}", source.sampler);
+    texture.wrap_u = wrap_mode(scene, sampler.wrapS, sampler_place + "/wrapS");
+    texture.wrap_v = wrap_mode(scene, sampler.wrapT, sampler_place + "/wrapT");
+    texture.nearest_magnification = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    const int filter = sampler.minFilter;
+    texture.nearest_minification = filter == TINYGLTF_TEXTURE_FILTER_NEAREST ||
+                                   filter == TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST ||
+                                   filter == TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR;
+    texture.mipmaps = filter != TINYGLTF_TEXTURE_FILTER_NEAREST && filter != TINYGLTF_TEXTURE_FILTER_LINEAR;
+    return texture;
+}
+
+float number_in(const GltfScene& scene, double value, double low, double high, const std::string& place) {
+    if (!(value >= low && value <= high))
+        throw InputError(scene.file, place, fmt::format("{} is not from {} to {}", value, low, high));
+    return static_cast<float>(value);
+}
+
+float number_at(const GltfScene& scene, const tinygltf::Value& value, const std::string& place) {
+    const double number = value.IsNumber() ? value.GetNumberAsDouble() : NAN;
+    return number_in(scene, number, -1e6, 1e6, place);
+}
+
+// KHR_texture_transform, and which UV set the base colour reads.
+TextureTransform transform_of(const GltfScene& scene, const tinygltf::TextureInfo& info, const std::string& place) {
+    TextureTransform transform;
+    transform.uv_set = info.texCoord;
+    const auto found = info.extensions.find("KHR_texture_transform");
+    if (found != info.extensions.end() && found->second.IsObject()) {
+        const tinygltf::Value& extension = found->second;
+        const auto pair = [&](const char* name, glm::vec2 fallback) {
+            if (!extension.Has(name)) return fallback;
+            const tinygltf::Value& list = extension.Get(name);
+            const std::string at = place + "/extensions/KHR_texture_transform/" + name;
+            if (!list.IsArray() || list.ArrayLen() != 2) throw InputError(scene.file, at, "is not a pair of numbers");
+            return glm::vec2(number_at(scene, list.Get(0), at), number_at(scene, list.Get(1), at));
+        };
+        transform.offset = pair("offset", glm::vec2(0));
+        transform.scale = pair("scale", glm::vec2(1));
+        if (extension.Has("rotation")) transform.rotation = number_at(scene, extension.Get("rotation"), place);
+        if (extension.Has("texCoord") && extension.Get("texCoord").IsInt())
+            transform.uv_set = extension.Get("texCoord").GetNumberAsInt();
+    }
+    if (transform.uv_set < 0 || transform.uv_set > 7)
+        throw InputError(scene.file, place + "/texCoord", fmt::format("{} is not from 0 to 7", transform.uv_set));
+    return transform;
+}
+
+GltfAlpha alpha_mode(const GltfScene& scene, const std::string& mode, const std::string& place) {
+    if (mode == "OPAQUE") return GltfAlpha::kOpaque;
+    if (mode == "MASK") return GltfAlpha::kMask;
+    if (mode == "BLEND") return GltfAlpha::kBlend;
+    throw InputError(scene.file, place + "/alphaMode", "is not OPAQUE, MASK or BLEND");
+}
+
+GltfMaterial material_of(const GltfScene& scene, const tinygltf::Material& source, const std::string& place) {
+    GltfMaterial material;
+    material.name = source.name;
+    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+    for (int c = 0; c < 4; ++c)
+        material.base_color[c] = number_in(scene, pbr.baseColorFactor[static_cast<size_t>(c)], 0, 1,
+                                           place + "/pbrMetallicRoughness/baseColorFactor");
+    material.metallic = number_in(scene, pbr.metallicFactor, 0, 1, place + "/pbrMetallicRoughness/metallicFactor");
+    material.roughness = number_in(scene, pbr.roughnessFactor, 0, 1, place + "/pbrMetallicRoughness/roughnessFactor");
+    material.alpha = alpha_mode(scene, source.alphaMode, place);
+    material.alpha_cutoff = number_in(scene, source.alphaCutoff, 0, 1e6, place + "/alphaCutoff");
+    material.double_sided = source.doubleSided;
+    material.unlit = source.extensions.contains("KHR_materials_unlit");
+    const int texture = pbr.baseColorTexture.index;
+    if (texture >= static_cast<int>(scene.textures.size()))
+        throw InputError(scene.file, place + "/pbrMetallicRoughness/baseColorTexture/index",
+                         fmt::format("{} does not exist", texture));
+    material.texture = texture < 0 ? -1 : texture;
+    return material;
+}
+
+}  // namespace
+
+std::vector<TextureTransform> load_materials(GltfScene& scene, const tinygltf::Model& model) {
+    for (size_t i = 0; i < model.textures.size(); ++i) scene.textures.push_back(texture_of(scene, model, i));
+    std::vector<TextureTransform> transforms;
+    for (size_t i = 0; i < model.materials.size(); ++i) {
+        const std::string place = fmt::format("/materials/{}", i);
+        const tinygltf::Material& source = model.materials[i];
+        scene.materials.push_back(material_of(scene, source, place));
+        transforms.push_back(transform_of(scene, source.pbrMetallicRoughness.baseColorTexture,
+                                          place + "/pbrMetallicRoughness/baseColorTexture"));
+    }
+    return transforms;
+}
+
+void load_images(GltfScene& scene, const tinygltf::Model& model) {
+    scene.images.resize(model.images.size());
+    uint64_t pixels = 0;
+    for (const GltfMaterial& material : scene.materials) {
+        if (material.texture < 0) continue;
+        const uint32_t index = scene.textures[static_cast<size_t>(material.texture)].image;
+        if (!scene.images[index].rgba.empty()) continue;
+        const tinygltf::Image& source = model.images[index];
+        const std::string name = fmt::format("{}: /images/{}", scene.file, index);
+        const uint8_t* bytes = source.image.data();
+        size_t size = source.image.size();
+        if (source.bufferView >= 0) {
+            const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(source.bufferView));
+            bytes = model.buffers.at(static_cast<size_t>(view.buffer)).data.data() + view.byteOffset;
+            size = view.byteLength;
+        }
+        if (size == 0)
+            throw InputError(scene.file, fmt::format("/images/{}", index),
+                             source.uri.empty() ? "has no bytes" : fmt::format("\"{}\" cannot be read", source.uri),
+                             "put the image beside the model");
+        scene.images[index] = decode_image(bytes, size, name);
+        pixels += uint64_t{scene.images[index].width} * scene.images[index].height;
+        if (pixels > kMaxImagePixels)
+            throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
+                             fmt::format("stay below {} pixels", kMaxImagePixels));
+    }
+}
+
+}  // namespace neuvv

@@ -1,0 +1,256 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "stage/gltf_parse.h"
+#include "stage/gltf_scene.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kMaxMorphTargets = 256;
+
+template <typename Vector>
+std::vector<Vector> packed(const std::vector<float>& values) {
+    constexpr auto kWidth = static_cast<size_t>(Vector::length());
+    std::vector<Vector> out(values.size() / kWidth);
+    for (size_t i = 0; i < values.size(); ++i) out[i / kWidth][static_cast<int>(i % kWidth)] = values[i];
+    return out;
+}
+
+struct PrimitiveLoader {
+    const GltfScene& scene;
+    AccessorReader& reader;
+    const tinygltf::Primitive& source;
+    std::string place;
+    GltfPrimitive out;
+
+    [[noreturn]] void fail(const std::string& where, const std::string& problem, const std::string& mend = "") const {
+        throw InputError(scene.file, place + where, problem, mend);
+    }
+    int attribute(const std::string& name) const {
+        const auto found = source.attributes.find(name);
+        return found == source.attributes.end() ? -1 : found->second;
+    }
+    void check_count(size_t count, const std::string& name) const {
+        if (count != out.positions.size())
+            fail(name, fmt::format("has {} elements for {} vertices", count, out.positions.size()));
+    }
+    template <typename Vector>
+    std::vector<Vector> vectors(int accessor, const std::string& name) {
+        auto values = packed<Vector>(read_floats(reader, accessor, Vector::length(), place + name));
+        if (!out.positions.empty()) check_count(values.size(), name);
+        return values;
+    }
+    // For memory that the file asks for without holding as much.
+    void spend(uint64_t components) {
+        if (components > reader.budget) fail("", "has more vertices than this program takes", "simplify the model");
+        reader.budget -= components;
+    }
+    void read_uvs(const TextureTransform& transform);
+    void read_colors();
+    void read_skin();
+    void read_indices();
+    void read_targets();
+    void read_vertices();
+};
+
+void PrimitiveLoader::read_uvs(const TextureTransform& transform) {
+    const std::string name = fmt::format("TEXCOORD_{}", transform.uv_set);
+    const int accessor = attribute(name);
+    if (accessor < 0) return;
+    out.uvs = vectors<glm::vec2>(accessor, "/attributes/" + name);
+    if (is_raw_integer(reader, accessor)) fail("/attributes/" + name, "is neither float nor normalised");
+    // KHR_texture_transform: scale, then rotation, then offset.
+    const float c = std::cos(transform.rotation), s = std::sin(transform.rotation);
+    for (glm::vec2& uv : out.uvs) {
+        uv *= transform.scale;
+        uv = glm::vec2(c * uv.x + s * uv.y, -s * uv.x + c * uv.y) + transform.offset;
+    }
+}
+
+void PrimitiveLoader::read_colors() {
+    const int accessor = attribute("COLOR_0");
+    if (accessor < 0) return;
+    const std::string name = "/attributes/COLOR_0";
+    if (accessor_components(reader, accessor, place + name) == 3) {
+        for (const glm::vec3& rgb : vectors<glm::vec3>(accessor, name)) out.colors.emplace_back(rgb, 1.0f);
+    } else {
+        out.colors = vectors<glm::vec4>(accessor, name);
+    }
+    if (is_raw_integer(reader, accessor)) fail(name, "is neither float nor normalised");
+}
+
+void PrimitiveLoader::read_skin() {
+    const int joints = attribute("JOINTS_0"), weights = attribute("WEIGHTS_0");
+    if (joints < 0 && weights < 0) return;
+    if (joints < 0 || weights < 0) fail("/attributes", "has only one of JOINTS_0 and WEIGHTS_0");
+    const std::vector<uint32_t> indices = read_integers(reader, joints, 4, place + "/attributes/JOINTS_0");
+    check_count(indices.size() / 4, "/attributes/JOINTS_0");
+    out.weights = vectors<glm::vec4>(weights, "/attributes/WEIGHTS_0");
+    if (is_raw_integer(reader, weights)) fail("/attributes/WEIGHTS_0", "is neither float nor normalised");
+    out.joints.assign(out.positions.size(), glm::u16vec4(0));
+    for (size_t v = 0; v < out.positions.size(); ++v) {
+        glm::vec4& weight = out.weights[v];
+        float sum = 0;
+        for (int k = 0; k < 4; ++k) {
+            const uint32_t joint = indices[v * 4 + static_cast<size_t>(k)];
+            if (weight[k] < 0 || weight[k] > 1e6f)
+                fail("/attributes/WEIGHTS_0", fmt::format("vertex {} has weight {}", v, weight[k]));
+            if (weight[k] == 0) continue;  // exporters leave anything in the joints of unused slots
+            if (joint > UINT16_MAX) fail("/attributes/JOINTS_0", fmt::format("vertex {} has joint {}", v, joint));
+            out.joints[v][k] = static_cast<uint16_t>(joint);
+            out.joint_count = std::max(out.joint_count, joint + 1);
+            sum += weight[k];
+        }
+        out.joint_count = std::max(out.joint_count, 1u);
+        weight = sum > 0 ? weight / sum : glm::vec4(1, 0, 0, 0);
+    }
+}
+
+// Strips and fans become lists; every second triangle of a strip is turned to keep its winding.
+std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
+    if (mode == TINYGLTF_MODE_TRIANGLES) return indices;
+    std::vector<uint32_t> list;
+    for (size_t i = 0; i + 2 < indices.size(); ++i) {
+        const bool fan = mode == TINYGLTF_MODE_TRIANGLE_FAN, odd = i % 2 == 1;
+        const uint32_t a = fan ? indices[0] : indices[i];
+        const uint32_t b = fan ? indices[i + 1] : indices[odd ? i + 2 : i + 1];
+        const uint32_t c = fan ? indices[i + 2] : indices[odd ? i + 1 : i + 2];
+        if (a != b && b != c && c != a) list.insert(list.end(), {a, b, c});  // strips join by empty triangles
+    }
+    return list;
+}
+
+void PrimitiveLoader::read_indices() {
+    const int mode = source.mode;
+    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN)
+        fail("/mode", fmt::format("{} is not triangles, a strip or a fan", mode), "export triangles only");
+    std::vector<uint32_t> indices;
+    if (source.indices >= 0) {
+        indices = neuvv::read_integers(reader, source.indices, 1, place + "/indices");
+        for (size_t i = 0; i < indices.size(); ++i)
+            if (indices[i] >= out.positions.size())
+                fail("/indices",
+                     fmt::format("element {} is {}, past the {} vertices", i, indices[i], out.positions.size()));
+    } else {
+        indices.resize(out.positions.size());
+        for (size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<uint32_t>(i);
+    }
+    if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
+        fail("/indices", fmt::format("{} corners are not whole triangles", indices.size()));
+    out.indices = triangle_list(indices, mode);
+}
+
+void PrimitiveLoader::read_targets() {
+    if (source.targets.size() > kMaxMorphTargets)
+        fail("/targets",
+             fmt::format("has {} morph targets, this program takes {}", source.targets.size(), kMaxMorphTargets));
+    for (size_t t = 0; t < source.targets.size(); ++t) {
+        GltfMorphTarget target;
+        for (const auto& [name, accessor] : source.targets[t]) {
+            const std::string at = fmt::format("/targets/{}/{}", t, name);
+            if (name == "POSITION") target.positions = vectors<glm::vec3>(accessor, at);
+            if (name == "NORMAL") target.normals = vectors<glm::vec3>(accessor, at);
+        }
+        if (target.positions.empty()) {
+            spend(out.positions.size() * 3);
+            target.positions.assign(out.positions.size(), glm::vec3(0));
+        }
+        out.targets.push_back(std::move(target));
+    }
+}
+
+void PrimitiveLoader::read_vertices() {
+    if (attribute("POSITION") < 0) fail("/attributes", "has no POSITION");
+    out.positions = vectors<glm::vec3>(attribute("POSITION"), "/attributes/POSITION");
+    if (attribute("NORMAL") < 0) return;
+    out.normals = vectors<glm::vec3>(attribute("NORMAL"), "/attributes/NORMAL");
+    for (glm::vec3& normal : out.normals) {
+        const float length = glm::length(normal);
+        normal = std::isfinite(length) && length > 1e-12f ? normal / length : glm::vec3(0, 1, 0);
+    }
+}
+
+template <typename Vector>
+void unshare(std::vector<Vector>& values, const std::vector<uint32_t>& indices) {
+    if (values.empty()) return;
+    std::vector<Vector> out;
+    out.reserve(indices.size());
+    for (const uint32_t index : indices) out.push_back(values[index]);
+    values = std::move(out);
+}
+
+// glTF: without normals, faces are flat. Each corner then needs a vertex of its own.
+void add_flat_normals(GltfPrimitive& primitive) {
+    const std::vector<uint32_t>& indices = primitive.indices;
+    unshare(primitive.positions, indices);
+    unshare(primitive.uvs, indices);
+    unshare(primitive.colors, indices);
+    unshare(primitive.joints, indices);
+    unshare(primitive.weights, indices);
+    for (GltfMorphTarget& target : primitive.targets) {
+        unshare(target.positions, indices);
+        target.normals.clear();
+    }
+    primitive.normals.resize(primitive.positions.size());
+    for (size_t i = 0; i + 2 < primitive.positions.size(); i += 3) {
+        const glm::dvec3 a = primitive.positions[i], b = primitive.positions[i + 1], c = primitive.positions[i + 2];
+        const glm::dvec3 cross = glm::cross(b - a, c - a);
+        const double length = glm::length(cross);
+        const glm::vec3 normal = length > 0 && std::isfinite(length) ? glm::vec3(cross / length) : glm::vec3(0, 1, 0);
+        for (size_t k = 0; k < 3; ++k) primitive.normals[i + k] = normal;
+    }
+    for (size_t i = 0; i < primitive.indices.size(); ++i) primitive.indices[i] = static_cast<uint32_t>(i);
+}
+
+GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, const tinygltf::Primitive& source,
+                             const std::string& place, const std::vector<TextureTransform>& transforms) {
+    PrimitiveLoader loader{scene, reader, source, place, {}};
+    if (source.material >= static_cast<int>(scene.materials.size()))
+        loader.fail("/material", fmt::format("{} does not exist", source.material));
+    loader.out.material = source.material < 0 ? -1 : source.material;
+    loader.read_vertices();
+    loader.read_uvs(source.material < 0 ? TextureTransform{} : transforms[static_cast<size_t>(source.material)]);
+    loader.read_colors();
+    loader.read_skin();
+    loader.read_targets();
+    loader.read_indices();
+    if (loader.out.normals.empty()) {
+        // Corners may outnumber vertices by far: they count against the same budget.
+        const uint64_t widths = 16 + 3 * loader.out.targets.size();
+        loader.spend(widths * loader.out.indices.size());
+        add_flat_normals(loader.out);
+    }
+    return std::move(loader.out);
+}
+
+}  // namespace
+
+void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<TextureTransform>& transforms) {
+    for (size_t m = 0; m < reader.model.meshes.size(); ++m) {
+        const tinygltf::Mesh& source = reader.model.meshes[m];
+        const std::string place = fmt::format("/meshes/{}", m);
+        GltfMesh mesh;
+        mesh.name = source.name;
+        if (source.primitives.empty()) throw InputError(scene.file, place, "has no primitives");
+        for (size_t p = 0; p < source.primitives.size(); ++p) {
+            const std::string at = fmt::format("{}/primitives/{}", place, p);
+            mesh.primitives.push_back(load_primitive(scene, reader, source.primitives[p], at, transforms));
+            if (mesh.primitives[p].targets.size() != mesh.primitives[0].targets.size())
+                throw InputError(scene.file, at, "has another number of morph targets than the mesh's first primitive");
+        }
+        const size_t targets = mesh.primitives[0].targets.size();
+        if (!source.weights.empty() && source.weights.size() != targets)
+            throw InputError(scene.file, place + "/weights",
+                             fmt::format("has {} weights for {} morph targets", source.weights.size(), targets));
+        mesh.weights.assign(targets, 0.0f);
+        for (size_t i = 0; i < source.weights.size(); ++i) mesh.weights[i] = static_cast<float>(source.weights[i]);
+        scene.meshes.push_back(std::move(mesh));
+    }
+}
+
+}  // namespace neuvv

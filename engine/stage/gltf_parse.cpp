@@ -1,0 +1,321 @@
+#include <nlohmann/json.hpp>
+
+#include "stage/gltf_parse.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/error.h"
+#include "base/platform.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+
+struct Source {
+    std::string file;
+    std::string folder;
+    std::vector<uint8_t> bytes;
+    bool binary = false;
+    size_t json_begin = 0;
+    size_t json_size = 0;
+};
+
+uint32_t word_at(const std::vector<uint8_t>& bytes, size_t offset) {
+    uint32_t word;
+    std::memcpy(&word, bytes.data() + offset, 4);
+    return word;
+}
+
+// The GLB container: header of 12 bytes, a JSON chunk, at most one BIN chunk that we look at; chunk headers are 8
+// bytes.
+void find_json(Source& source) {
+    const std::vector<uint8_t>& bytes = source.bytes;
+    source.binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+    source.json_size = bytes.size();
+    if (!source.binary) return;
+    const auto fail = [&](const char* place, const std::string& problem) {
+        throw InputError(source.file, place, problem, "export the .glb again");
+    };
+    if (bytes.size() < 20) fail("header", fmt::format("has {} bytes, a .glb has at least 20", bytes.size()));
+    if (word_at(bytes, 4) != 2) fail("header", fmt::format("is glTF version {}, need 2", word_at(bytes, 4)));
+    const uint64_t length = word_at(bytes, 8);
+    if (length > bytes.size())
+        fail("header", fmt::format("says {} bytes, the file has {}: it is cut off", length, bytes.size()));
+    const uint64_t json_end = uint64_t{20} + word_at(bytes, 12);
+    if (word_at(bytes, 16) != 0x4E4F534A) fail("first chunk", "is not JSON");
+    if (json_end > length) fail("JSON chunk", "runs past the end of the file");
+    if (json_end < length) {
+        if (json_end + 8 > length) fail("second chunk", "runs past the end of the file");
+        if (json_end + 8 + word_at(bytes, json_end) > length) fail("BIN chunk", "runs past the end of the file");
+    }
+    source.json_begin = 20;
+    source.json_size = json_end - 20;
+}
+
+// tinygltf walks extras and extensions recursively: a deep file would overflow the stack.
+void check_depth(const Source& source) {
+    int depth = 0;
+    bool in_string = false;
+    for (size_t i = source.json_begin; i < source.json_begin + source.json_size; ++i) {
+        const auto c = static_cast<char>(source.bytes[i]);
+        if (in_string) {
+            if (c == '\\') ++i;
+            if (c == '"') in_string = false;
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '[' || c == '{') {
+            if (++depth > kMaxJsonDepth)
+                throw InputError(source.file, "", fmt::format("JSON nests deeper than {} levels", kMaxJsonDepth));
+        } else if (c == ']' || c == '}') {
+            --depth;
+        }
+    }
+}
+
+// tinygltf takes a default, silently, where a member has the wrong type. So types are checked here.
+enum class Member { kIndex, kSize, kNumber, kNumbers };
+struct MemberRule {
+    const char* array;
+    const char* name;
+    Member kind;
+};
+constexpr MemberRule kRules[] = {
+    {"accessors", "bufferView", Member::kIndex},
+    {"accessors", "byteOffset", Member::kSize},
+    {"accessors", "componentType", Member::kIndex},
+    {"accessors", "count", Member::kSize},
+    {"buffers", "byteLength", Member::kSize},
+    {"bufferViews", "buffer", Member::kIndex},
+    {"bufferViews", "byteOffset", Member::kSize},
+    {"bufferViews", "byteLength", Member::kSize},
+    {"bufferViews", "byteStride", Member::kSize},
+    {"images", "bufferView", Member::kIndex},
+    {"meshes", "weights", Member::kNumbers},
+    {"nodes", "mesh", Member::kIndex},
+    {"nodes", "skin", Member::kIndex},
+    {"nodes", "children", Member::kNumbers},
+    {"nodes", "matrix", Member::kNumbers},
+    {"nodes", "translation", Member::kNumbers},
+    {"nodes", "rotation", Member::kNumbers},
+    {"nodes", "scale", Member::kNumbers},
+    {"nodes", "weights", Member::kNumbers},
+    {"skins", "inverseBindMatrices", Member::kIndex},
+    {"skins", "joints", Member::kNumbers},
+    {"scenes", "nodes", Member::kNumbers},
+    {"textures", "source", Member::kIndex},
+    {"textures", "sampler", Member::kIndex},
+    {"materials", "alphaCutoff", Member::kNumber},
+    {"samplers", "wrapS", Member::kIndex},
+    {"samplers", "wrapT", Member::kIndex},
+};
+
+std::string type_problem(const json& value, Member kind) {
+    const bool is_unsigned = value.is_number_unsigned();
+    switch (kind) {
+        case Member::kIndex:
+            if (!is_unsigned || value.get<uint64_t>() > INT32_MAX) return "is not an index (a whole number from 0)";
+            break;
+        case Member::kSize:
+            if (!is_unsigned || value.get<uint64_t>() > kMaxFileBytes)
+                return fmt::format("is not a whole number from 0 to {}", kMaxFileBytes);
+            break;
+        case Member::kNumber:
+            if (!value.is_number()) return "is not a number";
+            break;
+        case Member::kNumbers:
+            if (!value.is_array()) return "is not a list of numbers";
+            for (const json& item : value)
+                if (!item.is_number()) return "is not a list of numbers";
+            break;
+    }
+    return "";
+}
+
+void check_types(const Source& source, const json& root) {
+    for (const auto& [name, array] : root.items()) {
+        if (!array.is_array()) continue;
+        for (size_t i = 0; i < array.size(); ++i)
+            if (!array[i].is_object() && !array[i].is_string())
+                throw InputError(source.file, fmt::format("/{}/{}", name, i), "is not an object");
+    }
+    for (const MemberRule& rule : kRules) {
+        const auto array = root.find(rule.array);
+        if (array == root.end()) continue;
+        if (!array->is_array()) throw InputError(source.file, fmt::format("/{}", rule.array), "is not a list");
+        for (size_t i = 0; i < array->size(); ++i) {
+            const json& object = (*array)[i];
+            const auto member = object.find(rule.name);
+            if (member == object.end()) continue;
+            const std::string problem = type_problem(*member, rule.kind);
+            if (!problem.empty())
+                throw InputError(source.file, fmt::format("/{}/{}/{}", rule.array, i, rule.name), problem);
+        }
+    }
+}
+
+// Percent escapes decoded first, so that %2e%2e is seen for what it is.
+std::string decoded_uri(const std::string& uri) {
+    std::string decoded;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        unsigned value = 0;
+        if (uri[i] == '%' && i + 2 < uri.size() && std::sscanf(uri.c_str() + i + 1, "%2x", &value) == 1) {
+            decoded += static_cast<char>(value);
+            i += 2;
+        } else {
+            decoded += uri[i];
+        }
+    }
+    return decoded;
+}
+
+bool leaves_folder(const std::string& relative) {
+    const std::filesystem::path path(relative);
+    if (relative.empty() || path.is_absolute() || relative.find('\0') != std::string::npos) return true;
+    if (relative.find(':') != std::string::npos || relative.find('\\') != std::string::npos) return true;
+    for (const auto& part : path)
+        if (part == "..") return true;
+    return false;
+}
+
+void check_uris(const Source& source, const json& root) {
+    for (const char* name : {"buffers", "images"}) {
+        const auto array = root.find(name);
+        if (array == root.end()) continue;
+        for (size_t i = 0; i < array->size(); ++i) {
+            const auto uri = (*array)[i].find("uri");
+            if (uri == (*array)[i].end()) continue;
+            const std::string place = fmt::format("/{}/{}/uri", name, i);
+            if (!uri->is_string()) throw InputError(source.file, place, "is not a string");
+            const auto text = uri->get<std::string>();
+            if (text.rfind("data:", 0) == 0) continue;
+            if (leaves_folder(decoded_uri(text)))
+                throw InputError(source.file, place, fmt::format("\"{}\" is not a file below the model's folder", text),
+                                 "put the file beside the model and name it relatively");
+        }
+    }
+}
+
+void check_views(const Source& source, const json& root) {
+    const json none = json::array();
+    const json& buffers = root.contains("buffers") ? root["buffers"] : none;
+    const json& views = root.contains("bufferViews") ? root["bufferViews"] : none;
+    const json& images = root.contains("images") ? root["images"] : none;
+    for (size_t i = 0; i < views.size(); ++i) {
+        const std::string place = fmt::format("/bufferViews/{}", i);
+        const json& view = views[i];
+        if (!view.contains("buffer") || !view.contains("byteLength"))
+            throw InputError(source.file, place, "lacks buffer or byteLength");
+        const auto buffer = view["buffer"].get<uint64_t>();
+        if (buffer >= buffers.size())
+            throw InputError(source.file, place, fmt::format("buffer {} does not exist", buffer));
+        const uint64_t end = view.value("byteOffset", uint64_t{0}) + view["byteLength"].get<uint64_t>();
+        const uint64_t size = buffers[buffer].value("byteLength", uint64_t{0});
+        if (end > size)
+            throw InputError(source.file, place,
+                             fmt::format("ends at byte {} of buffer {}, which has {}", end, buffer, size));
+    }
+    for (size_t i = 0; i < images.size(); ++i)
+        if (images[i].contains("bufferView") && images[i]["bufferView"].get<uint64_t>() >= views.size())
+            throw InputError(source.file, fmt::format("/images/{}/bufferView", i), "does not exist");
+}
+
+void check_extensions(const Source& source, const json& root) {
+    const auto required = root.find("extensionsRequired");
+    if (required == root.end() || !required->is_array()) return;
+    for (const json& extension : *required) {
+        const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
+        bool known = false;
+        for (const char* ours : {"KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization"})
+            known = known || name == ours;
+        if (!known)
+            throw InputError(source.file, "/extensionsRequired", fmt::format("needs {}, which is not supported", name),
+                             "export without it (no mesh or texture compression)");
+    }
+}
+
+void check_json(const Source& source) {
+    check_depth(source);
+    json root;
+    try {
+        const char* text = reinterpret_cast<const char*>(source.bytes.data()) + source.json_begin;
+        root = json::parse(text, text + source.json_size);
+    } catch (const json::exception& error) {
+        throw InputError(source.file, "", fmt::format("JSON: {}", error.what()));
+    }
+    if (!root.is_object())
+        throw InputError(source.file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    check_types(source, root);
+    check_extensions(source, root);
+    check_uris(source, root);
+    check_views(source, root);
+}
+
+// File access for tinygltf, which would also search the working folder: only below the model's folder.
+bool is_below(const std::string& path, const std::string& folder) {
+    return path.rfind(folder + "/", 0) == 0 && !leaves_folder(path.substr(folder.size() + 1));
+}
+
+tinygltf::FsCallbacks folder_access(Source& source) {
+    tinygltf::FsCallbacks callbacks{};
+    callbacks.user_data = &source;
+    callbacks.ExpandFilePath = [](const std::string& path, void*) { return path; };
+    callbacks.FileExists = [](const std::string& path, void* user) {
+        std::error_code error;
+        return is_below(path, static_cast<Source*>(user)->folder) && std::filesystem::is_regular_file(path, error);
+    };
+    callbacks.ReadWholeFile = [](std::vector<unsigned char>* out, std::string* error, const std::string& path, void*) {
+        try {
+            *out = read_file(path, kMaxFileBytes);
+            return true;
+        } catch (const InputError& bad) {
+            if (error) *error = bad.what();
+            return false;
+        }
+    };
+    return callbacks;
+}
+
+bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                  int size, void*) {
+    if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
+    return true;
+}
+
+}  // namespace
+
+tinygltf::Model parse_gltf(const std::filesystem::path& path) {
+    Source source;
+    source.file = path.string();
+    source.folder = path.has_parent_path() ? path.parent_path().string() : ".";
+    source.bytes = read_file(path, kMaxFileBytes);
+    find_json(source);
+    check_json(source);
+
+    tinygltf::Model model;
+    tinygltf::TinyGLTF loader;
+    loader.SetFsCallbacks(folder_access(source));
+    loader.SetImageLoader(keep_encoded, nullptr);
+    std::string problem, warning;
+    bool ok = false;
+    try {
+        const auto size = static_cast<unsigned>(source.bytes.size());
+        ok = source.binary
+                 ? loader.LoadBinaryFromMemory(&model, &problem, &warning, source.bytes.data(), size, source.folder)
+                 : loader.LoadASCIIFromString(&model, &problem, &warning,
+                                              reinterpret_cast<const char*>(source.bytes.data()), size, source.folder);
+    } catch (const std::exception& error) {
+        problem = error.what();
+    }
+    // tinygltf drops what it cannot read and says so in `problem` even where it returns true.
+    if (!ok || !problem.empty())
+        throw InputError(source.file, "", problem.empty() ? "cannot be read as glTF" : problem);
+    return model;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,128 @@
+// A glTF 2.0 model as plain, validated data: what a reader may index without checking again.
+//
+// Units and spaces are glTF's: metres, +Y up, right-handed, colours of factors and vertices linear, UV from the top
+// left. pose.h evaluates it at an instant.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+#include <vector>
+
+#include "media/image.h"
+
+namespace neuvv {
+
+enum class GltfWrap { kRepeat, kMirroredRepeat, kClampToEdge };
+
+struct GltfTexture {
+    uint32_t image = 0;  // index into GltfScene::images
+    GltfWrap wrap_u = GltfWrap::kRepeat;
+    GltfWrap wrap_v = GltfWrap::kRepeat;
+    bool nearest_magnification = false;
+    bool nearest_minification = false;
+    bool mipmaps = true;
+};
+
+enum class GltfAlpha { kOpaque, kMask, kBlend };
+
+struct GltfMaterial {
+    std::string name;
+    glm::vec4 base_color{1};  // linear, straight alpha
+    int32_t texture = -1;     // base colour, sRGB; index into GltfScene::textures, −1 without
+    GltfAlpha alpha = GltfAlpha::kOpaque;
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+    bool unlit = false;  // KHR_materials_unlit
+    float metallic = 1;
+    float roughness = 1;
+};
+
+// Displacements to add, weighted, to a primitive's vertices; normals may be empty.
+struct GltfMorphTarget {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;
+};
+
+// A triangle list. Every vertex array is empty or as long as positions; every index is < positions.size().
+struct GltfPrimitive {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;    // unit; never empty: flat normals where the file has none
+    std::vector<glm::vec2> uvs;        // the set its material asks for, KHR_texture_transform applied; may be empty
+    std::vector<glm::vec4> colors;     // COLOR_0, linear; may be empty
+    std::vector<glm::u16vec4> joints;  // indices into GltfSkin::joints; empty where not skinned
+    std::vector<glm::vec4> weights;    // sum 1; as long as joints
+    std::vector<uint32_t> indices;     // three a triangle, counter-clockwise from outside
+    std::vector<GltfMorphTarget> targets;
+    uint32_t joint_count = 0;  // one past the largest of `joints`
+    int32_t material = -1;     // index into GltfScene::materials, −1: glTF's default material
+};
+
+struct GltfMesh {
+    std::string name;
+    std::vector<GltfPrimitive> primitives;  // all with the same number of morph targets
+    std::vector<float> weights;             // default weight of each morph target
+};
+
+struct GltfNode {
+    std::string name;
+    int32_t parent = -1;
+    std::vector<uint32_t> children;
+    bool has_matrix = false;  // `matrix` is the local transform; else translation, rotation, scale are
+    glm::dmat4 matrix{1};
+    glm::dvec3 translation{0};
+    glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 scale{1};
+    int32_t mesh = -1;
+    int32_t skin = -1;           // only with a mesh whose primitives all have joints
+    std::vector<float> weights;  // one a morph target of the mesh
+    bool in_scene = false;       // reached from the default scene: only these are drawn
+};
+
+struct GltfSkin {
+    std::string name;
+    std::vector<uint32_t> joints;           // node indices
+    std::vector<glm::dmat4> inverse_binds;  // one a joint
+};
+
+enum class GltfPath { kTranslation, kRotation, kScale, kWeights };
+enum class GltfInterpolation { kLinear, kStep, kCubicSpline };
+
+struct GltfChannel {
+    uint32_t node = 0;
+    GltfPath path = GltfPath::kTranslation;
+    GltfInterpolation interpolation = GltfInterpolation::kLinear;
+    uint32_t components = 3;    // of one value: 3, 4 (rotation x y z w) or the number of morph targets
+    std::vector<float> times;   // seconds, strictly ascending, not empty
+    std::vector<float> values;  // times × components; kCubicSpline: × 3, [in-tangents | value | out-tangents] a key
+};
+
+struct GltfAnimation {
+    std::string name;
+    double duration_s = 0;  // the last key of any channel
+    std::vector<GltfChannel> channels;
+};
+
+struct GltfScene {
+    std::string file;  // for error messages
+    std::vector<GltfNode> nodes;
+    std::vector<uint32_t> order;  // every node index once, parents before children
+    std::vector<GltfMesh> meshes;
+    std::vector<GltfMaterial> materials;
+    std::vector<GltfTexture> textures;
+    std::vector<Image> images;  // empty where no base colour uses the image
+    std::vector<GltfSkin> skins;
+    std::vector<GltfAnimation> animations;
+};
+
+// Reads .gltf (JSON, with buffers and images beside it or in data URIs) or .glb; told apart by content. Throws
+// InputError with file, JSON place, problem and mend for whatever breaks the promises above, for a required extension
+// it does not know, and for URIs that leave the file's folder.
+GltfScene load_gltf(const std::filesystem::path& path);
+
+// The animation of this name, or of this index in decimal. Throws InputError listing what there is.
+uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);
+
+}  // namespace neuvv

@@ -1,0 +1,493 @@
+#include "stage/gltf_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "base/error.h"
+#include "stage/glb_builder.h"
+#include "stage/pose.h"
+
+namespace neuvv {
+namespace {
+
+using test::GlbBuilder;
+using test::json;
+using test::TemporaryFolder;
+
+GltfScene load(const GlbBuilder& glb) {
+    const TemporaryFolder folder;
+    return load_gltf(folder.write(glb.bytes()));
+}
+
+// The error's text, or "" where loading succeeds.
+std::string error_of(const std::vector<uint8_t>& bytes, const std::string& name = "model.glb") {
+    const TemporaryFolder folder;
+    try {
+        load_gltf(folder.write(bytes, name));
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+std::string error_of(const GlbBuilder& glb) {
+    return error_of(glb.bytes());
+}
+
+void expect_error(const GlbBuilder& glb, const std::string& place, const std::string& problem) {
+    const std::string error = error_of(glb);
+    EXPECT_NE(error.find(place), std::string::npos) << error;
+    EXPECT_NE(error.find(problem), std::string::npos) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+}
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-5) {
+    EXPECT_LT(glm::length(a - b), tolerance)
+        << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' ' << b.z;
+}
+
+const std::vector<float> kTriangle = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+// One triangle on one node.
+GlbBuilder triangle() {
+    GlbBuilder glb;
+    const int positions = glb.vec3(kTriangle);
+    glb.root["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", positions}}}}}}}};
+    glb.root["nodes"] = {{{"mesh", 0}, {"name", "a"}}};
+    glb.root["scenes"] = {{{"nodes", {0}}}};
+    return glb;
+}
+json& primitive(GlbBuilder& glb) {
+    return glb.root["meshes"][0]["primitives"][0];
+}
+
+void animate(GlbBuilder& glb, const std::string& path, const std::string& interpolation, int input, int output) {
+    json& animation = glb.root["animations"][0];
+    animation["name"] = "Move";
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", 0}, {"path", path}}}});
+    animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+}
+
+glm::dvec3 origin_at(const GltfScene& scene, double t) {
+    return pose_scene(scene, 0, t).world_from_node[0][3];
+}
+
+TEST(GltfScene, FlatNormalsWhereTheFileHasNone) {
+    const GltfScene scene = load(triangle());
+    const GltfPrimitive& mesh = scene.meshes.at(0).primitives.at(0);
+    ASSERT_EQ(mesh.normals.size(), 3u);
+    expect_near(mesh.normals[1], {0, 0, 1});
+    EXPECT_EQ(mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
+    EXPECT_TRUE(scene.nodes[0].in_scene);
+}
+
+TEST(GltfScene, StripsAndFansKeepTheirWinding) {
+    for (const int mode : {5, 6}) {
+        GlbBuilder glb = triangle();
+        const std::vector<float> strip = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+        const std::vector<float> fan = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+        primitive(glb)["attributes"]["POSITION"] = glb.vec3(mode == 5 ? strip : fan);
+        primitive(glb)["mode"] = mode;
+        const GltfPrimitive mesh = load(glb).meshes[0].primitives[0];
+        ASSERT_EQ(mesh.indices.size(), 6u);
+        for (const glm::vec3& normal : mesh.normals) expect_near(normal, {0, 0, 1});
+    }
+}
+
+TEST(GltfScene, LinearAnimationOfTranslationRotationScale) {
+    GlbBuilder glb = triangle();
+    const int times = glb.scalar({0, 1, 3});
+    animate(glb, "translation", "LINEAR", times, glb.vec3({0, 0, 0, 2, 0, 0, 2, 4, 0}));
+    const float h = std::sqrt(0.5f);
+    animate(glb, "rotation", "LINEAR", times, glb.vec4({0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, -h}));
+    animate(glb, "scale", "LINEAR", times, glb.vec3({1, 1, 1, 3, 1, 1, 3, 1, 1}));
+    const GltfScene scene = load(glb);
+    EXPECT_NEAR(scene.animations[0].duration_s, 3, 1e-9);
+    expect_near(origin_at(scene, -1), {0, 0, 0});
+    expect_near(origin_at(scene, 0.25), {0.5, 0, 0});
+    expect_near(origin_at(scene, 2), {2, 2, 0});
+    expect_near(origin_at(scene, 9), {2, 4, 0});
+    // Half way of the quarter turn; x scaled by 2. Later the quaternion only changes its sign: no motion.
+    const double d = std::sqrt(0.5) * 2;
+    expect_near(glm::dvec3(pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0});
+    expect_near(glm::dvec3(pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0});
+    expect_near(glm::dvec3(pose_scene(scene, kNoAnimation, 2).world_from_node[0][0]), {1, 0, 0});
+}
+
+TEST(GltfScene, StepAnimationHoldsTheKeyBefore) {
+    GlbBuilder glb = triangle();
+    animate(glb, "translation", "STEP", glb.scalar({0, 1, 2}), glb.vec3({0, 0, 0, 5, 0, 0, 7, 0, 0}));
+    const GltfScene scene = load(glb);
+    expect_near(origin_at(scene, 0.999), {0, 0, 0});
+    expect_near(origin_at(scene, 1), {5, 0, 0});
+    expect_near(origin_at(scene, 2.5), {7, 0, 0});
+}
+
+TEST(GltfScene, CubicSplineFollowsHermite) {
+    GlbBuilder glb = triangle();
+    // Keys at 0 and 2 s: in-tangent, value, out-tangent.
+    animate(glb, "translation", "CUBICSPLINE", glb.scalar({0, 2}),
+            glb.vec3({9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 2, 0, 0, 9, 9, 9}));
+    const GltfScene scene = load(glb);
+    expect_near(origin_at(scene, 0), {1, 0, 0});
+    expect_near(origin_at(scene, 2), {2, 0, 0});
+    // s = 1/2: (p0 + p1)/2 + dt (m0 - m1)/8.
+    expect_near(origin_at(scene, 1), {1.5 + 2 * (3 + 1) / 8.0, 0, 0});
+    const double s = 0.25, s2 = s * s, s3 = s2 * s;
+    expect_near(
+        origin_at(scene, 0.5),
+        {(2 * s3 - 3 * s2 + 1) * 1 + 2 * (s3 - 2 * s2 + s) * 3 + (3 * s2 - 2 * s3) * 2 + 2 * (s3 - s2) * -1, 0, 0});
+}
+
+TEST(GltfScene, ChildrenFollowTheirParents) {
+    GlbBuilder glb = triangle();
+    glb.root["nodes"] = {{{"mesh", 0}, {"translation", {0, 0, 1}}},
+                         {{"children", {0}}, {"scale", {2, 2, 2}}},
+                         {{"children", {1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1}}},
+                         {{"mesh", 0}}};
+    glb.root["scenes"] = {{{"nodes", {2}}}};
+    const GltfScene scene = load(glb);
+    expect_near(pose_scene(scene, kNoAnimation, 0).world_from_node[0][3], {5, 0, 2});
+    EXPECT_TRUE(scene.nodes[0].in_scene);
+    EXPECT_FALSE(scene.nodes[3].in_scene);
+    const auto [low, high] = bounds_over(scene, kNoAnimation, {0});
+    expect_near(low, {5, 0, 2});
+    expect_near(high, {7, 2, 2});
+}
+
+// Two joints: the first stands at the origin, the second 1 m above and turns by 90° about z.
+GlbBuilder arm() {
+    GlbBuilder glb = triangle();
+    const std::vector<uint8_t> joints = {0, 9, 9, 9, 0, 1, 0, 0, 1, 0, 0, 0};
+    primitive(glb)["attributes"]["POSITION"] = glb.vec3({1, 0, 0, 0, 1.5, 0, 0, 2, 0});
+    primitive(glb)["attributes"]["NORMAL"] = glb.vec3({1, 0, 0, 1, 0, 0, 0, 1, 0});
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.add(joints, test::kU8, "VEC4", 4);
+    primitive(glb)["attributes"]["WEIGHTS_0"] = glb.vec4({1, 0, 0, 0, 1, 1, 0, 0, 0.5f, 0, 0, 0});
+    std::vector<float> binds(32, 0.0f);
+    for (size_t i = 0; i < 32; i += 16) binds[i] = binds[i + 5] = binds[i + 10] = binds[i + 15] = 1;
+    binds[16 + 13] = -1;
+    glb.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", glb.floats(binds, "MAT4", 16)}}};
+    const float h = std::sqrt(0.5f);
+    glb.root["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}},
+                         {{"children", {2}}},
+                         {{"translation", {0, 1, 0}}, {"rotation", {0, 0, h, h}}}};
+    glb.root["scenes"] = {{{"nodes", {0, 1}}}};
+    return glb;
+}
+
+TEST(GltfScene, SkinningMatchesHandCalculation) {
+    const GltfScene scene = load(arm());
+    PosedVertices out;
+    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    expect_near(out.positions[0], {1, 0, 0});  // joint 0 alone; the node's own translation does not count
+    // (0,1.5): joint 0 leaves it, joint 1 turns (0,0.5) into (-0.5,0) above its foot (0,1): the mean of both.
+    expect_near(out.positions[1], {-0.25, 1.25, 0});
+    expect_near(out.positions[2], {-1, 1, 0});  // weight 0.5 alone is normalised to 1
+    expect_near(out.normals[0], {1, 0, 0});
+    expect_near(out.normals[1], glm::normalize(glm::dvec3(1, 1, 0)));
+    expect_near(out.normals[2], {-1, 0, 0});
+}
+
+TEST(GltfScene, MorphTargetsAddUp) {
+    GlbBuilder glb = triangle();
+    primitive(glb)["attributes"]["NORMAL"] = glb.vec3({0, 0, 1, 0, 0, 1, 0, 0, 1});
+    primitive(glb)["targets"] = {
+        {{"POSITION", glb.vec3({0, 0, 4, 0, 0, 0, 0, 0, 0})}},
+        {{"POSITION", glb.vec3({0, 2, 0, 0, 0, 0, 0, 0, 0})}, {"NORMAL", glb.vec3({2, 0, 0, 0, 0, 0, 0, 0, 0})}}};
+    glb.root["meshes"][0]["weights"] = {0.25, 0};
+    animate(glb, "weights", "LINEAR", glb.scalar({0, 1}), glb.scalar({0.25f, 0, 0.75f, 1}));
+    const GltfScene scene = load(glb);
+    PosedVertices out;
+    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    expect_near(out.positions[0], {0, 0, 1});
+    pose_vertices(scene, pose_scene(scene, 0, 0.5), 0, scene.meshes[0].primitives[0], out);
+    expect_near(out.positions[0], {0, 1, 2});
+    expect_near(out.normals[0], glm::normalize(glm::dvec3(1, 0, 1)));
+    expect_near(out.positions[1], {1, 0, 0});
+}
+
+TEST(GltfScene, MirroringNodesSayThatTheirTrianglesTurn) {
+    GlbBuilder glb = triangle();
+    glb.root["nodes"][0]["scale"] = {-1, 1, 1};
+    const GltfScene scene = load(glb);
+    PosedVertices out;
+    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    EXPECT_TRUE(out.mirrored);
+    expect_near(out.normals[0], {0, 0, 1});
+}
+
+TEST(GltfScene, VertexColoursOfEveryKind) {
+    GlbBuilder glb = triangle();
+    const std::vector<uint8_t> bytes = {255, 0, 51, 255, 0, 0, 0, 0, 0, 0, 0, 0};
+    const int normalised = glb.add(bytes, test::kU8, "VEC4", 4);
+    glb.root["accessors"][static_cast<size_t>(normalised)]["normalized"] = true;
+    primitive(glb)["attributes"]["COLOR_0"] = normalised;
+    glm::vec4 color = load(glb).meshes[0].primitives[0].colors.at(0);
+    EXPECT_NEAR(color.b, 0.2, 1e-6);
+    EXPECT_NEAR(color.r, 1, 1e-6);
+    primitive(glb)["attributes"]["COLOR_0"] = glb.vec3({0.5f, 0.25f, 0, 0, 0, 0, 0, 0, 0});
+    color = load(glb).meshes[0].primitives[0].colors.at(0);
+    EXPECT_NEAR(color.g, 0.25, 1e-6);
+    EXPECT_NEAR(color.a, 1, 1e-6);
+    glb.root["accessors"][static_cast<size_t>(normalised)].erase("normalized");
+    primitive(glb)["attributes"]["COLOR_0"] = normalised;
+    expect_error(glb, "COLOR_0", "normalised");
+}
+
+TEST(GltfScene, MaterialsAndTextureTransform) {
+    GlbBuilder glb = triangle();
+    // Not a picture: decoding it is media's, and only of images that a base colour uses.
+    glb.root["images"] = {{{"bufferView", glb.add_view("nonsense", 8)}, {"mimeType", "image/png"}}};
+    glb.root["materials"] = {
+        {{"extensions", {{"KHR_materials_unlit", json::object()}}},
+         {"alphaMode", "MASK"},
+         {"alphaCutoff", 0.25},
+         {"doubleSided", true},
+         {"pbrMetallicRoughness", {{"baseColorFactor", {1, 0.5, 0.25, 1}}, {"roughnessFactor", 0.5}}}}};
+    primitive(glb)["material"] = 0;
+    const GltfMaterial material = load(glb).materials.at(0);
+    EXPECT_TRUE(material.unlit && material.double_sided);
+    EXPECT_EQ(material.alpha, GltfAlpha::kMask);
+    EXPECT_NEAR(material.alpha_cutoff, 0.25, 1e-6);
+    EXPECT_NEAR(material.base_color.g, 0.5, 1e-6);
+    EXPECT_NEAR(material.roughness, 0.5, 1e-6);
+    EXPECT_EQ(material.texture, -1);
+
+    glb.root["textures"] = {{{"source", 0}}};
+    glb.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    EXPECT_NE(error_of(glb), "") << "the broken picture is used now";
+}
+
+TEST(GltfScene, SparseAccessorsReplaceElements) {
+    GlbBuilder glb = triangle();
+    const std::vector<uint16_t> indices = {1};
+    const std::vector<float> values = {7, 8, 0};
+    json& accessor = glb.root["accessors"][0];
+    accessor["sparse"] = {{"count", 1},
+                          {"indices", {{"bufferView", glb.add_view(indices.data(), 2)}, {"componentType", test::kU16}}},
+                          {"values", {{"bufferView", glb.add_view(values.data(), 12)}}}};
+    expect_near(load(glb).meshes[0].primitives[0].positions[1], {7, 8, 0});
+    accessor["sparse"]["indices"]["componentType"] = test::kU32;
+    expect_error(glb, "/accessors/0/sparse/indices", "bufferView");
+}
+
+TEST(GltfScene, AnimationsAreFoundByNameOrIndex) {
+    GlbBuilder glb = triangle();
+    animate(glb, "translation", "LINEAR", glb.scalar({0}), glb.vec3({0, 0, 0}));
+    const GltfScene scene = load(glb);
+    EXPECT_EQ(find_animation(scene, "Move"), 0u);
+    EXPECT_EQ(find_animation(scene, "0"), 0u);
+    for (const char* wrong : {"Walk", "1", "", "0x"}) {
+        try {
+            find_animation(scene, wrong);
+            FAIL() << wrong;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("0 \"Move\""), std::string::npos) << error.what();
+        }
+    }
+}
+
+TEST(GltfHostile, TruncatedAtEveryLength) {
+    const std::vector<uint8_t> whole = arm().bytes();
+    ASSERT_EQ(error_of(whole), "");
+    for (size_t size = 0; size < whole.size(); size += 7)
+        EXPECT_NE(error_of({whole.begin(), whole.begin() + static_cast<ptrdiff_t>(size)}), "") << size;
+}
+
+TEST(GltfHostile, AccessorsOutOfRange) {
+    GlbBuilder glb = triangle();
+    primitive(glb)["attributes"]["POSITION"] = 5;
+    expect_error(glb, "/meshes/0/primitives/0/attributes/POSITION", "accessor 5");
+
+    glb = triangle();
+    glb.root["accessors"][0]["count"] = 4;
+    expect_error(glb, "/accessors/0", "end at byte 48");
+    glb.root["accessors"][0]["count"] = 4000000000000ull;
+    expect_error(glb, "/accessors/0/count", "whole number");
+    glb.root["accessors"][0]["count"] = 1000000000;
+    expect_error(glb, "/accessors/0", "more than this program takes");
+    glb.root["accessors"][0]["count"] = -1;
+    expect_error(glb, "/accessors/0/count", "whole number");
+    glb.root["accessors"][0]["count"] = 0;
+    expect_error(glb, "/accessors/0", "no elements");
+
+    glb = triangle();
+    glb.root["accessors"][0]["byteOffset"] = 4;
+    expect_error(glb, "/accessors/0", "end at byte 40");
+    glb = triangle();
+    glb.root["accessors"][0]["type"] = "VEC2";
+    expect_error(glb, "/accessors/0", "components");
+    glb = triangle();
+    glb.root["accessors"][0]["componentType"] = 5124;
+    EXPECT_NE(error_of(glb), "");
+}
+
+TEST(GltfHostile, ViewsAndBuffers) {
+    GlbBuilder glb = triangle();
+    glb.root["bufferViews"][0]["byteLength"] = 37;
+    expect_error(glb, "/bufferViews/0", "ends at byte 37");
+    glb.root["bufferViews"][0]["byteLength"] = 36;
+    glb.root["bufferViews"][0]["buffer"] = 1;
+    expect_error(glb, "/bufferViews/0", "buffer 1 does not exist");
+    glb.root["bufferViews"][0]["buffer"] = "x";
+    expect_error(glb, "/bufferViews/0/buffer", "index");
+    glb = triangle();
+    glb.root["bufferViews"][0]["byteStride"] = 4;
+    expect_error(glb, "/accessors/0", "overlap");
+    glb = triangle();
+    glb.root["buffers"] = {{{"byteLength", 36}, {"uri", "nowhere.bin"}}};
+    expect_error(glb, "nowhere.bin", "not found");
+    glb.root["buffers"] = {{{"byteLength", 1000}}};
+    EXPECT_NE(error_of(glb), "");
+    glb.root["buffers"] = {{{"byteLength", 0}}};
+    EXPECT_NE(error_of(glb), "");
+}
+
+TEST(GltfHostile, UrisMustStayInTheFolder) {
+    for (const char* uri : {"/etc/passwd", "../x.bin", "a/../../x.bin", "%2e%2e/x.bin", "file:///etc/passwd", ""}) {
+        GlbBuilder glb = triangle();
+        glb.root["buffers"] = {{{"byteLength", 36}, {"uri", uri}}};
+        expect_error(glb, "/buffers/0/uri", "below the model's folder");
+        glb = triangle();
+        glb.root["images"] = {{{"uri", uri}}};
+        expect_error(glb, "/images/0/uri", "below the model's folder");
+    }
+}
+
+TEST(GltfHostile, BuffersBesideTheModel) {
+    const TemporaryFolder folder;
+    GlbBuilder glb = triangle();
+    glb.root["buffers"] = {{{"byteLength", 36}, {"uri", "some%20data.bin"}}};
+    folder.write(glb.binary, "some data.bin");
+    const std::string text = glb.root.dump();
+    const auto path = folder.write({text.begin(), text.end()}, "model.gltf");
+    EXPECT_EQ(load_gltf(path).meshes[0].primitives[0].positions.size(), 3u);
+}
+
+TEST(GltfHostile, Indices) {
+    GlbBuilder glb = triangle();
+    const std::vector<uint16_t> indices = {0, 1, 3};
+    primitive(glb)["indices"] = glb.add(indices, test::kU16, "SCALAR", 1);
+    expect_error(glb, "/meshes/0/primitives/0/indices", "element 2 is 3");
+    primitive(glb)["indices"] = glb.scalar({0, 1, 2});
+    expect_error(glb, "/accessors/2", "unsigned integers");
+    primitive(glb)["indices"] = glb.add(std::vector<uint16_t>{0, 1}, test::kU16, "SCALAR", 1);
+    expect_error(glb, "/indices", "whole triangles");
+    primitive(glb).erase("indices");
+    primitive(glb)["mode"] = 1;
+    expect_error(glb, "/mode", "triangles");
+}
+
+TEST(GltfHostile, NodeGraph) {
+    GlbBuilder glb = triangle();
+    glb.root["nodes"] = {{{"mesh", 0}, {"children", {1}}}, {{"children", {0}}}};
+    expect_error(glb, "/nodes/0", "ancestor");
+    glb.root["nodes"] = {{{"children", {0}}}};
+    expect_error(glb, "/nodes/0", "ancestor");
+    glb.root["nodes"] = {{{"children", {1, 1}}}, json::object()};
+    expect_error(glb, "/nodes/0/children", "two parents");
+    glb.root["nodes"] = {{{"children", {7}}}};
+    expect_error(glb, "/nodes/0/children", "7 does not exist");
+    glb.root["nodes"] = {{{"mesh", 3}}};
+    expect_error(glb, "/nodes/0/mesh", "3 does not exist");
+    glb.root["nodes"] = {{{"translation", {1, 2}}}};
+    expect_error(glb, "/nodes/0/translation", "2 numbers");
+    glb.root["nodes"] = {{{"translation", "up"}}};
+    expect_error(glb, "/nodes/0/translation", "list of numbers");
+    glb.root["nodes"] = {{{"rotation", {0, 0, 0, 0}}}};
+    expect_error(glb, "/nodes/0/rotation", "length 0");
+    glb.root["nodes"] = {{{"scale", {1e300, 1, 1}}}};
+    expect_error(glb, "/nodes/0/scale", "too large");
+    glb.root["nodes"] = json::array({"text"});
+    EXPECT_NE(error_of(glb), "");
+}
+
+TEST(GltfHostile, SkinsAndMorphs) {
+    GlbBuilder glb = arm();
+    glb.root["skins"][0]["joints"] = {1};
+    expect_error(glb, "JOINTS_0", "joint 1 is past the 1");
+    glb.root["skins"][0]["joints"] = {1, 9};
+    expect_error(glb, "/skins/0/joints", "node 9");
+    glb = arm();
+    glb.root["skins"][0]["joints"] = {1, 2, 1};
+    expect_error(glb, "/skins/0/inverseBindMatrices", "2 matrices for 3");
+    glb = arm();
+    primitive(glb)["attributes"].erase("WEIGHTS_0");
+    expect_error(glb, "/attributes", "only one");
+    glb = triangle();
+    primitive(glb)["targets"] = {{{"POSITION", glb.vec3({0, 0, 0})}}};
+    expect_error(glb, "/targets/0/POSITION", "1 elements for 3 vertices");
+    primitive(glb)["targets"] = {json::object()};
+    glb.root["meshes"][0]["weights"] = {1, 2};
+    expect_error(glb, "/meshes/0/weights", "2 weights for 1");
+}
+
+TEST(GltfHostile, Animations) {
+    const auto with = [](const std::string& path, const std::string& mode, const std::vector<float>& times,
+                         const std::vector<float>& values, size_t components) {
+        GlbBuilder glb = triangle();
+        const int input = glb.scalar(times);
+        animate(glb, path, mode, input, glb.floats(values, components == 4 ? "VEC4" : "VEC3", components));
+        return glb;
+    };
+    expect_error(with("translation", "LINEAR", {0, 0}, {0, 0, 0, 0, 0, 0}, 3), "/samplers/0/input", "ascend");
+    expect_error(with("translation", "LINEAR", {0, 1}, {0, 0, 0}, 3), "/samplers/0/output", "2 keys need 6");
+    expect_error(with("translation", "CUBICSPLINE", {0}, {0, 0, 0}, 3), "/samplers/0/output", "1 keys need 9");
+    expect_error(with("rotation", "LINEAR", {0}, {0, 0, 0, 0}, 4), "/samplers/0/output", "length 0");
+    expect_error(with("weights", "LINEAR", {0}, {0, 0, 0}, 3), "/channels/0/target", "no morph targets");
+    expect_error(with("colour", "LINEAR", {0}, {0, 0, 0}, 3), "/channels/0/target/path", "translation");
+    expect_error(with("translation", "SWIFT", {0}, {0, 0, 0}, 3), "/interpolation", "CUBICSPLINE");
+    expect_error(with("translation", "LINEAR", {NAN}, {0, 0, 0}, 3), "/accessors/1", "not finite");
+    GlbBuilder glb = with("translation", "LINEAR", {0}, {0, 0, 0}, 3);
+    glb.root["animations"][0]["channels"][0]["sampler"] = 4;
+    expect_error(glb, "/animations/0/channels/0/sampler", "4 does not exist");
+    glb = with("translation", "LINEAR", {0}, {0, 0, 0}, 3);
+    glb.root["animations"][0]["channels"][0]["target"]["node"] = 4;
+    expect_error(glb, "/animations/0/channels/0/target/node", "4 does not exist");
+}
+
+TEST(GltfHostile, NumbersThatAreNone) {
+    GlbBuilder glb = triangle();
+    primitive(glb)["attributes"]["POSITION"] = glb.vec3({0, 0, 0, INFINITY, 0, 0, 0, 1, 0});
+    expect_error(glb, "/accessors/1", "element 1 is not finite");
+}
+
+TEST(GltfHostile, RequiredExtensionsAndDepth) {
+    GlbBuilder glb = triangle();
+    glb.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+    expect_error(glb, "/extensionsRequired", "KHR_draco_mesh_compression");
+    const std::string deep = R"({"asset":{"version":"2.0"},"extras":)" + std::string(100000, '[');
+    EXPECT_NE(error_of({deep.begin(), deep.end()}, "deep.gltf").find("deeper"), std::string::npos);
+}
+
+// Any file gives a scene that can be posed, or an InputError.
+TEST(GltfHostile, FlippedBytes) {
+    GlbBuilder source = arm();
+    primitive(source)["targets"] = {{{"POSITION", source.vec3({0, 0, 4, 0, 0, 0, 0, 0, 0})}}};
+    animate(source, "weights", "CUBICSPLINE", source.scalar({0, 1}), source.scalar({0, 1, 0, 0, 2, 0}));
+    animate(source, "translation", "LINEAR", source.scalar({0, 2}), source.vec3({0, 0, 0, 1, 0, 0}));
+    const std::vector<uint8_t> valid = source.bytes();
+    ASSERT_EQ(error_of(valid), "");
+    const TemporaryFolder folder;
+    std::mt19937 random(7);
+    int loaded = 0, refused = 0;
+    for (int round = 0; round < 1500; ++round) {
+        std::vector<uint8_t> bytes = valid;
+        for (uint32_t flips = 1 + random() % 4; flips > 0; --flips)
+            bytes[random() % bytes.size()] ^= static_cast<uint8_t>(1u << random() % 8);
+        try {
+            const GltfScene scene = load_gltf(folder.write(bytes));
+            bounds_over(scene, scene.animations.empty() ? kNoAnimation : 0, {0, 0.5});
+            ++loaded;
+        } catch (const InputError&) {
+            ++refused;
+        }
+    }
+    EXPECT_GT(loaded, 100);
+    EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace neuvv
