@@ -1,0 +1,21 @@
+// The verbs of the program: each adds its subcommand with options, help and callback. Only this folder prints.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace neuvv {
+
+// Options that every verb shares.
+struct CommonOptions {
+    std::string device;  // index or part of a name; empty: NEUVV_DEVICE, else the best
+};
+
+void add_devices(CLI::App& app, CommonOptions& common);
+void add_info(CLI::App& app, CommonOptions& common);
+void add_capture(CLI::App& app, CommonOptions& common);
+void add_train(CLI::App& app, CommonOptions& common);
+void add_eval(CLI::App& app, CommonOptions& common);
+void add_render(CLI::App& app, CommonOptions& common);
+
+}  // namespace neuvv
