@@ -53,6 +53,7 @@ bool march_wants(uint leaf) {
 }
 
 void main() {
+    if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
     sh_y = sh_basis(ray.direction_world);
     Composite sum = composite_begin();

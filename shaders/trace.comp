@@ -23,6 +23,7 @@ layout(push_constant) uniform Push { TracePush push; };
 #include "slice_sample.glsl"
 
 void main() {
+    if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
     sh_y = sh_basis(ray.direction_world);
     Composite sum = composite_begin();
