@@ -1,4 +1,4 @@
-// A line on stderr that says how far a long operation is and how long it will take.
+// One line that says how far a long task is: redrawn on a terminal, a new line every 10 s in a log. To stderr.
 #pragma once
 
 #include <chrono>
@@ -7,28 +7,30 @@
 
 namespace neuvv {
 
-// "1:02:03", "2:03", "0:03".
-std::string clock_text(double seconds);
-
-// Silent for the first two seconds. Then, on a terminal, one line that is rewritten; else a line every ten seconds.
 class Progress {
   public:
     Progress(std::string label, uint64_t total);
-    ~Progress();  // leaves the terminal's line, as finish() does
+    ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
+    // Cheap to call often. `detail` follows the figures.
     void update(uint64_t done, std::string detail = "");
-    // Takes the line away.
+    // Prints the last state and ends the line; the destructor does so too.
     void finish();
 
   private:
     using Clock = std::chrono::steady_clock;
-    std::string label_;
-    uint64_t total_;
-    bool terminal_;
-    bool line_open_ = false;
+    void print();
+
+    std::string label_, detail_;
+    uint64_t total_, done_ = 0;
+    bool terminal_, finished_ = false, dirty_ = false;
+    size_t printed_ = 0;  // characters of the line on the terminal
     Clock::time_point start_, next_;
 };
+
+// "4.2 s", "3:07", "1:02:30"
+std::string format_duration(double seconds);
 
 }  // namespace neuvv

@@ -20,10 +20,11 @@ namespace neuvv {
 namespace {
 
 constexpr PictureSize kDefaultSize{720, 720};
+constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
-    double fps = 0;  // 0: the clip's
+    std::optional<double> fps;  // the clip's where not given
     bool orbit = false, depth = false, alpha = false, direct = false, json = false;
 };
 
@@ -87,10 +88,13 @@ struct Totals {
 Totals render(const RenderOptions& options, const CommonOptions& common) {
     const PictureOutput output = parse_output(options.output);
     ResolveSettings resolve = resolve_settings(options, output);
+    if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
+        throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of pictures",
+                         fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
     const VOctree tree = read_nvv(options.scene);
     const Playback playback{parse_frame_range(options.frames, tree.frames), double{tree.fps},
-                            options.fps > 0 ? options.fps : double{tree.fps}};
+                            options.fps.value_or(double{tree.fps})};
     const std::vector<ViewStep> path = view_path(options, tree, playback, wanted);
     expect_fitting_output(output, path.size());
     const auto [near, far] = depth_range(path, occupied_box(tree));
@@ -151,9 +155,8 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that instant. Keys of --camera "
         "with a time ignore it");
     verb.add_option("--fps", options.fps,
-                    "Pictures a second (default: the clip's); the clip keeps its speed, and "
-                    "frames between its own are interpolated")
-        ->check(CLI::Range(0.01, 1000.0));
+                    "Pictures a second (default: the clip's); the clip keeps its speed, and frames between its own are "
+                    "interpolated");
     verb.add_option("--size", options.size, "WIDTHxHEIGHT (default: that of --camera, else 720x720)");
     verb.add_option("--background", options.background,
                     "white, black, grey, clear or '#rrggbb' (default: white for a video, clear for pictures)");
