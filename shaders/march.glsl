@@ -57,7 +57,8 @@ void march(vec3 origin_tree, vec3 direction_tree) {
     March ray;
     ray.origin = origin_tree * float(side);
     ray.direction = direction_tree * float(side);
-    const vec3 safe = mix(ray.direction, vec3(1e-20), equal(ray.direction, vec3(0.0)));
+    // So small a component never leaves a cell, and its inverse stays finite.
+    const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     ray.inverse = 1.0 / safe;
     const vec2 range = march_range(ray);
     float t = range.x;

@@ -10,8 +10,11 @@ struct Ray {
     vec3 direction_world;  // unit
 };
 
+// The workgroup's tile. A dispatch of very many tiles rounds their number up: check it against the buffers' end.
+uint tile_group() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+
 Ray tile_ray() {
-    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint group = tile_group();
     const uvec4 tile = texelFetch(tiles, int(group));
     const uint lane = gl_LocalInvocationID.x;
     const vec2 pixel = vec2(tile.y + lane % kTile, tile.z + lane / kTile);

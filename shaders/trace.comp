@@ -41,6 +41,7 @@ bool march_visit(uint leaf, float t_in, float t_out) {
 }
 
 void main() {
+    if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
     sum = composite_begin();
     sh_y = sh_basis(ray.direction_world);

@@ -39,8 +39,11 @@ MemoryFlags flags_of(MemoryKind kind) {
 
 }  // namespace
 
-Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format)
-    : device(&owner), name(std::move(label)), bytes(std::max<uint64_t>(size, 16)) {
+// Delegates, so that the destructor frees what is there when a later step throws.
+Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format) : Buffer() {
+    device = &owner;
+    name = std::move(label);
+    bytes = std::max<uint64_t>(size, 16);
     const VkPhysicalDeviceLimits& limits = owner.limits();
     if (texel_format != VK_FORMAT_UNDEFINED && bytes / texel_bytes(texel_format) > limits.maxTexelBufferElements)
         throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} texels, device \"{}\" takes {}", name,

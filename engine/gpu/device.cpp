@@ -152,7 +152,10 @@ std::vector<DeviceSummary> list_devices() {
     return summaries;
 }
 
-Device::Device(const std::string& choice, Validation validation) : messages_(std::make_unique<Messages>()) {
+Device::Device(std::unique_ptr<Messages> messages) : messages_(std::move(messages)) {}
+
+// Delegates, so that the destructor frees the instance when no device fits.
+Device::Device(const std::string& choice, Validation validation) : Device(std::make_unique<Messages>()) {
     create_instance(validation);
     choose_physical(choice);
     create_device();
@@ -160,12 +163,14 @@ Device::Device(const std::string& choice, Validation validation) : messages_(std
 }
 
 Device::~Device() {
-    vkDeviceWaitIdle(device_);
-    save_pipeline_cache();
-    vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
-    vkDestroyDevice(device_, nullptr);
+    if (device_) {
+        vkDeviceWaitIdle(device_);
+        if (pipeline_cache_) save_pipeline_cache();
+        vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
+        vkDestroyDevice(device_, nullptr);
+    }
     if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
-    vkDestroyInstance(instance_, nullptr);
+    if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
 void Device::create_instance(Validation validation) {

@@ -63,6 +63,8 @@ class Device {
     void wait_idle() const;
 
   private:
+    struct Messages;
+    explicit Device(std::unique_ptr<Messages> messages);
     void create_instance(Validation validation);
     void choose_physical(const std::string& choice);
     void create_device();
@@ -81,7 +83,6 @@ class Device {
     DeviceSummary summary_;
     bool float_atomics_ = false;
     bool debug_utils_ = false;
-    struct Messages;
     std::unique_ptr<Messages> messages_;
 };
 

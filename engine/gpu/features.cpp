@@ -14,6 +14,7 @@ struct Feature {
 // Required of every device. A missing one names itself by this table.
 const Feature kRequired[] = {
     {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"maintenance4", [](FeatureChain& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId in our SPIR-V
     {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"dynamicRendering", [](FeatureChain& f) -> VkBool32& { return f.v13.dynamicRendering; }},
 };

@@ -28,7 +28,7 @@ ShaderCamera shader_camera(const Camera& camera);
 // Every tile of one picture, row by row.
 std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);
 
-constexpr float kStopTransmittance = 1.0f / 1024;  // changes no 8-bit value by more than a quarter step
+constexpr float kStopTransmittance = 1.0f / 4096;  // changes no 8-bit sRGB value by more than a step, even on black
 
 class Tracer {
   public:

@@ -1,0 +1,195 @@
+// The gpu room: the choice of a device, limits, copies, reflection and bindings.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+#include "base/error.h"
+#include "gpu/commands.h"
+#include "shared/resolve.h"
+#include "shared/slice.h"
+#include "shared/trace.h"
+#include "spirv/direct.comp.h"
+#include "spirv/resolve.comp.h"
+#include "spirv/rows.comp.h"
+#include "spirv/slice_colour.comp.h"
+#include "spirv/slice_density.comp.h"
+#include "spirv/trace.comp.h"
+#include "support/gpu_test.h"
+#include "support/input_error.h"
+
+namespace neuvv::test {
+namespace {
+
+template <typename Call>
+void expect_failure(Call&& call, const std::string& part) {
+    try {
+        call();
+        ADD_FAILURE() << "no RuntimeFailure";
+    } catch (const RuntimeFailure& failure) {
+        EXPECT_NE(std::string(failure.what()).find(part), std::string::npos) << failure.what();
+    }
+}
+
+using DeviceTest = GpuTest;
+
+TEST_F(DeviceTest, IsNamedByIndexOrByPartOfItsName) {
+    const DeviceSummary& shared = device().summary();
+    EXPECT_EQ(Device(std::to_string(shared.index), Validation::kOn).summary().index, shared.index);
+    std::string part = shared.name.substr(0, 5);
+    for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    EXPECT_EQ(Device(part, Validation::kOn).summary().kind, shared.kind);
+    const std::vector<DeviceSummary> all = list_devices();
+    ASSERT_LT(shared.index, all.size());
+    EXPECT_EQ(all[shared.index].name, shared.name);
+    EXPECT_TRUE(all[shared.index].missing.empty());
+}
+
+TEST_F(DeviceTest, AChoiceThatFitsNoneIsBadInput) {
+    expect_input_error([] { Device("no such device", Validation::kOn); }, {"no such device", "neuvv devices"});
+    expect_input_error([] { Device("999", Validation::kOn); }, {"999", "neuvv devices"});
+    ASSERT_EQ(setenv("NEUVV_DEVICE", "from the environment", 1), 0);
+    expect_input_error([] { Device("", Validation::kOn); }, {"from the environment"});
+    ASSERT_EQ(unsetenv("NEUVV_DEVICE"), 0);
+}
+
+TEST_F(DeviceTest, ValidationIsHeard) {
+    // A buffer of no use at all: the layers must say so, or no test of ours would notice anything.
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = 16;
+    VkBuffer buffer = VK_NULL_HANDLE;
+    vkCreateBuffer(device().handle(), &info, nullptr, &buffer);
+    vkDestroyBuffer(device().handle(), buffer, nullptr);
+    EXPECT_FALSE(device().drain_validation_messages().empty());
+    EXPECT_TRUE(device().drain_validation_messages().empty());
+}
+
+using BufferTest = GpuTest;
+
+TEST_F(BufferTest, LimitsAreNamed) {
+    const uint64_t texels = uint64_t{device().limits().maxTexelBufferElements} + 1;
+    expect_failure([&] { Buffer(device(), "wide", 4 * texels, MemoryKind::kDevice, VK_FORMAT_R32_UINT); }, "\"wide\"");
+    const uint64_t bytes = device().max_allocation_bytes() + 1;
+    expect_failure([&] { Buffer(device(), "heavy", bytes, MemoryKind::kDevice); }, "\"heavy\"");
+    expect_failure([] { texel_bytes(VK_FORMAT_R8_UNORM); }, "texel_bytes");
+}
+
+// Longer than one staging buffer, and every kind of float as it is.
+TEST_F(BufferTest, WhatGoesUpComesDown) {
+    std::vector<float> data((uint64_t{64} << 20) / sizeof(float) + 1023);
+    for (size_t i = 0; i < data.size(); i++) data[i] = static_cast<float>(i % 8191) - 0.1f;
+    data[0] = std::numeric_limits<float>::infinity();
+    data[1] = std::bit_cast<float>(0x7fc12345u);
+    data[2] = std::numeric_limits<float>::denorm_min();
+    data[3] = -0.0f;
+    const uint64_t bytes = data.size() * sizeof(float);
+    const Buffer buffer(device(), "round trip", bytes, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    upload(device(), buffer, data.data(), bytes);
+    std::vector<float> back(data.size());
+    download(device(), buffer, back.data(), bytes);
+    EXPECT_EQ(std::memcmp(back.data(), data.data(), bytes), 0);
+    expect_failure([&] { upload(device(), buffer, data.data(), buffer.bytes + 1); }, "\"round trip\"");
+    expect_failure([&] { download(device(), buffer, back.data(), buffer.bytes + 1); }, "\"round trip\"");
+}
+
+TEST_F(BufferTest, EmptyOnesHoldATexelAndMovesLeaveNothing) {
+    Buffer buffer(device(), "empty", 0, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
+    EXPECT_EQ(buffer.bytes, 16u);
+    ASSERT_NE(buffer.mapped, nullptr);
+    const Buffer moved = std::move(buffer);
+    EXPECT_NE(moved.buffer, VkBuffer{VK_NULL_HANDLE});
+    EXPECT_EQ(buffer.buffer, VkBuffer{VK_NULL_HANDLE});
+}
+
+TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
+    EXPECT_EQ(reflect(rows_comp, "rows").push_bytes, sizeof(RowsPush));
+    EXPECT_EQ(reflect(slice_density_comp, "slice density").push_bytes, sizeof(SlicePush));
+    EXPECT_EQ(reflect(slice_colour_comp, "slice colour").push_bytes, sizeof(SlicePush));
+    EXPECT_EQ(reflect(trace_comp, "trace").push_bytes, sizeof(TracePush));
+    EXPECT_EQ(reflect(direct_comp, "direct").push_bytes, sizeof(TracePush));
+    EXPECT_EQ(reflect(resolve_comp, "resolve").push_bytes, sizeof(ResolvePush));
+}
+
+TEST(Reflect, FindsEveryKindOfBinding) {
+    const ShaderInterface interface = reflect(slice_colour_comp, "slice colour");
+    const std::array<std::pair<uint32_t, VkDescriptorType>, 5> expected = {{
+        {kSliceWeights, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+        {kSliceRows, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+        {kSliceLeaves, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+        {kSliceLive, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+        {kSliceSh, VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER},
+    }};
+    ASSERT_EQ(interface.bindings.size(), expected.size());
+    for (size_t i = 0; i < expected.size(); i++) {
+        EXPECT_EQ(interface.bindings[i].binding, expected[i].first);
+        EXPECT_EQ(interface.bindings[i].type, expected[i].second);
+    }
+}
+
+TEST(Reflect, RefusesWhatIsNoShader) {
+    constexpr uint32_t kWords[] = {1, 2, 3, 4, 5, 6, 7};
+    expect_failure([&] { reflect(kWords, "garbage"); }, "\"garbage\"");
+    expect_failure([] { reflect({}, "nothing"); }, "\"nothing\"");
+    const std::span<const uint32_t> cut(resolve_comp, std::size(resolve_comp) / 2);
+    expect_failure([&] { reflect(cut, "cut"); }, "\"cut\"");
+}
+
+using BindingTest = GpuTest;
+
+TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
+    const ComputePass pass(device(), "resolve", resolve_comp);
+    const Buffer radiance(device(), "radiance", 1024, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
+    const Buffer depth(device(), "depth", 256, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    const Buffer picture(device(), "picture", 256, MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const Buffer plain(device(), "plain", 256, MemoryKind::kDevice), none;
+    const auto bind = [&](const Buffer& in, uint32_t last) {
+        BindingSet(pass, {{kResolveRadiance, &in}, {kResolveDepth, &depth}, {last, &picture}});
+    };
+    EXPECT_NO_THROW(bind(radiance, kResolvePicture));
+    expect_failure([&] { bind(radiance, 17); }, "no buffer for binding 2");
+    expect_failure([&] { bind(none, kResolvePicture); }, "no buffer for binding 0");
+    expect_failure([&] { bind(plain, kResolvePicture); }, "\"plain\" has no texel format");
+}
+
+TEST_F(BindingTest, AStorageBufferBeyondTheRangeIsNamed) {
+    const uint64_t bytes = uint64_t{device().limits().maxStorageBufferRange} + 4;
+    if (bytes > uint64_t{1} << 30) GTEST_SKIP() << "this device binds storage buffers of " << (bytes >> 20) << " MiB";
+    const ComputePass pass(device(), "rows", rows_comp);
+    const Buffer basis(device(), "basis", 64, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    const Buffer live(device(), "live", sizeof(LiveCount), MemoryKind::kDevice);
+    const Buffer huge(device(), "huge rows", bytes, MemoryKind::kDevice);
+    expect_failure(
+        [&] {
+            BindingSet(pass,
+                       {{kRowsSigmaBasis, &basis}, {kRowsGammaBasis, &basis}, {kRowsOut, &huge}, {kRowsLive, &live}});
+        },
+        "\"huge rows\"");
+}
+
+TEST_F(BindingTest, PassTimesAreThoseOfTheScopes) {
+    Commands commands(device(), "timed");
+    EXPECT_TRUE(commands.pass_times().empty());
+    const Buffer buffer(device(), "filled", 1 << 20, MemoryKind::kReadback);
+    commands.begin();
+    for (const char* name : {"first", "second"}) {
+        const PassScope scope(commands, name);
+        fill(commands, buffer, 0x12345678u);
+        compute_barrier(commands);
+    }
+    host_barrier(commands);
+    commands.submit();
+    commands.wait();
+    const std::vector<PassTime> times = commands.pass_times();
+    ASSERT_EQ(times.size(), 2u);
+    EXPECT_EQ(times[1].name, "second");
+    EXPECT_GE(times[0].milliseconds, 0);
+    EXPECT_LT(times[0].milliseconds, 1e4);
+    EXPECT_EQ(buffer.as<uint32_t>()[(1 << 18) - 1], 0x12345678u);
+}
+
+}  // namespace
+}  // namespace neuvv::test

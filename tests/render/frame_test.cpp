@@ -1,0 +1,285 @@
+// Whole frames, by slice and directly, against the reference's march: every pixel's light, alpha and depth.
+#include "render/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "base/error.h"
+#include "reference/camera.h"
+#include "reference/loss.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
+
+struct Traced {
+    std::vector<glm::vec4> radiance;
+    std::vector<float> depth;
+};
+
+Traced trace_on_device(FrameRenderer& renderer, const Camera& camera, float frame, TraceMode mode, float stop) {
+    FrameSettings settings;
+    settings.frame = frame;
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.mode = mode;
+    settings.stop = stop;
+    renderer.render(camera, settings);
+    return {renderer.radiance(camera.width, camera.height), renderer.depth(camera.width, camera.height)};
+}
+
+Traced trace_by_reference(const VOctree& tree, const Camera& camera, double frame, double stop) {
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
+    Traced traced;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y), stop);
+            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
+            traced.depth.push_back(static_cast<float>(ray.depth_m));
+        }
+    return traced;
+}
+
+// The largest differences over all pixels, and what was seen.
+struct Difference {
+    double steps = 0;         // of 255, in alpha and in the colour over black as displays show it
+    double depth_m = 0;       // where the truth's alpha shows
+    bool depth_class = true;  // infinite exactly where alpha is 0
+    double alpha_mean = 0;
+};
+
+// NaN is infinitely wrong.
+void raise(double& worst, double error) {
+    worst = std::isnan(error) ? INFINITY : std::max(worst, error);
+}
+
+Difference difference(const Traced& traced, const Traced& truth) {
+    Difference worst;
+    for (size_t i = 0; i < truth.radiance.size(); i++) {
+        const glm::vec4 light = traced.radiance[i], expected = truth.radiance[i];
+        for (int channel = 0; channel < 3; channel++) {
+            const double shown = reference::display_value(light[channel]);
+            const double wanted = reference::display_value(expected[channel]);
+            raise(worst.steps, 255 * std::abs(shown - wanted));
+        }
+        raise(worst.steps, 255.0 * std::abs(light.a - expected.a));
+        worst.depth_class &= std::isinf(traced.depth[i]) == (light.a == 0);
+        if (expected.a > 1.0f / 255) raise(worst.depth_m, std::abs(traced.depth[i] - truth.depth[i]));
+        worst.alpha_mean += expected.a / static_cast<double>(truth.radiance.size());
+    }
+    return worst;
+}
+
+// What is promised is one step of 255; on scenes of a few metres rounding alone causes far less.
+constexpr double kSteps = 0.1;
+constexpr double kDepth_m = 1e-3;
+
+glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+}
+
+// Looks along world −Z with directions whose x and y are exactly 0 in the middle column and row.
+Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
+    Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
+    camera.fx = camera.fy = focal_pixels;
+    return camera;
+}
+
+struct View {
+    std::string name;
+    Camera camera;
+    bool sees = true;  // hits the volume
+};
+
+std::vector<View> views(const VOctree& tree) {
+    const double side = std::exp2(2.0 * tree.node_levels);  // finest cells
+    const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
+    const auto looking = [](glm::dvec3 eye, glm::dvec3 at, double focal) {
+        return look_at(eye, at, kWidth, kHeight, focal);
+    };
+    std::vector<View> all;
+    all.push_back({"outside", looking(world_of(tree, {1.7, 1.4, 2.1}), middle, 1.1)});
+    all.push_back({"outside, the other side", looking(world_of(tree, {-0.9, -0.3, -1.3}), middle, 1.1)});
+    all.push_back({"inside", looking(world_of(tree, {0.43, 0.57, 0.61}), world_of(tree, {0.1, 0.2, 0.05}), 0.5)});
+    all.push_back({"far away", looking(middle + glm::dvec3(11, 7, 23), middle, 14)});
+    all.push_back({"axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 64)});
+    all.push_back({"nearly axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 61.7)});
+    all.push_back({"in a plane between cells", axis_camera(world_of(tree, {0.5, 0.523, 1.9}), 64)});
+    // Rays that cross a face between cells at slopes of at most 1/100, a thousandth of a cell above it at the entry.
+    all.push_back({"grazing faces", looking(world_of(tree, {1.5, 0.5 + 1e-3 / side, 0.47}),
+                                            world_of(tree, {0.5, 0.5 - 1e-3 / side, 0.47}), 50)});
+    all.push_back({"beside", looking(world_of(tree, {1.2, 0.5, 0.5}), world_of(tree, {1.4, 0.5, 3}), 2), false});
+    all.push_back({"behind", looking(world_of(tree, {0.5, 0.5, 1.2}), world_of(tree, {0.5, 0.6, 3}), 2), false});
+    return all;
+}
+
+size_t wide_leaves(const VOctree& tree) {
+    size_t count = 0;
+    for (const LeafPlace& place : leaf_places(tree)) count += place.depth % 2;
+    return count;
+}
+
+void expect_agreement(const VOctree& tree, const View& view, FrameRenderer& renderer, float frame) {
+    const Traced truth = trace_by_reference(tree, view.camera, frame, 0);
+    const Traced trace = trace_on_device(renderer, view.camera, frame, TraceMode::kSlice, 0);
+    const Traced direct = trace_on_device(renderer, view.camera, frame, TraceMode::kDirect, 0);
+    for (const auto& [name, a, b] : {std::tuple("trace", &trace, &truth), std::tuple("direct", &direct, &truth),
+                                     std::tuple("trace against direct", &trace, &direct)}) {
+        SCOPED_TRACE(view.name + ", " + name);
+        const Difference found = difference(*a, *b);
+        EXPECT_LE(found.steps, kSteps);
+        EXPECT_LE(found.depth_m, kDepth_m);
+        EXPECT_TRUE(found.depth_class);
+        EXPECT_EQ(found.alpha_mean > 0.02, view.sees) << found.alpha_mean;
+    }
+}
+
+using FrameTest = GpuTest;
+
+TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
+    const RandomTreeOptions kTrees[] = {
+        {.seed = 1, .node_levels = 1, .leaves = 15, .bases = 1, .hh_degree = 0},
+        {.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5, .hh_degree = 1},
+        {.seed = 3, .node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 2},
+        {.seed = 4, .node_levels = 4, .leaves = 3000, .bases = 7, .hh_degree = 3},
+    };
+    for (const RandomTreeOptions& options : kTrees) {
+        SCOPED_TRACE("node levels " + std::to_string(options.node_levels));
+        const VOctree tree = random_tree(options);
+        ASSERT_GT(wide_leaves(tree), 0u);
+        ASSERT_LT(wide_leaves(tree), tree.leaf_count);
+        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        for (const View& view : views(tree)) expect_agreement(tree, view, renderer, 1.3f);
+    }
+}
+
+TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
+    for (const glm::vec3 size : {glm::vec3(1), glm::vec3(0.2f, 3.0f, 1.1f)}) {
+        VOctree tree = random_tree({.seed = 8, .node_levels = 2, .leaves = 700});
+        tree.box_size = size;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+            for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 3;
+        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        expect_agreement(tree, views(tree)[0], renderer, 3);
+    }
+}
+
+TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
+    VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    const Camera camera = views(tree)[0].camera;
+    const Traced whole = trace_by_reference(tree, camera, 2, 0);
+    for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect}) {
+        const Traced stopped = trace_on_device(renderer, camera, 2, mode, kStopTransmittance);
+        EXPECT_LE(difference(stopped, whole).steps, 1);
+        double lost = 0;
+        for (size_t i = 0; i < whole.radiance.size(); i++)
+            lost = std::max(lost, static_cast<double>(whole.radiance[i].a - stopped.radiance[i].a));
+        EXPECT_GT(lost, 0.05 * kStopTransmittance) << "no ray was ended early";
+        EXPECT_LE(lost, kStopTransmittance);
+        EXPECT_LE(difference(trace_on_device(renderer, camera, 2, mode, 0), whole).steps, kSteps);
+    }
+}
+
+// The worst case: what is left out is white, what stands before it is black, where sRGB is steepest.
+TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
+    VOctree tree;
+    tree.bases = 1;
+    tree.hh_degree = 0;
+    tree.sigma_basis = tree.gamma_basis = {1};
+    build_topology(tree, {{0, 0, 1, 1}, {0, 0, 0, 1}});
+    const float front[] = {-std::log(0.99f * kStopTransmittance) / 0.5f, 0, -60, -60, -60};
+    const float back[] = {1e4f, 0, 60, 60, 60};
+    std::copy(std::begin(front), std::end(front), tree.leaf(0));
+    std::copy(std::begin(back), std::end(back), tree.leaf(1));
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    const Camera camera = axis_camera({0.25, 0.25, 3}, 512);
+    const Traced whole = trace_by_reference(tree, camera, 0, 0);
+    const Traced stopped = trace_on_device(renderer, camera, 0, TraceMode::kSlice, kStopTransmittance);
+    EXPECT_GT(difference(stopped, whole).steps, 0.1) << "nothing was left out";
+    EXPECT_LE(difference(stopped, whole).steps, 1);
+}
+
+// More tiles than one dimension of a dispatch may hold on many devices.
+TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
+    const VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const Camera camera = look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), 2402, 1763, 0.7);
+    FrameRenderer renderer(device(), field, camera.width, camera.height);
+    const Traced traced = trace_on_device(renderer, camera, 0, TraceMode::kSlice, 0);
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
+    size_t hits = 0;
+    for (size_t i = 0; i < traced.radiance.size(); i += 997) {
+        const auto x = static_cast<double>(i % camera.width), y = static_cast<double>(i / camera.width);
+        const reference::RayResult truth = reference::trace(tree, slices, reference::camera_ray(camera, x, y));
+        hits += truth.alpha > 0;
+        ASSERT_NEAR(traced.radiance[i].a, truth.alpha, kSteps / 255) << x << ' ' << y;
+    }
+    EXPECT_GT(hits, 100u);
+}
+
+TEST_F(FrameTest, ARendererRefusesLargerPictures) {
+    const VOctree tree = random_tree({.seed = 6, .leaves = 20});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    FrameRenderer renderer(device(), field, 16, 16);
+    FrameSettings settings;
+    settings.width = 16;
+    settings.height = 17;
+    EXPECT_THROW(renderer.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 17), settings), RuntimeFailure);
+}
+
+// A volume that training made: NEUVV_TEST_NVV=scene.nvv render_test --gtest_filter='*RealTree*'
+TEST_F(FrameTest, ARealTreeMatchesTheReference) {
+    const char* file = std::getenv("NEUVV_TEST_NVV");
+    if (!file || !*file) GTEST_SKIP() << "set NEUVV_TEST_NVV to a trained .nvv";
+    const VOctree tree = read_nvv(file);
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    const float frame = 0.5f * static_cast<float>(tree.frames - 1) + 0.3f;
+    const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
+    const double radius_m = 1.2 * glm::length(glm::dvec3(tree.box_size));
+    for (const glm::dvec3 from : {glm::dvec3(0.3, 0.2, 1), glm::dvec3(-0.9, 0.1, -0.4), glm::dvec3(0.5, 0.9, -0.6)}) {
+        const Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
+        const Traced truth = trace_by_reference(tree, camera, frame, 0);
+        for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect}) {
+            const Difference found =
+                difference(trace_on_device(renderer, camera, frame, mode, kStopTransmittance), truth);
+            EXPECT_LE(found.steps, 1);
+            EXPECT_LE(found.depth_m, 1e-2);  // the tail that early termination leaves out counts in the mean
+            EXPECT_GT(found.alpha_mean, 0.001) << "this camera sees nothing";
+        }
+    }
+}
+
+// The comparison must notice a wrong pixel of any kind.
+TEST(FrameComparison, NoticesOneWrongPixel) {
+    Traced truth{std::vector<glm::vec4>(9, glm::vec4(0.2f, 0.3f, 0.4f, 0.5f)), std::vector<float>(9, 2.0f)};
+    EXPECT_EQ(difference(truth, truth).steps, 0);
+    Traced wrong = truth;
+    wrong.radiance[4].b += 0.01f;
+    EXPECT_GT(difference(wrong, truth).steps, 1);
+    wrong = truth;
+    wrong.radiance[3].a = NAN;
+    EXPECT_FALSE(difference(wrong, truth).steps <= 1);
+    wrong = truth;
+    wrong.depth[0] += 0.01f;
+    EXPECT_GT(difference(wrong, truth).depth_m, kDepth_m);
+    wrong.depth[0] = INFINITY;
+    EXPECT_FALSE(difference(wrong, truth).depth_class);
+}
+
+}  // namespace
+}  // namespace neuvv::test
