@@ -17,6 +17,7 @@ int run(int argc, char** argv) {
     app.add_option("--device", common.device, "Vulkan device: an index or part of a name (see `neuvv devices`)")
         ->envname("NEUVV_DEVICE");
     app.fallthrough();
+    neuvv::add_capture(app, common);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
