@@ -43,6 +43,8 @@ int run(int argc, char** argv) {
         "  neuvv eval scene.nvv captures/walk --json metrics.json");
     try {
         app.parse(argc, argv);
+    } catch (const CLI::RuntimeError& error) {  // a verb that has said already why it stops
+        return error.get_exit_code();
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : kBadInput;
     }
