@@ -67,7 +67,7 @@ void add_devices(CLI::App& app, CommonOptions&) {
         "Examples:\n"
         "  neuvv devices\n"
         "  neuvv devices --json\n"
-        "  NEUVV_DEVICE=llvmpipe neuvv render scene.nvv -o turn.mp4");
+        "  NEUVV_DEVICE=llvmpipe neuvv devices");
     verb->callback([json] { run(*json); });
 }
 

@@ -157,11 +157,10 @@ void add_eval(CLI::App& app, CommonOptions& common) {
             "        and the pixels whose whole window lies inside the picture\n"
             "  MAE   mean absolute error\n"
             "The mean is over pictures, also per camera. In the error picture, 0.25 and more is white.\n") +
-        kDeviceHelp +
-        "\n\nExamples:\n"
-        "  neuvv eval scene.nvv captures/walk\n"
-        "  neuvv eval scene.nvv captures/walk --json metrics.json --images pictures\n"
-        "  neuvv eval scene.nvv captures/walk --split train --json - | jq .psnr");
+        kDeviceHelp + kExamplesHead +
+        "  neuvv eval build/performer.nvv build/performer\n"
+        "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/pictures\n"
+        "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr");
     verb->callback([options, &common] { run(*options, common); });
 }
 

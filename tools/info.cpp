@@ -86,11 +86,10 @@ void add_info(CLI::App& app, CommonOptions&) {
     verb->add_option("file", options->file, "The .nvv file")->required();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
-    verb->footer(
-        "Examples:\n"
-        "  neuvv info scene.nvv\n"
-        "  neuvv info scene.nvv --check\n"
-        "  neuvv info scene.nvv --json | jq .leaves");
+    verb->footer(std::string(kExamplesHead + 2) +
+                 "  neuvv info build/performer.nvv\n"
+                 "  neuvv info build/performer.nvv --check\n"
+                 "  neuvv info build/performer.nvv --json | jq .leaves");
     verb->callback([options] { run(*options); });
 }
 

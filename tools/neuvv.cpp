@@ -15,6 +15,8 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     const auto verbs = app->get_subcommands();
     const std::string verb = verbs.empty() ? "" : verbs[0]->get_name() + " ";
     std::string problem = error.what();
+    const auto unknown = app->remaining();
+    if (verbs.empty() && !unknown.empty()) problem = "there is no verb " + unknown[0];
     for (char& c : problem)
         if (c == '\n' || c == '\r') c = ' ';
     return fmt::format("neuvv: {}; `neuvv {}--help` shows how\n", problem, verb);
@@ -36,11 +38,12 @@ int run(int argc, char** argv) {
     neuvv::add_render(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
-        "Examples:\n"
+        "Examples (from the repository's root):\n"
         "  neuvv devices\n"
-        "  neuvv info scene.nvv\n"
-        "  neuvv render scene.nvv -o turn.mp4\n"
-        "  neuvv eval scene.nvv captures/walk --json metrics.json");
+        "  neuvv capture tools/performer/performer.glb -o build/performer\n"
+        "  neuvv train build/performer -o build/performer.nvv\n"
+        "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
+        "  neuvv render build/performer.nvv -o build/turn.mp4");
     try {
         app.parse(argc, argv);
     } catch (const CLI::RuntimeError& error) {  // a verb that has said already why it stops

@@ -172,13 +172,12 @@ void add_render(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("render", "Render a scene to a free-viewpoint video or to pictures");
     const auto options = std::make_shared<RenderOptions>();
     add_options(*verb, *options);
-    verb->footer(
-        std::string("NEUVV_TRACE=1 prints the time of each pass.\n") + kDeviceHelp +
-        "\n\nExamples:\n"
-        "  neuvv render scene.nvv -o turn.mp4\n"
-        "  neuvv render scene.nvv -o slow_%04d.png --frames 3:5.5 --fps 200 --size 1280x720\n"
-        "  neuvv render scene.nvv -o seen.mp4 --camera captures/walk/transforms_test.json --background '#203040'\n"
-        "  neuvv render scene.nvv -o depth.mp4 --depth --frames 0");
+    verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass.\n") + kDeviceHelp + kExamplesHead +
+                 "  neuvv render build/performer.nvv -o build/turn.mp4\n"
+                 "  neuvv render build/performer.nvv -o build/slow_%04d.png --frames 3:5.5 --fps 200 --size 1280x720\n"
+                 "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
+                 "--size 480x480\n"
+                 "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0");
     verb->callback([options, &common] { run(*options, common); });
 }
 

@@ -24,4 +24,9 @@ std::string pass_times_text(const std::vector<PassTime>& times);
 constexpr const char* kDeviceHelp =
     "--device NAME or NEUVV_DEVICE=NAME chooses the Vulkan device; `neuvv devices` lists them.";
 
+// Before the examples of verbs that need a trained scene.
+constexpr const char* kExamplesHead =
+    "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
+    "`neuvv train build/performer -o build/performer.nvv`:\n";
+
 }  // namespace neuvv

@@ -25,7 +25,7 @@ TEST_F(Cli, EveryVerbHelpsWithExamples) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
-        const size_t examples = result.out.find("Examples:\n");
+        const size_t examples = result.out.find("Examples");
         ASSERT_NE(examples, std::string::npos) << verb;
         EXPECT_NE(result.out.find(std::string("neuvv ") + verb, examples), std::string::npos) << verb;
         EXPECT_EQ(result.err, "") << verb;
@@ -40,7 +40,7 @@ TEST_F(Cli, EvalHelpDefinesTheMetrics) {
 
 TEST_F(Cli, WrongUseIsBadInput) {
     expect_refused({}, 2, {"--help"});
-    expect_refused({"sing"}, 2, {"--help"});
+    expect_refused({"sing"}, 2, {"sing", "--help"});
     expect_refused({"info"}, 2, {"file", "neuvv info --help"});
     expect_refused({"info", scene, "--no-such-option"}, 2, {"--no-such-option", "neuvv info --help"});
     expect_refused({"eval", scene, file("data"), "--split", "both"}, 2, {"both", "neuvv eval --help"});
