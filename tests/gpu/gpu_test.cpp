@@ -61,9 +61,10 @@ TEST_F(DeviceTest, ValidationIsHeard) {
     // A buffer of no use at all: the layers must say so, or no test of ours would notice anything.
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = 16;
+    const VkDevice handle = device().handle();
     VkBuffer buffer = VK_NULL_HANDLE;
-    vkCreateBuffer(device().handle(), &info, nullptr, &buffer);
-    vkDestroyBuffer(device().handle(), buffer, nullptr);
+    vkCreateBuffer(handle, &info, nullptr, &buffer);
+    vkDestroyBuffer(handle, buffer, nullptr);
     EXPECT_FALSE(device().drain_validation_messages().empty());
     EXPECT_TRUE(device().drain_validation_messages().empty());
 }

@@ -1,0 +1,94 @@
+// FLIP itself: values that are known, and properties that any metric has.
+#include "golden/flip.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "golden/golden.h"
+#include "support/random_tree.h"
+
+namespace neuvv::test {
+namespace {
+
+Image uniform_image(uint8_t r, uint8_t g, uint8_t b) {
+    Image image(48, 32);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        const uint8_t pixel[] = {r, g, b, 255};
+        std::copy_n(pixel, 4, &image.rgba[i]);
+    }
+    return image;
+}
+
+Image noise_image(uint64_t seed) {
+    Random random(seed);
+    Image image(48, 32);
+    for (uint8_t& byte : image.rgba) byte = static_cast<uint8_t>(random.below(256));
+    return image;
+}
+
+// Black on the left of column `edge`, white from there.
+Image edge_image(uint32_t edge) {
+    Image image = uniform_image(0, 0, 0);
+    for (uint32_t y = 0; y < image.height; y++)
+        for (uint32_t x = edge; x < image.width; x++) std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(255));
+    return image;
+}
+
+double mean(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+TEST(Flip, IdenticalPicturesDoNotDiffer) {
+    const Image image = noise_image(1);
+    const std::vector<double> errors = flip(image, image);
+    EXPECT_EQ(errors.size(), 48u * 32u);
+    EXPECT_EQ(*std::max_element(errors.begin(), errors.end()), 0);
+}
+
+TEST(Flip, UniformPicturesDifferByTheirColoursAlone) {
+    // By hand: HyAB of black and white is ΔL* = 100; (100^0.7 − 0.4·c) / (0.6·c) of the top twentieth, c = 41.276.
+    for (const double error : flip(uniform_image(0, 0, 0), uniform_image(255, 255, 255)))
+        EXPECT_NEAR(error, 0.9676, 1e-3);
+    // The two colours that the metric's largest difference is defined by.
+    for (const double error : flip(uniform_image(0, 255, 0), uniform_image(0, 0, 255))) EXPECT_NEAR(error, 1, 1e-6);
+    // A step of one in 255 in mid-grey: ΔL* = 0.39 → 0.39^0.7 · 0.95 / 16.51.
+    for (const double error : flip(uniform_image(128, 128, 128), uniform_image(129, 129, 129)))
+        EXPECT_NEAR(error, 0.030, 0.002);
+}
+
+TEST(Flip, IsSymmetricAndBounded) {
+    const std::vector<double> ab = flip(noise_image(1), noise_image(2)), ba = flip(noise_image(2), noise_image(1));
+    for (size_t i = 0; i < ab.size(); i++) {
+        EXPECT_NEAR(ab[i], ba[i], 1e-12);
+        EXPECT_GE(ab[i], 0);
+        EXPECT_LE(ab[i], 1);
+    }
+}
+
+TEST(Flip, AShiftedEdgeIsSeenWhereItIs) {
+    const std::vector<double> errors = flip(edge_image(24), edge_image(26));
+    EXPECT_FALSE(compare_with_golden(edge_image(26), edge_image(24)).passes());
+    EXPECT_FALSE(compare_with_golden(edge_image(25), edge_image(24)).passes());
+    EXPECT_GT(errors[48 * 16 + 25], 0.8);
+    EXPECT_LT(errors[48 * 16 + 2], 1e-6);
+    EXPECT_LT(errors[48 * 16 + 46], 1e-6);
+}
+
+TEST(Flip, GrowsWithTheDifferenceAndFadesWithDistance) {
+    const Image grey = uniform_image(100, 100, 100);
+    double last = 0;
+    for (const uint8_t value : std::initializer_list<uint8_t>{101, 105, 120, 160, 250}) {
+        const double error = mean(flip(grey, uniform_image(value, 100, 100)));
+        EXPECT_GT(error, last);
+        last = error;
+    }
+    // From twice as far, fine noise melts into one grey.
+    EXPECT_LT(mean(flip(noise_image(1), noise_image(2), 2 * kPixelsPerDegree)),
+              mean(flip(noise_image(1), noise_image(2))));
+}
+
+}  // namespace
+}  // namespace neuvv::test

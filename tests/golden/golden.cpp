@@ -1,0 +1,81 @@
+#include "golden/golden.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/error.h"
+#include "golden/flip.h"
+
+namespace neuvv::test {
+namespace {
+
+GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t grey) {
+    const uint8_t background[3] = {grey, grey, grey};
+    const Image a = composite_over(truth, background), b = composite_over(result, background);
+    std::vector<double> errors = flip(a, b);
+    GoldenDifference difference;
+    const uint32_t width = a.width;
+    difference.picture = Image(3 * width, a.height);
+    for (uint32_t y = 0; y < a.height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            std::memcpy(difference.picture.at(x, y), a.at(x, y), 4);
+            std::memcpy(difference.picture.at(width + x, y), b.at(x, y), 4);
+            uint8_t* pixel = difference.picture.at(2 * width + x, y);
+            std::fill_n(pixel, 3, static_cast<uint8_t>(std::lround(255 * errors[size_t{y} * width + x])));
+            pixel[3] = 255;
+        }
+    for (const double error : errors) difference.mean += error / static_cast<double>(errors.size());
+    std::sort(errors.begin(), errors.end());
+    difference.percentile_99 = errors[(errors.size() - 1) * 99 / 100];
+    return difference;
+}
+
+}  // namespace
+
+GoldenDifference compare_with_golden(const Image& result, const Image& truth) {
+    if (result.width != truth.width || result.height != truth.height || result.rgba.empty()) {
+        GoldenDifference difference;
+        difference.same_size = false;
+        difference.picture = result;
+        return difference;
+    }
+    GoldenDifference black = compare_over(result, truth, 0), white = compare_over(result, truth, 255);
+    return std::max(black.mean / kGoldenMean, black.percentile_99 / kGoldenPercentile99) >=
+                   std::max(white.mean / kGoldenMean, white.percentile_99 / kGoldenPercentile99)
+               ? black
+               : white;
+}
+
+std::string check_golden(const std::string& name, const Image& result, const std::filesystem::path& failures) {
+    const std::filesystem::path golden = std::filesystem::path(NEUVV_GOLDEN_DIR) / (name + ".png");
+    const char* accept = std::getenv("NEUVV_ACCEPT_GOLDEN");
+    if (accept && (accept == name || std::strcmp(accept, "all") == 0)) {
+        write_png(golden, result);
+        return "";
+    }
+    const std::filesystem::path failure = failures / (name + ".png");
+    std::filesystem::create_directories(failures);
+    Image truth;
+    try {
+        truth = read_png(golden);
+    } catch (const InputError& error) {
+        write_png(failure, result);
+        return fmt::format("{}; the result is {}", error.what(), failure.string());
+    }
+    const GoldenDifference difference = compare_with_golden(result, truth);
+    if (difference.passes()) return "";
+    write_png(failure, difference.picture);
+    if (!difference.same_size)
+        return fmt::format("{}x{} instead of {}x{}; the result is {}", result.width, result.height, truth.width,
+                           truth.height, failure.string());
+    return fmt::format(
+        "FLIP mean {:.4f} (at most {}), 99th percentile {:.4f} (at most {}); truth, result, difference: {}; "
+        "if the result is right: tests/golden/accept {}",
+        difference.mean, kGoldenMean, difference.percentile_99, kGoldenPercentile99, failure.string(), name);
+}
+
+}  // namespace neuvv::test
