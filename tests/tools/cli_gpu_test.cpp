@@ -195,6 +195,11 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 
+TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
+                   {"no such card", "neuvv devices"});
+}
+
 TEST_F(CliGpu, AnUnwritablePlaceIsAFailure) {
     write_text(file("wall"), "a file where a folder should be");
     expect_refused({"render", scene, "-o", file("wall/x.mp4"), "--size", "16x16"}, 1, {"wall"});

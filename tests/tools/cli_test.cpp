@@ -62,11 +62,6 @@ TEST_F(Cli, RenderRefusesWhatItCannotDoBeforeItStarts) {
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
 }
 
-TEST_F(Cli, DeviceChoiceThatFitsNoneIsBadInput) {
-    expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
-                   {"no such card", "neuvv devices"});
-}
-
 TEST_F(Cli, EvalNamesTheMissingDataSet) {
     expect_refused({"eval", scene, file("data")}, 2, {"data", "transforms_train.json"});
 }
