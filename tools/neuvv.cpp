@@ -10,16 +10,45 @@ namespace {
 
 constexpr int kFailure = 1, kBadInput = 2;
 
+// One line: what is wrong, and where to look.
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+    const auto verbs = app->get_subcommands();
+    const std::string verb = verbs.empty() ? "" : verbs[0]->get_name() + " ";
+    std::string problem = error.what();
+    const auto unknown = app->remaining();
+    if (verbs.empty() && !unknown.empty()) problem = "there is no verb " + unknown[0];
+    for (char& c : problem)
+        if (c == '\n' || c == '\r') c = ' ';
+    return fmt::format("neuvv: {}; `neuvv {}--help` shows how\n", problem, verb);
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Neural volumetric video: capture, train, measure, render.", "neuvv"};
     app.require_subcommand(1);
+    app.failure_message(usage_error);
+    app.set_version_flag("--version", NEUVV_VERSION);
     neuvv::CommonOptions common;
     app.add_option("--device", common.device, "Vulkan device: an index or part of a name (see `neuvv devices`)")
         ->envname("NEUVV_DEVICE");
     app.fallthrough();
+    neuvv::add_devices(app, common);
+    neuvv::add_info(app, common);
+    neuvv::add_capture(app, common);
     neuvv::add_train(app, common);
+    neuvv::add_eval(app, common);
+    neuvv::add_render(app, common);
+    app.footer(
+        "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
+        "Examples (from the repository's root):\n"
+        "  neuvv devices\n"
+        "  neuvv capture tools/performer/performer.glb -o build/performer\n"
+        "  neuvv train build/performer -o build/performer.nvv\n"
+        "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
+        "  neuvv render build/performer.nvv -o build/turn.mp4");
     try {
         app.parse(argc, argv);
+    } catch (const CLI::RuntimeError& error) {  // a verb that has said already why it stops
+        return error.get_exit_code();
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : kBadInput;
     }

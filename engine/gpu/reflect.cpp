@@ -24,11 +24,12 @@ struct Context {
 };
 
 // Texel buffers are images of dimension Buffer: sampled ones are read by texelFetch, storage ones by imageLoad/Store.
-constexpr std::array<std::pair<spvc_resource_type, VkDescriptorType>, 4> kResources = {{
+constexpr std::array<std::pair<spvc_resource_type, VkDescriptorType>, 5> kResources = {{
     {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
     {SPVC_RESOURCE_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
     {SPVC_RESOURCE_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER},
     {SPVC_RESOURCE_TYPE_SEPARATE_IMAGE, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+    {SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},  // pictures: sampler2D
 }};
 
 }  // namespace

@@ -290,8 +290,8 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
             ++refused;
         }
     }
-    EXPECT_GT(refused, 1500);
-    EXPECT_GT(accepted, 1500);
+    EXPECT_GT(refused, 1000);  // both ways are well trodden
+    EXPECT_GT(accepted, 1000);
 }
 
 TEST_F(Nvv, HostileTrees) {

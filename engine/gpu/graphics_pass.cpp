@@ -1,0 +1,198 @@
+#include "gpu/graphics_pass.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+// What either stage declares.
+ShaderInterface merge(ShaderInterface a, const ShaderInterface& b) {
+    for (const BindingSlot& slot : b.bindings)
+        if (std::none_of(a.bindings.begin(), a.bindings.end(), [&](auto& s) { return s.binding == slot.binding; }))
+            a.bindings.push_back(slot);
+    std::sort(a.bindings.begin(), a.bindings.end(), [](auto& l, auto& r) { return l.binding < r.binding; });
+    a.push_bytes = std::max(a.push_bytes, b.push_bytes);
+    return a;
+}
+
+VkDescriptorSetLayout make_set_layout(const Device& device, const ShaderInterface& interface, const std::string& name) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const BindingSlot& slot : interface.bindings)
+        bindings.push_back({slot.binding, slot.type, 1, kDrawStages, nullptr});
+    VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    info.bindingCount = static_cast<uint32_t>(bindings.size());
+    info.pBindings = bindings.data();
+    VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+    check(vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout), "vkCreateDescriptorSetLayout", name);
+    return layout;
+}
+
+VkPipelineLayout make_pipeline_layout(const Device& device, VkDescriptorSetLayout set, uint32_t push_bytes,
+                                      const std::string& name) {
+    const VkPushConstantRange range{kDrawStages, 0, push_bytes};
+    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set;
+    info.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
+    info.pPushConstantRanges = &range;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    check(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout), "vkCreatePipelineLayout", name);
+    return layout;
+}
+
+struct ShaderModule {
+    const Device& device;
+    VkShaderModule module = VK_NULL_HANDLE;
+    ShaderModule(const Device& owner, std::span<const uint32_t> spirv, const std::string& name) : device(owner) {
+        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+        info.codeSize = spirv.size_bytes();
+        info.pCode = spirv.data();
+        check(vkCreateShaderModule(device.handle(), &info, nullptr, &module), "vkCreateShaderModule", name);
+    }
+    ~ShaderModule() { vkDestroyShaderModule(device.handle(), module, nullptr); }
+    ShaderModule(const ShaderModule&) = delete;
+    ShaderModule& operator=(const ShaderModule&) = delete;
+};
+
+// The states of a pipeline that do not depend on its shaders.
+struct FixedState {
+    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+    VkPipelineColorBlendAttachmentState attachment{};
+    VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+
+    explicit FixedState(VkSampleCountFlagBits samples) {
+        assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+        viewport.viewportCount = viewport.scissorCount = 1;
+        raster.polygonMode = VK_POLYGON_MODE_FILL;
+        raster.lineWidth = 1;
+        multisample.rasterizationSamples = samples;
+        depth.depthTestEnable = VK_TRUE;
+        depth.depthCompareOp = VK_COMPARE_OP_GREATER;
+        attachment.blendEnable = VK_TRUE;
+        attachment.srcColorBlendFactor = attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+        attachment.dstColorBlendFactor = attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+        attachment.colorWriteMask = 0xf;
+        blend.attachmentCount = 1;
+        blend.pAttachments = &attachment;
+        static constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                                      VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE,
+                                                      VK_DYNAMIC_STATE_DEPTH_WRITE_ENABLE};
+        dynamic.dynamicStateCount = static_cast<uint32_t>(std::size(kDynamic));
+        dynamic.pDynamicStates = kDynamic;
+    }
+    FixedState(const FixedState&) = delete;
+    FixedState& operator=(const FixedState&) = delete;
+};
+
+VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, const GraphicsShape& shape,
+                         const std::string& name) {
+    const ShaderModule vertex(device, shape.vertex_spirv, name), fragment(device, shape.fragment_spirv, name);
+    VkPipelineShaderStageCreateInfo stages[2]{};
+    for (auto& stage : stages) stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+    stages[0].module = vertex.module;
+    stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    stages[1].module = fragment.module;
+    stages[0].pName = stages[1].pName = "main";
+    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    input.vertexBindingDescriptionCount = static_cast<uint32_t>(shape.streams.size());
+    input.pVertexBindingDescriptions = shape.streams.data();
+    input.vertexAttributeDescriptionCount = static_cast<uint32_t>(shape.attributes.size());
+    input.pVertexAttributeDescriptions = shape.attributes.data();
+    const FixedState fixed(shape.samples);
+    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachmentFormats = &shape.colour;
+    rendering.depthAttachmentFormat = shape.depth;
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    info.pNext = &rendering;
+    info.stageCount = 2;
+    info.pStages = stages;
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &fixed.assembly;
+    info.pViewportState = &fixed.viewport;
+    info.pRasterizationState = &fixed.raster;
+    info.pMultisampleState = &fixed.multisample;
+    info.pDepthStencilState = &fixed.depth;
+    info.pColorBlendState = &fixed.blend;
+    info.pDynamicState = &fixed.dynamic;
+    info.layout = layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateGraphicsPipelines(device.handle(), device.pipeline_cache(), 1, &info, nullptr, &pipeline),
+          "vkCreateGraphicsPipelines", name);
+    device.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name);
+    return pipeline;
+}
+
+}  // namespace
+
+GraphicsPass::GraphicsPass(const Device& device, std::string name, const GraphicsShape& shape)
+    : device_(device),
+      name_(std::move(name)),
+      interface_(merge(reflect(shape.vertex_spirv, name_), reflect(shape.fragment_spirv, name_))) {
+    set_layout_ = make_set_layout(device, interface_, name_);
+    layout_ = make_pipeline_layout(device, set_layout_, interface_.push_bytes, name_);
+    device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT, reinterpret_cast<uint64_t>(set_layout_), name_);
+    device.name_object(VK_OBJECT_TYPE_PIPELINE_LAYOUT, reinterpret_cast<uint64_t>(layout_), name_);
+    pipeline_ = make_pipeline(device, layout_, shape, name_);
+}
+
+GraphicsPass::~GraphicsPass() {
+    vkDestroyPipeline(device_.handle(), pipeline_, nullptr);
+    vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+}
+
+TextureSet::TextureSet(const GraphicsPass& pass,
+                       std::span<const std::pair<const DeviceImage*, const Sampler*>> textures)
+    : device_(&pass.device()) {
+    const std::vector<BindingSlot>& slots = pass.interface().bindings;
+    if (slots.size() != textures.size())
+        throw RuntimeFailure(fmt::format("pass \"{}\" has {} bindings, not {}", pass.name(), slots.size(), textures.size()));
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, static_cast<uint32_t>(slots.size())};
+    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    pool.maxSets = 1;
+    pool.poolSizeCount = 1;
+    pool.pPoolSizes = &size;
+    check(vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &pool_), "vkCreateDescriptorPool", pass.name());
+    const VkDescriptorSetLayout layout = pass.set_layout();
+    VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &layout};
+    check(vkAllocateDescriptorSets(device_->handle(), &info, &set_), "vkAllocateDescriptorSets", pass.name());
+    device_->name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), pass.name());
+    for (size_t i = 0; i < slots.size(); i++) {
+        const VkDescriptorImageInfo image{textures[i].second->sampler, textures[i].first->view, VK_IMAGE_LAYOUT_GENERAL};
+        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        write.dstSet = set_;
+        write.dstBinding = slots[i].binding;
+        write.descriptorCount = 1;
+        write.descriptorType = slots[i].type;
+        write.pImageInfo = &image;
+        vkUpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
+    }
+}
+
+TextureSet::~TextureSet() {
+    if (device_) vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
+}
+
+TextureSet::TextureSet(TextureSet&& other) noexcept { *this = std::move(other); }
+
+TextureSet& TextureSet::operator=(TextureSet&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(pool_, other.pool_);
+    std::swap(set_, other.set_);
+    return *this;
+}
+
+}  // namespace neuvv

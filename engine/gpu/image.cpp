@@ -1,0 +1,155 @@
+#include "gpu/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <utility>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+VkImageAspectFlags aspect_of(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+void move_to_general(Commands& commands, const DeviceImage& image) {
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image.image;
+    barrier.subresourceRange = {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+void create_image(DeviceImage& to) {
+    const Device& device = *to.device;
+    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = to.shape.format;
+    info.extent = {to.shape.width, to.shape.height, 1};
+    info.mipLevels = to.shape.mip_levels;
+    info.arrayLayers = 1;
+    info.samples = to.shape.samples;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = to.shape.usage;
+    check(vkCreateImage(device.handle(), &info, nullptr, &to.image), "vkCreateImage", to.name);
+    VkMemoryRequirements requirements{};
+    vkGetImageMemoryRequirements(device.handle(), to.image, &requirements);
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocate.allocationSize = requirements.size;
+    allocate.memoryTypeIndex = device.memory_type(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
+    check(vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory), "vkAllocateMemory", to.name);
+    check(vkBindImageMemory(device.handle(), to.image, to.memory, 0), "vkBindImageMemory", to.name);
+}
+
+}  // namespace
+
+DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShape& wanted)
+    : device(&owner), name(std::move(label)), shape(wanted) {
+    const uint32_t limit = owner.limits().maxImageDimension2D;
+    if (shape.width > limit || shape.height > limit)
+        throw RuntimeFailure(fmt::format("image \"{}\" is {}×{}, device \"{}\" takes {} a side", name, shape.width,
+                                         shape.height, owner.summary().name, limit));
+    create_image(*this);
+    VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    info.image = image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = shape.format;
+    info.subresourceRange = {aspect_of(shape.format), 0, shape.mip_levels, 0, 1};
+    check(vkCreateImageView(owner.handle(), &info, nullptr, &view), "vkCreateImageView", name);
+    owner.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image), name);
+    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
+    owner.name_object(VK_OBJECT_TYPE_IMAGE_VIEW, reinterpret_cast<uint64_t>(view), name);
+    run_once(owner, name, [&](Commands& commands) { move_to_general(commands, *this); });
+}
+
+DeviceImage::~DeviceImage() {
+    if (!device) return;
+    vkDestroyImageView(device->handle(), view, nullptr);
+    vkDestroyImage(device->handle(), image, nullptr);
+    vkFreeMemory(device->handle(), memory, nullptr);
+}
+
+DeviceImage::DeviceImage(DeviceImage&& other) noexcept { *this = std::move(other); }
+
+DeviceImage& DeviceImage::operator=(DeviceImage&& other) noexcept {
+    std::swap(device, other.device);
+    std::swap(name, other.name);
+    std::swap(shape, other.shape);
+    std::swap(image, other.image);
+    std::swap(memory, other.memory);
+    std::swap(view, other.view);
+    return *this;
+}
+
+Sampler::Sampler(const Device& owner, const std::string& name, const SamplerShape& shape) : device(&owner) {
+    VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    info.magFilter = shape.magnification;
+    info.minFilter = shape.minification;
+    info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+    info.addressModeU = shape.wrap_u;
+    info.addressModeV = shape.wrap_v;
+    info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    info.maxLod = shape.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;  // 0 would take the magnification filter for both
+    check(vkCreateSampler(owner.handle(), &info, nullptr, &sampler), "vkCreateSampler", name);
+    owner.name_object(VK_OBJECT_TYPE_SAMPLER, reinterpret_cast<uint64_t>(sampler), name);
+}
+
+Sampler::~Sampler() {
+    if (device) vkDestroySampler(device->handle(), sampler, nullptr);
+}
+
+Sampler::Sampler(Sampler&& other) noexcept { *this = std::move(other); }
+
+Sampler& Sampler::operator=(Sampler&& other) noexcept {
+    std::swap(device, other.device);
+    std::swap(sampler, other.sampler);
+    return *this;
+}
+
+void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels) {
+    assert(levels.size() == image.shape.mip_levels && "one array a mip level");
+    for (uint32_t level = 0; level < levels.size(); level++) {
+        const Buffer staging(device, image.name + " upload", levels[level].size(), MemoryKind::kUpload);
+        std::memcpy(staging.mapped, levels[level].data(), levels[level].size());
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+        region.imageExtent = {std::max(1u, image.shape.width >> level), std::max(1u, image.shape.height >> level), 1};
+        run_once(device, image.name + " upload", [&](Commands& commands) {
+            vkCmdCopyBufferToImage(commands.handle(), staging.buffer, image.image, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
+        });
+    }
+}
+
+void drawing_barrier(Commands& commands) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_READ_BIT;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+void copy(Commands& commands, const DeviceImage& from, const Buffer& to) {
+    VkBufferImageCopy region{};
+    region.imageSubresource = {aspect_of(from.shape.format), 0, 0, 1};
+    region.imageExtent = {from.shape.width, from.shape.height, 1};
+    vkCmdCopyImageToBuffer(commands.handle(), from.image, VK_IMAGE_LAYOUT_GENERAL, to.buffer, 1, &region);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,67 @@
+// Device images: targets to draw into and textures to read. They stay in layout GENERAL all their life.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/commands.h"
+
+namespace neuvv {
+
+struct ImageShape {
+    uint32_t width = 1, height = 1;
+    VkFormat format = VK_FORMAT_R16G16B16A16_SFLOAT;
+    VkImageUsageFlags usage = 0;
+    VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+    uint32_t mip_levels = 1;
+};
+
+// Move-only; two-dimensional, with one view of the whole. Contents are undefined and the layout is GENERAL after creation.
+struct DeviceImage {
+    DeviceImage() = default;
+    // Throws RuntimeFailure naming the image where a limit of the device or its memory is exceeded.
+    DeviceImage(const Device& device, std::string name, const ImageShape& shape);
+    ~DeviceImage();
+    DeviceImage(DeviceImage&& other) noexcept;
+    DeviceImage& operator=(DeviceImage&& other) noexcept;
+
+    const Device* device = nullptr;
+    std::string name;
+    ImageShape shape;
+    VkImage image = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+};
+
+// Trilinear unless told otherwise.
+struct SamplerShape {
+    VkSamplerAddressMode wrap_u = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    VkSamplerAddressMode wrap_v = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    VkFilter magnification = VK_FILTER_LINEAR;
+    VkFilter minification = VK_FILTER_LINEAR;
+    bool mipmaps = true;
+};
+
+// Move-only.
+struct Sampler {
+    Sampler() = default;
+    Sampler(const Device& device, const std::string& name, const SamplerShape& shape);
+    ~Sampler();
+    Sampler(Sampler&& other) noexcept;
+    Sampler& operator=(Sampler&& other) noexcept;
+
+    const Device* device = nullptr;
+    VkSampler sampler = VK_NULL_HANDLE;
+};
+
+// One tightly packed array of bytes a mip level, the largest first; set-up only.
+void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);
+
+// What was drawn into attachments before is seen by copies after.
+void drawing_barrier(Commands& commands);
+
+// The whole of level 0 into a tightly packed buffer.
+void copy(Commands& commands, const DeviceImage& from, const Buffer& to);
+
+}  // namespace neuvv

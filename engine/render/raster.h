@@ -1,0 +1,77 @@
+// The raster pass: an animated glTF scene to pictures, for captures and for the meshes on a stage.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gpu/graphics_pass.h"
+#include "media/image.h"
+#include "shared/raster.h"
+#include "stage/camera.h"
+#include "stage/pose.h"
+
+namespace neuvv {
+
+// Pictures are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
+constexpr uint32_t kSupersample = 2;
+
+// Draws one scene at one picture size. Vertices are posed on the CPU: a capture draws dozens of pictures of an instant.
+class Rasterizer {
+  public:
+    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
+    Rasterizer(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height);
+    Rasterizer(const Rasterizer&) = delete;
+    Rasterizer& operator=(const Rasterizer&) = delete;
+
+    // The instant that draw() shows.
+    void pose(const PosedScene& pose);
+
+    // Draws and waits. Linear premultiplied RGBA as binary16, rows from the top, kSupersample times the camera's size
+    // each way; valid until the next call. The camera has the rasterizer's picture size. `near_m`: what is nearer to the
+    // camera's plane is cut off.
+    std::span<const uint16_t> draw(const Camera& camera, double near_m);
+
+  private:
+    struct Draw {
+        uint32_t node = 0;
+        const GltfPrimitive* primitive = nullptr;
+        uint32_t first_vertex = 0, first_index = 0;
+        int32_t material = -1;
+        bool mirrored = false;
+    };
+    void list_draws();
+    void upload_geometry();
+    void upload_textures();
+    void record(const glm::mat4& clip_from_world);
+    void record_draws(const glm::mat4& clip_from_world, bool blended);
+    void begin_rendering();
+
+    const Device& device_;
+    const GltfScene& scene_;
+    uint32_t width_, height_;  // of the targets
+    std::vector<Draw> draws_;
+    uint32_t vertex_count_ = 0, index_count_ = 0;
+    GraphicsPass pass_;
+    Buffer moving_, fixed_, indices_, readback_;
+    DeviceImage samples_, depth_, target_;
+    std::vector<DeviceImage> images_;  // by glTF texture, then white
+    std::vector<Sampler> samplers_;
+    std::vector<TextureSet> sets_;
+    Commands commands_;
+    PosedVertices posed_;
+};
+
+// Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
+glm::dmat4 clip_from_world(const Camera& camera, double near_m);
+
+// Averages kSupersample² pixels: width × height of linear premultiplied RGBA.
+std::vector<glm::vec4> box_down(std::span<const uint16_t> halves, uint32_t width, uint32_t height);
+
+// Straight alpha, sRGB, 8 bits.
+Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);
+
+// The mip levels of a picture as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
+std::vector<std::vector<uint8_t>> mip_levels(const Image& image);
+
+}  // namespace neuvv

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "render/raster.h"
+#include "voctree/half.h"
+
+namespace neuvv {
+
+namespace {
+
+uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
+
+uint8_t srgb_byte(float linear) {
+    return byte_of(static_cast<float>(srgb_from_linear(static_cast<double>(std::clamp(linear, 0.0f, 1.0f)))));
+}
+
+const std::array<float, 256>& linear_of_byte() {
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> values{};
+        for (size_t i = 0; i < values.size(); i++)
+            values[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+        return values;
+    }();
+    return table;
+}
+
+// The mean of a 2×2 block whose second row or column may fall outside of the picture.
+void shrink_pixel(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
+    const auto& linear = linear_of_byte();
+    glm::vec4 sum(0);
+    glm::vec3 unweighted(0);
+    for (uint32_t i = 0; i < 4; i++) {
+        const uint8_t* pixel =
+            from.at(std::min(2 * x + i % 2, from.width - 1), std::min(2 * y + i / 2, from.height - 1));
+        const glm::vec3 colour(linear[pixel[0]], linear[pixel[1]], linear[pixel[2]]);
+        const float alpha = static_cast<float>(pixel[3]) / 255.0f;
+        sum += glm::vec4(colour * alpha, alpha);
+        unweighted += colour;
+    }
+    const glm::vec3 mean = sum.a > 0 ? glm::vec3(sum) / sum.a : unweighted / 4.0f;
+    for (int c = 0; c < 3; c++) to[c] = srgb_byte(mean[c]);
+    to[3] = byte_of(sum.a / 4);
+}
+
+}  // namespace
+
+std::vector<glm::vec4> box_down(std::span<const uint16_t> halves, uint32_t width, uint32_t height) {
+    assert(halves.size() == size_t{4} * kSupersample * kSupersample * width * height && "a supersampled picture");
+    std::vector<glm::vec4> out(size_t{width} * height, glm::vec4(0));
+    const size_t stride = size_t{width} * kSupersample;
+    constexpr float kShare = 1.0f / (kSupersample * kSupersample);
+    for (uint32_t y = 0; y < height * kSupersample; y++)
+        for (uint32_t x = 0; x < width * kSupersample; x++) {
+            const uint16_t* pixel = &halves[(y * stride + x) * 4];
+            uint64_t bits = 0;
+            std::memcpy(&bits, pixel, sizeof(bits));
+            if (bits == 0) continue;  // most of a picture
+            glm::vec4& sum = out[size_t{y / kSupersample} * width + x / kSupersample];
+            for (int c = 0; c < 4; c++) sum[c] += kShare * float_from_half(pixel[c]);
+        }
+    return out;
+}
+
+Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height) {
+    assert(premultiplied.size() == size_t{width} * height && "a pixel each");
+    Image image(width, height);
+    for (size_t i = 0; i < premultiplied.size(); i++) {
+        const glm::vec4& light = premultiplied[i];
+        uint8_t* pixel = &image.rgba[4 * i];
+        pixel[3] = byte_of(light.a);
+        if (pixel[3] == 0) continue;
+        for (int c = 0; c < 3; c++) pixel[c] = srgb_byte(light[c] / light.a);
+    }
+    return image;
+}
+
+std::vector<std::vector<uint8_t>> mip_levels(const Image& image) {
+    std::vector<std::vector<uint8_t>> levels{image.rgba};
+    Image level = image;
+    while (level.width > 1 || level.height > 1) {
+        Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
+        for (uint32_t y = 0; y < next.height; y++)
+            for (uint32_t x = 0; x < next.width; x++) shrink_pixel(level, x, y, next.at(x, y));
+        level = std::move(next);
+        levels.push_back(level.rgba);
+    }
+    return levels;
+}
+
+}  // namespace neuvv

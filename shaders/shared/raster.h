@@ -1,0 +1,28 @@
+// The raster pass: triangles of a posed glTF scene → linear premultiplied colour.
+#ifndef NEUVV_SHARED_RASTER_H
+#define NEUVV_SHARED_RASTER_H
+#include "shared/types.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kRasterPosition = 0u;  // vertex attributes
+CONSTEXPR uint kRasterNormal = 1u;
+CONSTEXPR uint kRasterUv = 2u;
+CONSTEXPR uint kRasterColour = 3u;
+
+CONSTEXPR uint kRasterTexture = 0u;
+
+struct RasterPush {
+    mat4 clip_from_world;
+    vec4 base_colour;    // linear, straight alpha
+    float alpha_cutoff;  // below it a fragment is dropped; < 0: none is
+    float opaque;        // 1: alpha counts as 1, once it passed the cutoff
+    float sky;           // share of the light that comes from above; 0 for unlit materials
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::RasterPush) == 92);
+#endif
+#endif

@@ -1,0 +1,209 @@
+// The command line with a device: what render and eval write, and that a scene measured against itself is perfect.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "media/video.h"
+#include "render/frame.h"
+#include "support/random_tree.h"
+#include "tests/tools/run_neuvv.h"
+#include "tools/view_path.h"
+#include "training/evaluate.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+namespace {
+
+struct CliGpu : testing::Test {
+    TemporaryFolder folder;
+    std::string scene = (folder.path / "scene.nvv").string();
+    VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
+
+    void SetUp() override {
+        tree.fps = 2;  // an orbit takes four seconds: eight pictures
+        write_nvv(scene, tree);
+    }
+    std::string file(const char* name) const { return (folder.path / name).string(); }
+};
+
+nlohmann::json frame_of(const ViewStep& step, const std::string& picture, double time) {
+    nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
+                            {"cy", step.camera.cy},   {"w", step.camera.width},        {"h", step.camera.height},
+                            {"time", time},           {"file_path", "test/" + picture}};
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            frame["transform_matrix"][row][column] = step.camera.world_from_camera[column][row];
+    return frame;
+}
+
+// A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
+void write_own_dataset(const Device& device, const VOctree& tree, const std::filesystem::path& folder) {
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    FrameRenderer renderer(device, field, 48, 40);
+    std::filesystem::create_directories(folder / "test");
+    nlohmann::json file;
+    const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+    for (size_t c = 0; c < 2; ++c)
+        for (int t = 0; t < 3; ++t) {
+            const double time = t / 2.0;
+            const std::string name = "c0" + std::to_string(c) + "_f" + std::to_string(t);
+            FrameSettings settings;
+            settings.frame = static_cast<float>(frame_of_time(time, tree.frames));
+            settings.width = 48;
+            settings.height = 40;
+            write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
+            file["frames"].push_back(frame_of(orbit[3 * c], name, time));
+        }
+    write_text(folder / "transforms_test.json", file.dump());
+}
+
+TEST_F(CliGpu, DevicesAreListed) {
+    const ProgramResult result = run_neuvv({"devices", "--json"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const auto devices = nlohmann::json::parse(result.out);
+    ASSERT_GE(devices.size(), 1u);
+    bool usable = false;
+    for (const auto& device : devices) {
+        EXPECT_FALSE(device.at("name").get<std::string>().empty());
+        EXPECT_EQ(device.at("usable").get<bool>(), device.at("missing").empty());
+        usable |= device.at("usable").get<bool>();
+    }
+    EXPECT_TRUE(usable);
+    EXPECT_NE(run_neuvv({"devices"}).out.find(devices[0].at("name").get<std::string>()), std::string::npos);
+}
+
+TEST_F(CliGpu, RenderWritesNumberedPictures) {
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 8);
+    bool clear = false, seen = false;
+    for (int i = 0; i < 8; ++i) {
+        const Image picture = read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
+        EXPECT_EQ(picture.width, 40u);
+        EXPECT_EQ(picture.height, 24u);
+        for (size_t p = 3; p < picture.rgba.size(); p += 4) {
+            clear |= picture.rgba[p] == 0;
+            seen |= picture.rgba[p] > 60;
+        }
+    }
+    EXPECT_TRUE(clear && seen);
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "new" / "out_008.png"));
+}
+
+TEST_F(CliGpu, RenderWritesAVideo) {
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("turn.mp4"), "--size", "64x48", "--fps", "3"}, "NEUVV_TRACE=1");
+    ASSERT_EQ(result.code, 0) << result.err;
+    const VideoSummary video = summarise_video(file("turn.mp4"));
+    EXPECT_EQ(video.width, 64u);
+    EXPECT_EQ(video.height, 48u);
+    EXPECT_EQ(video.frames, 12u);
+    EXPECT_NEAR(video.fps, 3, 1e-6);
+    EXPECT_NE(result.err.find("trace"), std::string::npos) << "pass times";
+    EXPECT_EQ(folder.entries(), 2u) << "no temporary is left";
+}
+
+TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
+    const auto picture = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {"render",   scene, "-o",     file("one_%d.png"),
+                                              "--frames", "1.5", "--size", "32x32"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_png(file("one_0.png"));
+    };
+    const Image colour = picture({}), direct = picture({"--direct"}), green = picture({"--background", "#00ff00"});
+    const Image alpha = picture({"--alpha"}), depth = picture({"--depth"});
+    for (size_t i = 0; i < colour.rgba.size(); ++i) {
+        const size_t pixel = i / 4 * 4;
+        EXPECT_NEAR(colour.rgba[i], direct.rgba[i], colour.rgba[pixel + 3] > 0 ? 1 : 255);
+        EXPECT_TRUE(i % 4 < 3 || green.rgba[i] == 255);
+        EXPECT_NEAR(alpha.rgba[i], i % 4 < 3 ? colour.rgba[pixel + 3] : 255, 1);
+    }
+    EXPECT_EQ(colour.rgba[3], 0);
+    EXPECT_EQ(std::vector<uint8_t>(green.rgba.begin(), green.rgba.begin() + 4), (std::vector<uint8_t>{0, 255, 0, 255}));
+    EXPECT_EQ(depth.rgba[0], 0);  // nothing there: far
+    EXPECT_GT(*std::max_element(depth.rgba.begin(), depth.rgba.end() - 1), 60);
+}
+
+TEST_F(CliGpu, AnEmptySceneRenders) {
+    tree.weights.clear();
+    build_topology(tree, {});
+    write_nvv(scene, tree);
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("o_%d.png"), "--frames", "0", "--size", "16x16"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(read_png(file("o_0.png")).rgba, std::vector<uint8_t>(16 * 16 * 4, 0));
+}
+
+TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
+    const Device device("", Validation::kOn);
+    write_own_dataset(device, tree, folder.path / "data");
+    const Dataset dataset = load_dataset(folder.path / "data", Split::kTest);
+    size_t calls = 0;
+    const Evaluation all =
+        evaluate(device, tree, dataset, [&](size_t view, const Image&, const Image&, const Quality&) {
+            EXPECT_EQ(view, calls++);
+            return true;
+        });
+    EXPECT_EQ(calls, 6u);
+    EXPECT_GT(all.mean.psnr, 40);
+    EXPECT_GT(all.mean.ssim, 0.999);
+    EXPECT_LT(all.mean.mae, 0.001);
+    ASSERT_EQ(all.cameras.size(), 2u);
+    EXPECT_EQ(all.cameras[1].images, 3u);
+
+    VOctree other = tree;  // the comparison must be able to fail
+    for (float& weight : other.weights) weight = -weight;
+    EXPECT_LT(evaluate(device, other, dataset).mean.psnr, 30);
+    EXPECT_EQ(evaluate(device, tree, dataset, [](auto...) { return false; }).views.size(), 1u);
+    EXPECT_EQ(device.drain_validation_messages(), std::vector<std::string>());
+}
+
+TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
+    {
+        const Device device;
+        write_own_dataset(device, tree, folder.path / "data");
+    }
+    const ProgramResult result =
+        run_neuvv({"eval", scene, file("data"), "--json", file("m.json"), "--images", file("pictures")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("PSNR"), std::string::npos);
+    const auto json = nlohmann::json::parse(read_text(file("m.json")));
+    EXPECT_GT(json.at("psnr"), 40);
+    EXPECT_GT(json.at("ssim"), 0.999);
+    EXPECT_LT(json.at("mae"), 0.001);
+    EXPECT_EQ(json.at("file"), scene);
+    EXPECT_EQ(json.at("split"), "test");
+    ASSERT_EQ(json.at("cameras").size(), 2u);
+    EXPECT_EQ(json.at("cameras")[1].at("camera"), 1);
+    EXPECT_EQ(json.at("cameras")[1].at("images"), 3);
+    EXPECT_GT(json.at("cameras")[1].at("psnr"), 40);
+    ASSERT_EQ(json.at("images").size(), 6u);
+    EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
+    for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
+        const Image picture = read_png(folder.path / "pictures" / name);
+        EXPECT_EQ(picture.width, 48u) << name;
+        EXPECT_EQ(picture.height, 40u) << name;
+    }
+    EXPECT_EQ(read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "pictures"), {}), 3 * 6 + 1);
+
+    const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--json", "-"});
+    EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
+}
+
+TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
+                   {"no such card", "neuvv devices"});
+}
+
+TEST_F(CliGpu, AnUnwritablePlaceIsAFailure) {
+    write_text(file("wall"), "a file where a folder should be");
+    expect_refused({"render", scene, "-o", file("wall/x.mp4"), "--size", "16x16"}, 1, {"wall"});
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,117 @@
+// The command line without a GPU: help, exit codes, one-line errors, info.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/random_tree.h"
+#include "tests/tools/run_neuvv.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+namespace {
+
+struct Cli : testing::Test {
+    TemporaryFolder folder;
+    std::string scene = (folder.path / "scene.nvv").string();
+    VOctree tree = test::random_tree({.leaves = 100, .bases = 3, .hh_degree = 2, .frames = 7});
+
+    void SetUp() override { write_nvv(scene, tree); }
+    std::string file(const char* name) const { return (folder.path / name).string(); }
+};
+
+TEST_F(Cli, EveryVerbHelpsWithExamples) {
+    const std::string overview = run_neuvv({"--help"}).out;
+    for (const char* verb : {"devices", "info", "capture", "eval", "render"}) {
+        EXPECT_NE(overview.find(verb), std::string::npos) << verb;
+        const ProgramResult result = run_neuvv({verb, "--help"});
+        EXPECT_EQ(result.code, 0) << verb;
+        const size_t examples = result.out.find("Examples");
+        ASSERT_NE(examples, std::string::npos) << verb;
+        EXPECT_NE(result.out.find(std::string("neuvv ") + verb, examples), std::string::npos) << verb;
+        EXPECT_EQ(result.err, "") << verb;
+    }
+}
+
+TEST_F(Cli, EvalHelpDefinesTheMetrics) {
+    const std::string help = run_neuvv({"eval", "--help"}).out;
+    for (const char* word : {"PSNR", "SSIM", "MAE", "over white", "11x11", "sRGB"})
+        EXPECT_NE(help.find(word), std::string::npos) << word;
+}
+
+TEST_F(Cli, WrongUseIsBadInput) {
+    expect_refused({}, 2, {"--help"});
+    expect_refused({"sing"}, 2, {"sing", "--help"});
+    expect_refused({"info"}, 2, {"file", "neuvv info --help"});
+    expect_refused({"info", scene, "--no-such-option"}, 2, {"--no-such-option", "neuvv info --help"});
+    expect_refused({"eval", scene, file("data"), "--split", "both"}, 2, {"both", "neuvv eval --help"});
+    expect_refused({"render", scene}, 2, {"--output"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--fps", "nan"}, 2, {"--fps"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--fps", "0"}, 2, {"--fps"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--depth", "--alpha"}, 2, {"--depth", "--alpha"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--orbit", "--camera", "c.json"}, 2, {"--orbit", "--camera"});
+}
+
+TEST_F(Cli, RenderRefusesWhatItCannotDoBeforeItStarts) {
+    expect_refused({"render", scene, "-o", file("x.gif")}, 2, {"x.gif", "out.mp4"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--size", "big"}, 2, {"--size", "big"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--frames", "0:9"}, 2, {"--frames", "0:9", "0:6"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--background", "clear"}, 2, {"transparency", "%04d"});
+    expect_refused({"render", scene, "-o", file("x.png")}, 2, {"x.png", "105 pictures", "%04d"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--camera", file("none.json")}, 2, {"none.json"});
+    expect_refused({"render", file("none.nvv"), "-o", file("x.mp4")}, 2, {"none.nvv"});
+    EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
+}
+
+TEST_F(Cli, EvalNamesTheMissingDataSet) {
+    expect_refused({"eval", scene, file("data")}, 2, {"data", "transforms_train.json"});
+}
+
+TEST_F(Cli, InfoSaysWhatTheFileHolds) {
+    const ProgramResult result = run_neuvv({"info", scene, "--json", "--check"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("file"), scene);
+    EXPECT_EQ(json.at("version"), 1);
+    EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(scene));
+    EXPECT_EQ(json.at("leaves"), tree.leaf_count);
+    EXPECT_EQ(json.at("nodes"), tree.nodes.size());
+    EXPECT_EQ(json.at("node_levels"), 2);
+    EXPECT_EQ(json.at("cells_per_side"), 16);
+    EXPECT_EQ(json.at("bases"), 3);
+    EXPECT_EQ(json.at("hh_degree"), 2);
+    EXPECT_EQ(json.at("weights_per_leaf"), 2 * 3 + 3 * 14);
+    EXPECT_EQ(json.at("frames"), 7);
+    EXPECT_EQ(json.at("fps"), 25);
+    EXPECT_EQ(json.at("box").at("max").at(1), 1.25);
+    EXPECT_EQ(json.at("chunks").size(), 8u);
+    EXPECT_EQ(json.at("chunks").at(0).at("name"), "HEAD");
+    EXPECT_EQ(json.at("checked"), true);
+
+    const ProgramResult text = run_neuvv({"info", scene});
+    EXPECT_EQ(text.code, 0);
+    for (const char* part : {"7 frames", "25 fps", "C = 3", "n_max = 2", "WHHC"})
+        EXPECT_NE(text.out.find(part), std::string::npos) << part;
+}
+
+TEST_F(Cli, DamagedFilesAreBadInput) {
+    const std::string whole = read_text(scene);
+    write_text(file("cut.nvv"), whole.substr(0, whole.size() / 2));
+    write_text(file("foreign.nvv"), "PK\x03\x04 not one of ours");
+    write_text(file("empty.nvv"), "");
+    std::string flipped = whole;
+    flipped[whole.size() - 100] ^= 1;  // in the last weights: only --check reads so far
+    write_text(file("flipped.nvv"), flipped);
+
+    for (const char* name : {"cut.nvv", "foreign.nvv", "empty.nvv", "missing.nvv"})
+        for (const char* verb : {"info", "render"}) {
+            std::vector<std::string> arguments = {verb, file(name)};
+            if (verb == std::string("render")) arguments.insert(arguments.end(), {"-o", file("x.mp4")});
+            expect_refused(arguments, 2, {name});
+        }
+    expect_refused({"info", folder.path.string()}, 2, {folder.path.string()});
+    expect_refused({"info", file("flipped.nvv"), "--check"}, 2, {"flipped.nvv", "checksum"});
+    EXPECT_EQ(run_neuvv({"info", file("flipped.nvv")}).code, 0);
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,47 @@
+// The built program as a user runs it: arguments in, exit code and both streams out.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+
+struct ProgramResult {
+    int code = -1;  // of exit; -1 where a signal ended it
+    std::string out, err;
+};
+
+inline std::string shell_quoted(const std::string& word) {
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
+inline ProgramResult run_neuvv(const std::vector<std::string>& arguments, const std::string& environment = "") {
+    const TemporaryFolder streams;
+    const auto out = streams.path / "out", err = streams.path / "err";
+    std::string command = environment + " " + shell_quoted(NEUVV_PROGRAM);
+    for (const std::string& argument : arguments) command += " " + shell_quoted(argument);
+    command += " >" + shell_quoted(out.string()) + " 2>" + shell_quoted(err.string()) + " </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+}
+
+// Refused with this code and one line on stderr that holds every part.
+inline void expect_refused(const std::vector<std::string>& arguments, int code, const std::vector<std::string>& parts) {
+    const ProgramResult result = run_neuvv(arguments);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(result.err.rfind("neuvv: ", 0), 0u) << result.err;
+    for (const std::string& part : parts)
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << " not in: " << result.err;
+}
+
+}  // namespace neuvv

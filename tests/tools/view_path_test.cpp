@@ -1,0 +1,150 @@
+#include "tools/view_path.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "support/input_error.h"
+#include "support/random_tree.h"
+
+namespace neuvv {
+namespace {
+
+using Box = std::pair<glm::dvec3, glm::dvec3>;
+
+// Where a world position falls in the picture, in pixels.
+glm::dvec2 project(const Camera& camera, glm::dvec3 position) {
+    const glm::dvec3 p = glm::dvec3(glm::inverse(camera.world_from_camera) * glm::dvec4(position, 1));
+    EXPECT_LT(p.z, 0) << "behind the camera";
+    return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
+}
+
+TEST(ViewPath, OccupiedBoxIsThatOfTheLeaves) {
+    VOctree tree = test::random_tree({.leaves = 1});
+    build_topology(tree, {{1, 2, 3, 2}, {3, 0, 6, 3}});
+    tree.box_min = {-1, 0, 10};
+    tree.box_size = {8, 16, 4};
+    const auto [low, high] = occupied_box(tree);
+    EXPECT_EQ(low, glm::dvec3(1, 0, 13));    // tree (1/4, 0, 3/4)
+    EXPECT_EQ(high, glm::dvec3(3, 12, 14));  // tree (1/2, 3/4, 1)
+}
+
+TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
+    VOctree tree = test::random_tree({.leaves = 1});
+    build_topology(tree, {});
+    const auto [low, high] = occupied_box(tree);
+    EXPECT_EQ(low, glm::dvec3(tree.box_min));
+    EXPECT_EQ(high, glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size));
+}
+
+TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
+    const Box box{{-0.5, 0, -0.4}, {0.7, 1.8, 0.4}};
+    for (const PictureSize size : {PictureSize{720, 720}, PictureSize{1280, 720}, PictureSize{300, 500}}) {
+        double outermost = 0;
+        for (const ViewStep& step : orbit_path(box, {{0, 23}, 25, 25}, size)) {
+            EXPECT_NEAR(glm::determinant(glm::dmat3(step.camera.world_from_camera)), 1, 1e-12);
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::dvec3 p(corner & 1 ? box.first.x : box.second.x, corner & 2 ? box.first.y : box.second.y,
+                                   corner & 4 ? box.first.z : box.second.z);
+                const glm::dvec2 pixel = project(step.camera, p) / glm::dvec2(size.width, size.height);
+                const glm::dvec2 off = glm::abs(pixel - 0.5);
+                outermost = std::max({outermost, off.x, off.y});
+            }
+        }
+        EXPECT_LT(outermost, 0.5);
+        EXPECT_GT(outermost, 0.4);
+    }
+}
+
+TEST(ViewPath, OrbitTurnsOnceInFourSecondsOrMore) {
+    const Box box{{-1, -1, -1}, {1, 1, 1}};
+    const std::vector<ViewStep> path = orbit_path(box, {{0, 23}, 24, 24}, {64, 64});
+    ASSERT_EQ(path.size(), 96u);  // the clip of one second, four times
+    for (size_t i = 0; i < path.size(); ++i) EXPECT_NEAR(path[i].frame, static_cast<double>(i % 24), 1e-9);
+    // From +Z over +X, looking inwards and a little down.
+    EXPECT_NEAR(path[0].camera.world_from_camera[3].x, 0, 1e-9);
+    EXPECT_GT(path[0].camera.world_from_camera[3].z, 2);
+    EXPECT_GT(path[24].camera.world_from_camera[3].x, 2);
+    EXPECT_NEAR(path[24].camera.world_from_camera[3].z, 0, 1e-9);
+    EXPECT_LT(path[48].camera.world_from_camera[3].z, -2);
+    EXPECT_GT(path[0].camera.world_from_camera[3].y, 0);
+    EXPECT_NEAR(glm::length(project(path[30].camera, {0, 0, 0}) - glm::dvec2(32, 32)), 0, 1e-9);
+
+    EXPECT_EQ(orbit_path(box, {{0, 149}, 25, 25}, {64, 64}).size(), 150u);  // six seconds: the clip once
+    EXPECT_EQ(orbit_path(box, {{5, 5}, 25, 30}, {64, 64}).size(), 120u);    // one frame for four seconds
+}
+
+TEST(ViewPath, FasterOutputFallsBetweenFrames) {
+    const std::vector<ViewStep> path = orbit_path({{0, 0, 0}, {1, 1, 1}}, {{2, 4.5}, 10, 40}, {8, 8});
+    for (size_t i = 0; i < 14; ++i)
+        EXPECT_NEAR(path[i].frame, std::min(4.5, 2 + 0.25 * static_cast<double>(i)), 1e-9) << i;
+    EXPECT_NEAR(path[14].frame, 2, 1e-9);  // again
+}
+
+TEST(ViewPath, TooManyPicturesAreRefused) {
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    expect_input_error([&] { orbit_path(box, {{0, 99999}, 1, 1000}, {8, 8}); }, {"--fps", "lower --fps"});
+    const double tiny = std::numeric_limits<float>::min();
+    expect_input_error([&] { orbit_path(box, {{0, 1}, tiny, tiny * 1e9}, {8, 8}); }, {"--fps"});
+    expect_input_error([&] { key_path({CameraKey{}}, {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
+}
+
+CameraKey key_of(uint32_t width, uint32_t height, std::optional<double> time) {
+    CameraKey key;
+    key.camera = {glm::dmat4(1), 100, 110, 60, 40, width, height};
+    key.time = time;
+    return key;
+}
+
+TEST(ViewPath, KeysKeepTheirTimesAndSizes) {
+    const Playback playback{{0, 10}, 25, 25};
+    const auto timed = key_path({key_of(100, 80, 1.0), key_of(100, 80, 0.25)}, playback, 11, {}, {7, 7});
+    ASSERT_EQ(timed.size(), 2u);
+    EXPECT_EQ(timed[0].frame, 10);
+    EXPECT_EQ(timed[1].frame, 2.5);
+    EXPECT_EQ(timed[0].camera.width, 100u);
+    EXPECT_EQ(timed[0].camera.height, 80u);
+    EXPECT_EQ(timed[0].camera.fx, 100);
+    EXPECT_EQ(timed[0].camera.cx, 60);
+
+    const auto playing = key_path({key_of(10, 8, {}), key_of(10, 8, {}), key_of(10, 8, {})}, playback, 11, {}, {7, 7});
+    ASSERT_EQ(playing.size(), 3u);
+    EXPECT_EQ(playing[2].frame, 2);
+    const auto fixed = key_path({key_of(10, 8, {})}, playback, 11, {}, {7, 7});
+    ASSERT_EQ(fixed.size(), 11u);
+    EXPECT_EQ(fixed[10].frame, 10);
+}
+
+TEST(ViewPath, AnotherSizeKeepsTheVerticalAngleOfView) {
+    const auto path = key_path({key_of(100, 80, 0)}, {}, 1, {300, 160}, {7, 7});
+    const Camera& camera = path.at(0).camera;
+    EXPECT_EQ(camera.width, 300u);
+    EXPECT_EQ(camera.fy, 220);
+    EXPECT_EQ(camera.fx, 200);
+    EXPECT_EQ(camera.cx, 170);  // 10 right of the middle, twice as large
+    EXPECT_EQ(camera.cy, 80);
+}
+
+TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
+    CameraKey key;
+    key.camera.fx = key.camera.fy = 1.5;  // picture widths
+    const auto path = key_path({key}, {{0, 0}, 25, 25}, 1, {}, {200, 100});
+    ASSERT_EQ(path.size(), 1u);
+    EXPECT_EQ(path[0].camera.fx, 300);
+    EXPECT_EQ(path[0].camera.fy, 300);
+    EXPECT_EQ(path[0].camera.cx, 100);
+    EXPECT_EQ(path[0].camera.cy, 50);
+}
+
+TEST(ViewPath, DepthRangeHoldsTheBox) {
+    ViewStep step;
+    step.camera.world_from_camera[3] = glm::dvec4(0, 0, 10, 1);
+    const auto [near, far] = depth_range({step}, {{-1, -1, -1}, {1, 1, 1}});
+    EXPECT_NEAR(near, 10 - std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(far, 10 + std::sqrt(3.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <memory>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "gpu/device.h"
+#include "tools/commands.h"
+#include "tools/progress.h"
+#include "training/capture.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Pictures go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json, written last.
+Frame i shows the animation at i / fps seconds; an animation that ends before holds its last pose, a model without
+animation shows its rest pose. There are no lights: unlit materials show their base colour, others get a soft sky.
+
+--background clear    straight-alpha pictures: the performer alone
+--background checker  the picture as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
+
+Examples (from the repository's root):
+  neuvv capture tools/performer/performer.glb -o build/performer
+  neuvv capture tools/performer/performer.glb -o build/small --cameras 12 --frames 10 --size 160x160
+  neuvv capture tools/performer/performer.glb -o build/checker --cameras 8 --frames 5 --background checker)";
+
+struct Options {
+    std::string model, folder, size = "512x512", background = "clear";
+    CaptureSettings settings;
+};
+
+void read_size(const std::string& text, CaptureSettings& settings) {
+    const char* end = text.data() + text.size();
+    const auto [cross, error] = std::from_chars(text.data(), end, settings.width);
+    if (error == std::errc() && cross != end && *cross == 'x') {
+        const auto [stop, second] = std::from_chars(cross + 1, end, settings.height);
+        if (second == std::errc() && stop == end) return;
+    }
+    throw InputError("capture", "--size", fmt::format("\"{}\" is not WxH", text), "write for instance 512x512");
+}
+
+void run_capture(Options& options, const CommonOptions& common) {
+    CaptureSettings& settings = options.settings;
+    read_size(options.size, settings);
+    if (options.background != "clear" && options.background != "checker")
+        throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
+                         "choose clear or checker");
+    if (options.background == "checker") settings.background = CaptureBackground::kChecker;
+    catch_stop_signals();
+    const Device device(common.device);
+    std::unique_ptr<Progress> progress;
+    const CaptureResult result =
+        capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
+            if (!progress) progress = std::make_unique<Progress>("capture", total);
+            progress->update(done, "pictures");
+            return done == total || !stop_requested();
+        });
+    progress.reset();
+    if (!result.complete) {
+        fmt::print(stderr, "neuvv: stopped; {} has pictures but no transforms: run capture again\n", options.folder);
+        throw CLI::RuntimeError(1);
+    }
+    fmt::print("{}: {} pictures, {} train and {} test cameras\n", options.folder, result.pictures, result.train_cameras,
+               result.test_cameras);
+}
+
+}  // namespace
+
+void add_capture(CLI::App& app, CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("capture", "Render an animated glTF model into a multi-view data set");
+    const auto options = std::make_shared<Options>();
+    CaptureSettings& settings = options->settings;
+    verb->add_option("MODEL", options->model, "the model, .glb or .gltf")->required();
+    verb->add_option("-o,--output", options->folder, "the data set's folder; created")->required();
+    verb->add_option("--cameras", settings.cameras, "cameras of the dome, in four rings")->capture_default_str();
+    verb->add_option("--frames", settings.frames, "instants to capture")->capture_default_str();
+    verb->add_option("--fps", settings.fps, "instants a second")->capture_default_str();
+    verb->add_option("--size", options->size, "of the pictures, WxH pixels")->capture_default_str();
+    verb->add_option("--animation", settings.animation, "its name or index; default: the first");
+    verb->add_option("--holdout", settings.holdout, "share of the cameras kept for the test")->capture_default_str();
+    verb->add_option("--background", options->background, "clear or checker")->capture_default_str();
+    verb->footer(kFooter);
+    verb->callback([options, &common] { run_capture(*options, common); });
+}
+
+}  // namespace neuvv

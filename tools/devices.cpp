@@ -1,0 +1,74 @@
+// neuvv devices: every Vulkan device of this machine and what each lacks.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "gpu/device.h"
+#include "tools/commands.h"
+#include "tools/report.h"
+
+namespace neuvv {
+
+namespace {
+
+std::string version_text(uint32_t version) {
+    return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                       VK_API_VERSION_PATCH(version));
+}
+
+nlohmann::ordered_json json_of(const std::vector<DeviceSummary>& devices) {
+    auto list = nlohmann::ordered_json::array();
+    for (const DeviceSummary& device : devices)
+        list.push_back({{"index", device.index},
+                        {"name", device.name},
+                        {"kind", device.kind},
+                        {"driver", device.driver},
+                        {"vulkan", version_text(device.api_version)},
+                        {"memory_bytes", device.memory_bytes},
+                        {"usable", device.missing.empty()},
+                        {"missing", device.missing},
+                        {"lacks", device.lacks}});
+    return list;
+}
+
+void print(const std::vector<DeviceSummary>& devices) {
+    for (const DeviceSummary& device : devices) {
+        fmt::print("{}  {}\n", device.index, device.name);
+        fmt::print("   {}, Vulkan {}, {}, {}\n", device.kind, version_text(device.api_version),
+                   size_text(device.memory_bytes), device.driver);
+        fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
+        for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
+        for (const std::string& feature : device.lacks) fmt::print("   does without: {}\n", feature);
+    }
+}
+
+void run(bool json) {
+    const std::vector<DeviceSummary> devices = list_devices();
+    if (json)
+        fmt::print("{}", json_text(json_of(devices)));
+    else
+        print(devices);
+    if (devices.empty())
+        throw RuntimeFailure("no Vulkan device on this machine; the package mesa-vulkan-drivers brings a software one");
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, CommonOptions&) {
+    CLI::App* verb = app.add_subcommand("devices", "List the Vulkan devices of this machine and what each lacks");
+    const auto json = std::make_shared<bool>(false);
+    verb->add_flag("--json", *json,
+                   "Print JSON: index, name, kind, driver, vulkan, memory_bytes, usable, missing, lacks");
+    verb->footer(
+        "Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
+        "chooses another by its index or a part of its name.\n\n"
+        "Examples:\n"
+        "  neuvv devices\n"
+        "  neuvv devices --json\n"
+        "  NEUVV_DEVICE=llvmpipe neuvv devices");
+    verb->callback([json] { run(*json); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,96 @@
+// neuvv info: what a .nvv holds.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.h"
+#include "tools/report.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct InfoOptions {
+    std::string file;
+    bool json = false, check = false;
+};
+
+uint32_t weights_per_leaf(const NvvHead& head) {
+    return 2 * head.bases + 3 * hh_count(head.hh_degree);
+}
+
+double clip_seconds(const NvvHead& head) {
+    return head.frames / static_cast<double>(head.fps);
+}
+
+nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& summary) {
+    const NvvHead& head = summary.head;
+    const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
+    auto chunks = nlohmann::ordered_json::array();
+    for (const NvvSummary::Chunk& chunk : summary.chunks)
+        chunks.push_back({{"name", chunk.name}, {"raw_bytes", chunk.raw_bytes}, {"stored_bytes", chunk.stored_bytes}});
+    return {{"file", options.file},
+            {"version", summary.version},
+            {"bytes", summary.file_bytes},
+            {"box", {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}}},
+            {"node_levels", head.node_levels},
+            {"cells_per_side", 1u << (2 * head.node_levels)},
+            {"nodes", head.node_count},
+            {"leaves", head.leaf_count},
+            {"bases", head.bases},
+            {"hh_degree", head.hh_degree},
+            {"weights_per_leaf", weights_per_leaf(head)},
+            {"frames", head.frames},
+            {"fps", head.fps},
+            {"seconds", clip_seconds(head)},
+            {"chunks", chunks},
+            {"checked", options.check}};
+}
+
+void print(const InfoOptions& options, const NvvSummary& summary) {
+    const NvvHead& head = summary.head;
+    const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
+    fmt::print("{}: .nvv version {}, {}\n", options.file, summary.version, size_text(summary.file_bytes));
+    fmt::print("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
+    fmt::print("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
+               high.z);
+    fmt::print("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", head.leaf_count, head.node_count,
+               head.node_levels, 1u << (2 * head.node_levels));
+    fmt::print("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
+               head.bases, head.hh_degree, hh_count(head.hh_degree));
+    for (const NvvSummary::Chunk& chunk : summary.chunks) {
+        const double share =
+            static_cast<double>(chunk.stored_bytes) / std::max(1.0, static_cast<double>(chunk.raw_bytes));
+        fmt::print("{}    {:>10} stored as {:>10}, {:.0f} %\n", chunk.name, size_text(chunk.raw_bytes),
+                   size_text(chunk.stored_bytes), 100 * share);
+    }
+    if (options.check) fmt::print("checked: whole and sound\n");
+}
+
+void run(const InfoOptions& options) {
+    const NvvSummary summary = summarise_nvv(options.file);
+    if (options.check) read_nvv(options.file);
+    if (options.json)
+        fmt::print("{}", json_text(json_of(options, summary)));
+    else
+        print(options, summary);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, CommonOptions&) {
+    CLI::App* verb = app.add_subcommand("info", "Say what a .nvv file holds");
+    const auto options = std::make_shared<InfoOptions>();
+    verb->add_option("file", options->file, "The .nvv file")->required();
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
+    verb->footer(std::string(kExamplesHead + 2) +
+                 "  neuvv info build/performer.nvv\n"
+                 "  neuvv info build/performer.nvv --check\n"
+                 "  neuvv info build/performer.nvv --json | jq .leaves");
+    verb->callback([options] { run(*options); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,119 @@
+#include "tools/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "media/image.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr int kMaxDigits = 9;  // of a numbered file name
+
+// The whole of `text` as a number.
+template <typename T>
+bool read_number(std::string_view text, T& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size();
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+// A printf pattern's one number: where it stands, and how wide it is padded with zeros.
+struct NumberField {
+    size_t begin = 0, end = 0;
+    int digits = 1;
+};
+
+// %d or %0Nd at `begin`; anything else that starts with % is refused, "%%" included.
+std::optional<NumberField> number_field(const std::string& text, size_t begin) {
+    NumberField field{begin, begin + 1, 1};
+    if (field.end < text.size() && text[field.end] == '0') {
+        ++field.end;
+        if (field.end >= text.size() || !std::isdigit(static_cast<unsigned char>(text[field.end]))) return {};
+        field.digits = text[field.end++] - '0';
+    }
+    if (field.end >= text.size() || text[field.end] != 'd' || field.digits < 1 || field.digits > kMaxDigits) return {};
+    ++field.end;
+    return field;
+}
+
+}  // namespace
+
+PictureSize parse_size(const std::string& text) {
+    PictureSize size;
+    const size_t cross = std::min(text.find('x'), text.size());
+    const bool numbers = cross < text.size() && read_number(std::string_view(text).substr(0, cross), size.width) &&
+                         read_number(std::string_view(text).substr(cross + 1), size.height);
+    if (!numbers || size.width == 0 || size.height == 0 || std::max(size.width, size.height) > kMaxImageSide)
+        throw InputError("--size", text, fmt::format("is not a picture's size of 1 to {} a side", kMaxImageSide),
+                         "write WIDTHxHEIGHT, as in 1280x720");
+    return size;
+}
+
+glm::vec4 parse_colour(const std::string& text) {
+    const std::string name = lower(text);
+    if (name == "clear" || name == "transparent" || name == "none") return glm::vec4(0);
+    std::string hex = name;
+    if (name == "white") hex = "ffffff";
+    if (name == "black") hex = "000000";
+    if (name == "grey" || name == "gray") hex = "808080";
+    if (!hex.empty() && hex[0] == '#') hex.erase(0, 1);
+    const bool digits =
+        hex.size() == 6 && std::all_of(hex.begin(), hex.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+    if (!digits)
+        throw InputError("--background", text, "is not a colour", "write white, black, grey, clear or '#rrggbb'");
+    const auto rgb = static_cast<uint32_t>(std::stoul(hex, nullptr, 16));
+    glm::vec4 colour(1);
+    for (int c = 0; c < 3; ++c) colour[c] = static_cast<float>(linear_from_srgb((rgb >> (16 - 8 * c) & 255u) / 255.0));
+    return colour;
+}
+
+FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
+    const double end = frames > 0 ? frames - 1 : 0;
+    FrameRange range{0, end};
+    if (text.empty()) return range;
+    const size_t colon = text.find(':');
+    const std::string_view whole = text, first = whole.substr(0, colon);
+    bool sound = first.empty() ? colon != std::string::npos : read_number(first, range.first);
+    if (colon == std::string::npos)
+        range.last = range.first;
+    else if (colon + 1 < text.size())
+        sound = sound && read_number(whole.substr(colon + 1), range.last);
+    if (!sound || !(range.first >= 0) || !(range.first <= range.last) || !(range.last <= end))
+        throw InputError("--frames", text, "is not a part of the clip",
+                         fmt::format("write FIRST:LAST within 0:{}, as in 0:{}", end, end));
+    return range;
+}
+
+PictureOutput parse_output(const std::string& text) {
+    const std::string ending = lower(std::filesystem::path(text).extension().string());
+    if (ending == ".mp4") return {PictureOutput::Kind::kVideo, text};
+    if (ending != ".png")
+        throw InputError("--output", text, "is neither an .mp4 nor a .png", "write out.mp4, out_%04d.png or out.png");
+    const size_t percent = text.find('%');
+    if (percent == std::string::npos) return {PictureOutput::Kind::kPicture, text};
+    const auto field = number_field(text, percent);
+    if (!field || text.find('%', field->end) != std::string::npos)
+        throw InputError("--output", text, "needs one place for the picture's number", "write it as in out_%04d.png");
+    return {PictureOutput::Kind::kNumberedPictures, text};
+}
+
+std::filesystem::path PictureOutput::file(uint32_t i) const {
+    if (kind != Kind::kNumberedPictures) return path;
+    const std::string text = path.string();
+    const NumberField field = number_field(text, text.find('%')).value();
+    return text.substr(0, field.begin) + fmt::format("{:0{}}", i, field.digits) + text.substr(field.end);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,38 @@
+// What a user writes on the command line, as values. Everything here throws InputError naming the option and the mend.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <string>
+
+namespace neuvv {
+
+struct PictureSize {
+    uint32_t width = 0, height = 0;
+};
+// "1280x720".
+PictureSize parse_size(const std::string& text);
+
+// Linear RGB and opacity of "white", "black", "grey", "clear", "#rrggbb" or "rrggbb" (sRGB).
+glm::vec4 parse_colour(const std::string& text);
+
+// First and last frame of the clip, fractions allowed.
+struct FrameRange {
+    double first = 0, last = 0;
+};
+// "a:b", "a:", ":b", "a" or empty for the whole clip of `frames` frames.
+FrameRange parse_frame_range(const std::string& text, uint32_t frames);
+
+// Where the pictures of a render go.
+struct PictureOutput {
+    enum class Kind { kVideo, kNumberedPictures, kPicture } kind = Kind::kVideo;
+    std::filesystem::path path;  // a pattern for kNumberedPictures
+
+    // The file of picture i.
+    std::filesystem::path file(uint32_t i) const;
+};
+// "out.mp4", "out_%04d.png" or "out.png".
+PictureOutput parse_output(const std::string& text);
+
+}  // namespace neuvv

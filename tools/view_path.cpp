@@ -1,0 +1,163 @@
+#include "tools/view_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/error.h"
+#include "training/evaluate.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kTurnSeconds = 4;  // at least
+constexpr double kElevation = 10 * std::numbers::pi / 180;
+constexpr double kAngleOfView = 35 * std::numbers::pi / 180;  // of the picture's shorter side
+constexpr double kMargin = 1.08;                              // around the box
+constexpr double kMaxPictures = 1e6;
+
+// The frame of the clip at picture i: the range plays over and over, each of its frames as long as any other.
+double playing_frame(const Playback& playback, double i) {
+    const double span = playback.range.last - playback.range.first + 1;
+    const double played = std::fmod(i * playback.clip_fps / playback.output_fps, span);
+    return std::min(playback.range.first + played, playback.range.last);
+}
+
+// Pictures that `repeats` times the range take.
+size_t picture_count(const Playback& playback, double seconds) {
+    const double count = std::round(seconds * playback.output_fps);
+    if (!(count <= kMaxPictures))
+        throw InputError("--fps", fmt::format("{}", playback.output_fps),
+                         fmt::format("makes more than {} pictures", kMaxPictures),
+                         "choose fewer --frames or a lower --fps");
+    return std::max<size_t>(1, static_cast<size_t>(count));
+}
+
+double clip_seconds(const Playback& playback) {
+    return (playback.range.last - playback.range.first + 1) / playback.clip_fps;
+}
+
+struct Axes {
+    glm::dvec3 right, up, back;
+};
+
+Axes orbit_axes(double turn) {
+    const double angle = 2 * std::numbers::pi * turn;
+    const glm::dvec3 right(std::cos(angle), 0, -std::sin(angle));
+    const glm::dvec3 back(std::sin(angle) * std::cos(kElevation), std::sin(kElevation),
+                          std::cos(angle) * std::cos(kElevation));
+    return {right, glm::cross(back, right), back};
+}
+
+// The distance from which an upright cylinder of this radius and half height just fits. A point p about the centre is
+// inside the picture where |p·right| and |p·up| are at most (distance − p·back)·tan(half angle of view).
+double fitting_distance(double radius, double half_height, double tan_x, double tan_y) {
+    constexpr int kPoints = 64;
+    const Axes axes = orbit_axes(0);
+    double distance = 0;
+    for (int i = 0; i < 2 * kPoints; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kPoints;
+        const glm::dvec3 p(radius * std::cos(angle), i < kPoints ? half_height : -half_height,
+                           radius * std::sin(angle));
+        distance = std::max({distance, glm::dot(p, axes.back) + std::abs(glm::dot(p, axes.right)) / tan_x,
+                             glm::dot(p, axes.back) + std::abs(glm::dot(p, axes.up)) / tan_y});
+    }
+    return distance;
+}
+
+// The camera of a key in a picture of this size: the vertical angle of view stays, the principal point keeps its place
+// relative to the picture's middle.
+Camera resized(Camera camera, PictureSize size) {
+    if (camera.width == 0) {  // focal lengths in picture widths
+        camera.fx *= size.width;
+        camera.fy *= size.width;
+        camera.cx = 0.5 * size.width;
+        camera.cy = 0.5 * size.height;
+    } else {
+        const double scale = static_cast<double>(size.height) / camera.height;
+        camera.cx = 0.5 * size.width + scale * (camera.cx - 0.5 * camera.width);
+        camera.cy = scale * camera.cy;
+        camera.fx *= scale;
+        camera.fy *= scale;
+    }
+    camera.width = size.width;
+    camera.height = size.height;
+    return camera;
+}
+
+}  // namespace
+
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree) {
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const LeafPlace& place : leaf_places(tree)) {
+        const double edge = std::ldexp(1.0, -static_cast<int>(place.depth));
+        const glm::dvec3 corner = glm::dvec3(place.x, place.y, place.z) * edge;
+        low = glm::min(low, corner);
+        high = glm::max(high, corner + edge);
+    }
+    if (tree.leaf_count == 0) {
+        low = glm::dvec3(0);
+        high = glm::dvec3(1);
+    }
+    const glm::dvec3 origin(tree.box_min), size(tree.box_size);
+    return {origin + low * size, origin + high * size};
+}
+
+std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
+                                 PictureSize size) {
+    const double seconds = clip_seconds(playback);
+    const size_t count = picture_count(playback, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
+    const glm::dvec3 centre = 0.5 * (box.first + box.second), half = 0.5 * (box.second - box.first);
+    const double tan_short = std::tan(0.5 * kAngleOfView), shorter = std::min(size.width, size.height);
+    const double distance =
+        kMargin * fitting_distance(std::hypot(half.x, half.z), half.y, tan_short * size.width / shorter,
+                                   tan_short * size.height / shorter);
+    std::vector<ViewStep> path(count);
+    for (size_t i = 0; i < count; ++i) {
+        const Axes axes = orbit_axes(static_cast<double>(i) / static_cast<double>(count));
+        Camera& camera = path[i].camera;
+        camera.width = size.width;
+        camera.height = size.height;
+        camera.fx = camera.fy = 0.5 * shorter / tan_short;
+        camera.cx = 0.5 * size.width;
+        camera.cy = 0.5 * size.height;
+        camera.world_from_camera = glm::dmat4(glm::dvec4(axes.right, 0), glm::dvec4(axes.up, 0),
+                                              glm::dvec4(axes.back, 0), glm::dvec4(centre + distance * axes.back, 1));
+        path[i].frame = playing_frame(playback, static_cast<double>(i));
+    }
+    return path;
+}
+
+std::vector<ViewStep> key_path(const std::vector<CameraKey>& keys, const Playback& playback, uint32_t clip_frames,
+                               PictureSize size, PictureSize fallback) {
+    if (size.width == 0 && !keys.empty()) size = {keys[0].camera.width, keys[0].camera.height};
+    if (size.width == 0) size = fallback;
+    const bool fixed = keys.size() == 1 && !keys[0].time;
+    const size_t count = fixed ? picture_count(playback, clip_seconds(playback)) : keys.size();
+    std::vector<ViewStep> path(count);
+    for (size_t i = 0; i < count; ++i) {
+        const CameraKey& key = keys[fixed ? 0 : i];
+        path[i].camera = resized(key.camera, size);
+        path[i].frame =
+            key.time ? frame_of_time(*key.time, clip_frames) : playing_frame(playback, static_cast<double>(i));
+    }
+    return path;
+}
+
+std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box) {
+    const glm::dvec3 centre = 0.5 * (box.first + box.second);
+    const double radius = 0.5 * glm::distance(box.first, box.second);
+    double near = std::numeric_limits<double>::infinity(), far = 0;
+    for (const ViewStep& step : path) {
+        const double distance = glm::distance(glm::dvec3(step.camera.world_from_camera[3]), centre);
+        near = std::min(near, std::max(0.0, distance - radius));
+        far = std::max(far, distance + radius);
+    }
+    return {near, far};
+}
+
+}  // namespace neuvv

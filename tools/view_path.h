@@ -1,0 +1,42 @@
+// What a render shows, picture by picture: a camera and an instant of the clip.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "tools/options.h"
+#include "training/dataset.h"
+#include "voctree/voctree.h"
+
+namespace neuvv {
+
+struct ViewStep {
+    Camera camera;
+    double frame = 0;  // of the clip
+};
+
+// The part of the clip that plays, and how fast pictures follow each other.
+struct Playback {
+    FrameRange range;
+    double clip_fps = 25;
+    double output_fps = 25;
+};
+
+// The box around the tree's leaves in metres: minimum and maximum. The tree's own box where it has no leaf.
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
+
+// One turn around a box at a slight elevation, from +Z over +X, while the clip plays; it repeats until the turn has
+// taken four seconds. The whole box is in every picture. Throws InputError for too many pictures.
+std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
+                                 PictureSize size);
+
+// One step a key, at the key's time, else as the clip plays, over and over. One key without a time is a fixed camera:
+// the clip plays once. `size` wins over the keys' own sizes (the vertical angle of view stays); 0×0: the first key's
+// size for all, or `fallback` where it has none.
+std::vector<ViewStep> key_path(const std::vector<CameraKey>& keys, const Playback& playback, uint32_t clip_frames,
+                               PictureSize size, PictureSize fallback);
+
+// Nearest and farthest distance of a box's bounding sphere over a path, for pictures of depth.
+std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box);
+
+}  // namespace neuvv

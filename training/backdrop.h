@@ -1,0 +1,17 @@
+// The room around the dome for captures with a background: checkered walls and floor, fixed in the world.
+#pragma once
+
+#include "media/image.h"
+#include "stage/camera.h"
+
+namespace neuvv {
+
+struct Backdrop {
+    glm::dvec3 low{0}, high{1};  // the room; every camera stands inside
+    double tile_m = 0.5;
+};
+
+// What a camera sees of it: an opaque picture, averaged over each pixel's area.
+Image clean_plate(const Backdrop& backdrop, const Camera& camera);
+
+}  // namespace neuvv

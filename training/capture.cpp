@@ -1,0 +1,273 @@
+#include "training/capture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <thread>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "render/raster.h"
+#include "stage/pose.h"
+#include "training/backdrop.h"
+#include "training/workers.h"
+
+namespace neuvv {
+
+namespace {
+
+using json = nlohmann::json;
+
+constexpr double kViewAngle_deg = 40;   // of the picture's shorter side
+constexpr double kMargin = 0.04;        // between the motion and the pictures' borders
+constexpr double kBoxMargin = 0.02;     // of the motion's diagonal, around it
+constexpr double kMaxExtent_m = 1e5;    // transforms hold distances up to 1e6
+constexpr double kMinExtent_m = 1e-3;
+constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
+
+void check_settings(const CaptureSettings& s) {
+    const auto expect = [](bool good, const char* option, const std::string& problem, const char* mend) {
+        if (!good) throw InputError("capture", option, problem, mend);
+    };
+    const uint32_t side = kMaxImageSide / kSupersample;
+    expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "--cameras", fmt::format("{} is out of range", s.cameras),
+           "choose 1 to 10000");
+    expect(s.frames >= 1 && s.frames <= kMaxFrames, "--frames", fmt::format("{} is out of range", s.frames),
+           "choose 1 to 100000");
+    expect(s.fps > 0 && s.fps <= 1e6, "--fps", fmt::format("{} is no number of frames a second", s.fps),
+           "choose for instance 25");
+    expect(std::min(s.width, s.height) >= 8 && std::max(s.width, s.height) <= side, "--size",
+           fmt::format("{}x{} is out of range", s.width, s.height), "choose 8 to 8192 a side");
+    expect(s.holdout >= 0 && s.holdout < 1, "--holdout", fmt::format("{} is not a share", s.holdout),
+           "choose 0 to below 1");
+    expect(s.holdout == 0 || s.cameras >= 2, "--holdout", "one camera cannot be kept back and used too",
+           "choose --holdout 0 or more cameras");
+}
+
+int32_t choose_animation(const GltfScene& scene, const std::string& wanted) {
+    if (!wanted.empty()) return static_cast<int32_t>(find_animation(scene, wanted));
+    return scene.animations.empty() ? kNoAnimation : 0;
+}
+
+std::vector<double> frame_times(const GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+    std::vector<double> times;
+    const double end =
+        animation == kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
+    for (uint32_t f = 0; f < settings.frames; ++f) times.push_back(std::min(f / settings.fps, end));
+    return times;
+}
+
+// The positions that triangles use.
+void gather_points(const GltfPrimitive& primitive, const PosedVertices& vertices, std::vector<glm::vec3>& points) {
+    std::vector<bool> seen(vertices.positions.size(), false);
+    points.clear();
+    for (const uint32_t index : primitive.indices) {
+        if (!seen[index]) points.push_back(vertices.positions[index]);
+        seen[index] = true;
+    }
+}
+
+// World positions of everything drawn at these instants, primitive by primitive.
+void for_each_pose(const GltfScene& scene, int32_t animation, const std::vector<double>& times,
+                   const std::function<void(const std::vector<glm::vec3>&)>& visit) {
+    PosedVertices vertices;
+    std::vector<glm::vec3> points;
+    for (size_t i = 0; i < times.size(); ++i) {
+        if (i > 0 && times[i] == times[i - 1]) continue;
+        const PosedScene pose = pose_scene(scene, animation, times[i]);
+        for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
+            if (!scene.nodes[n].in_scene || scene.nodes[n].mesh < 0) continue;
+            for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
+                pose_vertices(scene, pose, n, primitive, vertices);
+                gather_points(primitive, vertices, points);
+                visit(points);
+            }
+        }
+    }
+}
+
+std::string camera_name(size_t camera) { return fmt::format("c{:02}", camera); }
+std::string picture_name(size_t camera, size_t frame) { return fmt::format("c{:02}_f{:03}", camera, frame); }
+
+json matrix_rows(const glm::dmat4& matrix) {
+    json rows = json::array();
+    for (int r = 0; r < 4; ++r) rows.push_back({matrix[0][r], matrix[1][r], matrix[2][r], matrix[3][r]});
+    return rows;
+}
+
+void write_transforms(const std::filesystem::path& file, const CaptureStage& stage, const CaptureSettings& settings,
+                      const std::vector<bool>& held, bool test) {
+    const Camera& first = stage.cameras.front();
+    const glm::dvec3 low = stage.box.first, high = stage.box.second;
+    json root = {{"w", first.width},
+                 {"h", first.height},
+                 {"fl_x", first.fx},
+                 {"fl_y", first.fy},
+                 {"cx", first.cx},
+                 {"cy", first.cy},
+                 {"camera_angle_x", 2 * std::atan(0.5 * first.width / first.fx)},
+                 {"fps", settings.fps},
+                 {"aabb", {{low.x, low.y, low.z}, {high.x, high.y, high.z}}},
+                 {"frames", json::array()}};
+    for (size_t c = 0; c < stage.cameras.size(); ++c) {
+        if (held[c] != test) continue;
+        const json pose = matrix_rows(stage.cameras[c].world_from_camera);
+        for (uint32_t f = 0; f < settings.frames; ++f) {
+            json frame = {{"file_path", fmt::format("images/{}.png", picture_name(c, f))},
+                          {"time", settings.frames > 1 ? f / (settings.frames - 1.0) : 0.0},
+                          {"transform_matrix", pose}};
+            if (settings.background == CaptureBackground::kChecker)
+                frame["background_path"] = fmt::format("plates/{}.png", camera_name(c));
+            root["frames"].push_back(std::move(frame));
+        }
+    }
+    const std::string text = root.dump();
+    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+}
+
+// An interrupted capture over an older one must not leave transforms that speak of other pictures.
+void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
+    std::error_code error;
+    for (const char* name : {"transforms_train.json", "transforms_test.json"}) {
+        std::filesystem::remove(folder / name, error);
+        if (error) throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
+    }
+    for (const char* name : {"images", "plates"}) {
+        if (name == std::string("plates") && settings.background == CaptureBackground::kClear) continue;
+        std::filesystem::create_directories(folder / name, error);
+        if (error) throw RuntimeFailure(fmt::format("{}: cannot create: {}", (folder / name).string(), error.message()));
+    }
+}
+
+// What a camera would record: foreground + (1 − α) background, added as light; alpha stays the matte.
+Image compose(std::span<const glm::vec4> premultiplied, const Image& plate) {
+    Image picture = plate;
+    for (size_t i = 0; i < premultiplied.size(); ++i) {
+        uint8_t* pixel = &picture.rgba[4 * i];
+        const glm::vec4 light = premultiplied[i];
+        const auto alpha = static_cast<uint8_t>(std::lround(std::clamp(light.a, 0.0f, 1.0f) * 255));
+        pixel[3] = alpha;
+        if (light.a <= 0) continue;
+        for (int c = 0; c < 3; ++c) {
+            const double behind = linear_from_srgb(pixel[c] / 255.0);
+            const double sum = static_cast<double>(light[c]) + (1 - static_cast<double>(light.a)) * behind;
+            pixel[c] = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(sum, 0.0, 1.0))));
+        }
+    }
+    return picture;
+}
+
+Backdrop backdrop_of(const CaptureStage& stage) {
+    const glm::dvec3 centre = 0.5 * (stage.box.first + stage.box.second);
+    Backdrop room{centre - 1.5 * stage.radius, centre + 1.5 * stage.radius, stage.radius / 6};
+    room.low.y = stage.box.first.y;  // the floor on which the performer stands
+    return room;
+}
+
+// One capture under way: what its steps share.
+struct Session {
+    const CaptureSettings& settings;
+    const std::filesystem::path& folder;
+    const CaptureStage& stage;
+    std::vector<Image> plates;  // by camera; empty with a clear background
+    Workers workers;
+};
+
+void write_plates(Session& session) {
+    if (session.settings.background == CaptureBackground::kClear) return;
+    session.plates.resize(session.stage.cameras.size());
+    const Backdrop room = backdrop_of(session.stage);
+    for (size_t c = 0; c < session.plates.size(); ++c)
+        session.workers.add([&session, room, c] {
+            session.plates[c] = clean_plate(room, session.stage.cameras[c]);
+            write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
+        });
+    session.workers.finish();
+}
+
+void write_picture(const Session& session, size_t camera, size_t frame, std::span<const uint16_t> halves) {
+    const uint32_t width = session.settings.width, height = session.settings.height;
+    const std::vector<glm::vec4> light = box_down(halves, width, height);
+    const auto path = session.folder / "images" / (picture_name(camera, frame) + ".png");
+    write_png(path, session.plates.empty() ? encode_straight(light, width, height)
+                                           : compose(light, session.plates[camera]));
+}
+
+// False where the caller wants to stop.
+bool render_pictures(Session& session, const Device& device, const GltfScene& scene, int32_t animation,
+                     const CaptureProgress& progress) {
+    const CaptureSettings& settings = session.settings;
+    Rasterizer rasterizer(device, scene, settings.width, settings.height);
+    const std::vector<double> times = frame_times(scene, animation, settings);
+    const uint64_t total = uint64_t{settings.frames} * settings.cameras, before = session.workers.finished();
+    for (size_t f = 0; f < times.size(); ++f) {
+        rasterizer.pose(pose_scene(scene, animation, times[f]));
+        for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
+            if (progress && !progress(session.workers.finished() - before, total)) return false;
+            const auto halves = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            session.workers.add([&session, c, f, copy = std::vector<uint16_t>(halves.begin(), halves.end())] {
+                write_picture(session, c, f, copy);
+            });
+        }
+    }
+    session.workers.finish();
+    return !progress || progress(total, total);
+}
+
+}  // namespace
+
+CaptureStage make_stage(const GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+    const std::vector<double> times = frame_times(scene, animation, settings);
+    CaptureStage stage;
+    stage.dome = dome_cameras(settings.cameras);
+    stage.box = bounds_over(scene, animation, times);
+    const double extent = glm::length(stage.box.second - stage.box.first);
+    const glm::dvec3 farthest = glm::max(glm::abs(stage.box.first), glm::abs(stage.box.second));
+    if (!(extent >= kMinExtent_m) || !(std::max({farthest.x, farthest.y, farthest.z}) <= kMaxExtent_m))
+        throw InputError(scene.file, "", fmt::format("the motion's box has a diagonal of {:.3g} m", extent),
+                         "scale the model to metres and put it near the origin");
+    DomeFit fit;
+    fit.centre = 0.5 * (stage.box.first + stage.box.second);
+    const double focal = 1 / std::tan(glm::radians(0.5 * kViewAngle_deg));
+    const double shorter = std::min(settings.width, settings.height);
+    fit.focal = {focal * shorter / settings.width, focal * shorter / settings.height};
+    fit.margin = kMargin;
+    for_each_pose(scene, animation, times,
+                  [&](const std::vector<glm::vec3>& points) { include_points(fit, stage.dome, points); });
+    stage.radius = fit.radius;
+    for (const DomeCamera& camera : stage.dome)
+        stage.cameras.push_back(make_camera(camera, fit, settings.width, settings.height));
+    stage.box.first -= kBoxMargin * extent;
+    stage.box.second += kBoxMargin * extent;
+    return stage;
+}
+
+CaptureResult capture(const Device& device, const std::filesystem::path& model, const std::filesystem::path& folder,
+                      const CaptureSettings& settings, const CaptureProgress& progress) {
+    check_settings(settings);
+    const GltfScene scene = load_gltf(model);
+    const int32_t animation = choose_animation(scene, settings.animation);
+    const CaptureStage stage = make_stage(scene, animation, settings);
+    const std::vector<bool> held = held_out(settings.cameras, settings.holdout);
+    prepare_folder(folder, settings);
+
+    CaptureResult result;
+    result.pictures = uint64_t{settings.frames} * settings.cameras;
+    result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
+    result.train_cameras = settings.cameras - result.test_cameras;
+    const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
+    Session session{settings, folder, stage, {}, Workers(threads, 2 * threads)};
+    write_plates(session);
+    if (!render_pictures(session, device, scene, animation, progress)) return result;
+    if (result.test_cameras > 0)
+        write_transforms(folder / "transforms_test.json", stage, settings, held, true);
+    write_transforms(folder / "transforms_train.json", stage, settings, held, false);
+    result.complete = true;
+    return result;
+}
+
+}  // namespace neuvv

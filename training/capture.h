@@ -1,0 +1,55 @@
+// Renders an animated glTF model from a dome of cameras into a data set that training reads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "gpu/device.h"
+#include "training/dome.h"
+
+namespace neuvv {
+
+enum class CaptureBackground {
+    kClear,    // straight alpha, the performer's own colour
+    kChecker,  // RGB as a camera in a checkered room sees it, alpha the matte, one clean plate a camera
+};
+
+struct CaptureSettings {
+    uint32_t cameras = 66;
+    uint32_t frames = 75;
+    double fps = 25;
+    uint32_t width = 512, height = 512;
+    std::string animation;  // name or index; empty: the first, or the rest pose where there is none
+    double holdout = 0.1;   // share of cameras kept for the test, below 1
+    CaptureBackground background = CaptureBackground::kClear;
+};
+
+// Pictures written, of how many; returns false to stop.
+using CaptureProgress = std::function<bool(uint64_t done, uint64_t total)>;
+
+struct CaptureResult {
+    uint32_t train_cameras = 0, test_cameras = 0;
+    uint64_t pictures = 0;
+    bool complete = false;  // false: stopped, and the folder holds no transforms
+};
+
+// Writes folder/images/cNN_fNNN.png, folder/plates/cNN.png with a checkered background, and at the very end
+// folder/transforms_train.json and _test.json, so that a folder with transforms is complete. Earlier transforms are
+// removed first. Frame i shows the animation at i / fps; an animation that ends before holds its last pose. Throws
+// InputError for settings and models that cannot be captured, RuntimeFailure for what the machine cannot do.
+CaptureResult capture(const Device& device, const std::filesystem::path& model, const std::filesystem::path& folder,
+                      const CaptureSettings& settings, const CaptureProgress& progress);
+
+// The same cameras without pictures: every camera sees the whole motion. `box` is the motion's, slightly enlarged.
+struct CaptureStage {
+    std::vector<DomeCamera> dome;
+    std::vector<Camera> cameras;
+    std::pair<glm::dvec3, glm::dvec3> box;
+    double radius = 0;
+};
+struct GltfScene;
+CaptureStage make_stage(const GltfScene& scene, int32_t animation, const CaptureSettings& settings);
+
+}  // namespace neuvv

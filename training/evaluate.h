@@ -1,0 +1,37 @@
+// A VOctree measured against the pictures of a data set.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "gpu/device.h"
+#include "training/dataset.h"
+#include "training/metrics.h"
+#include "voctree/voctree.h"
+
+namespace neuvv {
+
+struct Evaluation {
+    struct PerCamera {
+        Quality quality;  // mean over its pictures
+        uint32_t images = 0;
+    };
+    Quality mean;                    // over all pictures
+    std::vector<PerCamera> cameras;  // by Dataset::cameras
+    std::vector<Quality> views;      // by Dataset::views
+};
+
+// Called after each view with what was compared, both opaque; false ends the evaluation early.
+using ViewCallback = std::function<bool(size_t view, const Image& truth, const Image& render, const Quality& quality)>;
+
+// Renders every view and compares, both over white (see Quality). Where it ended early, means are over what was done.
+// The tree must be sound (defect_of). Throws RuntimeFailure.
+Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, const ViewCallback& done = {});
+
+// A view's picture over white; where its camera has a clean plate, without the captured background.
+Image truth_over_white(const Dataset& dataset, const View& view);
+
+// The frame of the clip at a data set's `time`: 0 is the first, 1 the last.
+double frame_of_time(double time, uint32_t frames);
+
+}  // namespace neuvv
