@@ -22,7 +22,7 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double kViewAngle_deg = 40;   // of the picture's shorter side
+constexpr double kViewAngle_deg = 30;   // of the picture's shorter side
 constexpr double kMargin = 0.04;        // between the motion and the pictures' borders
 constexpr double kBoxMargin = 0.02;     // of the motion's diagonal, around it
 constexpr double kMaxExtent_m = 1e5;    // transforms hold distances up to 1e6

@@ -3,7 +3,7 @@ import math
 import struct
 import zlib
 
-from vectors import mix, smoothstep
+from vectors import smoothstep
 
 SIZE = 1024
 MARGIN = 6  # texels painted beyond a chart, so that mip levels do not mix neighbours
@@ -18,6 +18,15 @@ class Chart:
 
     def uv(self, u, v):
         return ((self.x + 0.5 + u * (self.w - 1)) / SIZE, (self.y + 0.5 + v * (self.h - 1)) / SIZE)
+
+
+def mix(a, b, t):
+    """Of two colours."""
+    if t <= 0:
+        return a
+    if t >= 1:
+        return b
+    return (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t)
 
 
 def band(x, period, centre, half, soft=0.0012):
@@ -91,7 +100,7 @@ def paint_leg(patch):
         colour = mix(colour, PALE, 0.8 * band(x, 0.025, 0.0125, 0.0035))
         colour = mix(colour, ORANGE, 1 - smoothstep(0.018, 0.0195, abs(x)))
         colour = mix(colour, CREAM, 1 - smoothstep(0.0015, 0.003, abs(abs(x) - 0.011)))
-        knee_x, knee_y = abs(x) - 0.1125, y - 0.43
+        knee_x, knee_y = x + 0.1125, y - 0.43
         if patch and max(abs(knee_x), abs(knee_y)) < 0.06:
             edge = max(abs(knee_x), abs(knee_y))
             colour = mix(colour, OLIVE, 1 - smoothstep(0.048, 0.0495, edge))
@@ -124,10 +133,10 @@ def paint_face(u, v):
         brow = line(d, y, 0.016, 0.021, 0.046, 0.023 - 0.004 * smoothstep(0.03, 0.046, d), 0.0038)
         colour = mix(colour, HAIR, 0.9 * brow)
         colour = mix(colour, (150, 92, 74), 0.7 * disc(d - 0.006, y + 0.034, 0.0035, 0.002))
-    lips = (x / 0.026) ** 2 + ((y + 0.058 + 4 * x * x) / 0.0085) ** 2
+    lips = (x / 0.026) ** 2 + ((y + 0.058 - 5 * x * x) / 0.0085) ** 2
     colour = mix(colour, (178, 66, 66), 1 - smoothstep(0.8, 1.1, lips))
     if abs(x) < 0.025:
-        colour = mix(colour, (104, 36, 40), 1 - smoothstep(0.0008, 0.0020, abs(y + 0.058 - 3 * x * x)))
+        colour = mix(colour, (104, 36, 40), 1 - smoothstep(0.0008, 0.0020, abs(y + 0.058 - 9 * x * x)))
     return colour
 
 
