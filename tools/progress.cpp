@@ -27,7 +27,9 @@ Progress::Progress(std::string label, uint64_t total)
     if (!terminal_) next_ += kLogPeriod;
 }
 
-Progress::~Progress() { finish(); }
+Progress::~Progress() {
+    finish();
+}
 
 void Progress::update(uint64_t done, std::string detail) {
     done_ = done;

@@ -45,9 +45,12 @@ GraphicsShape pass_shape() {
 
 VkSamplerAddressMode address_mode(GltfWrap wrap) {
     switch (wrap) {
-        case GltfWrap::kRepeat: return VK_SAMPLER_ADDRESS_MODE_REPEAT;
-        case GltfWrap::kMirroredRepeat: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-        case GltfWrap::kClampToEdge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+        case GltfWrap::kRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+        case GltfWrap::kMirroredRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+        case GltfWrap::kClampToEdge:
+            return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     }
     return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
@@ -91,9 +94,9 @@ Rasterizer::Rasterizer(const Device& device, const GltfScene& scene, uint32_t wi
                            {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
     depth_ = DeviceImage(device, "raster depth",
                          {width_, height_, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient, kSamples});
-    target_ = DeviceImage(device, "raster target",
-                          {width_, height_, kColour,
-                           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    target_ =
+        DeviceImage(device, "raster target",
+                    {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
     readback_ = Buffer(device, "raster readback", uint64_t{8} * width_ * height_, MemoryKind::kReadback);
     list_draws();
     upload_geometry();
@@ -126,8 +129,8 @@ void Rasterizer::upload_geometry() {
     for (const Draw& draw : draws_) {
         const GltfPrimitive& from = *draw.primitive;
         for (size_t v = 0; v < from.positions.size(); v++)
-            fixed.push_back({from.uvs.empty() ? glm::vec2(0) : from.uvs[v],
-                             from.colors.empty() ? glm::vec4(1) : from.colors[v]});
+            fixed.push_back(
+                {from.uvs.empty() ? glm::vec2(0) : from.uvs[v], from.colors.empty() ? glm::vec4(1) : from.colors[v]});
         indices.insert(indices.end(), from.indices.begin(), from.indices.end());
     }
     moving_ = Buffer(device_, "raster moving vertices", vertex_count_ * sizeof(MovingVertex), MemoryKind::kUpload);
@@ -178,12 +181,15 @@ void Rasterizer::record(const glm::mat4& clip_from_world) {
     commands_.begin();
     {
         const PassScope scope(commands_, "raster");
+        for (const DeviceImage* colour : {&samples_, &target_})
+            move_layout(commands_, *colour, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        move_layout(commands_, depth_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
         begin_rendering();
         record_draws(clip_from_world, false);
         record_draws(clip_from_world, true);
         vkCmdEndRendering(commands_.handle());
     }
-    drawing_barrier(commands_);
+    move_layout(commands_, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     copy(commands_, target_, readback_);
     host_barrier(commands_);
 }
@@ -191,15 +197,15 @@ void Rasterizer::record(const glm::mat4& clip_from_world) {
 void Rasterizer::begin_rendering() {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = samples_.view;
-    colour.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     colour.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
     colour.resolveImageView = target_.view;
-    colour.resolveImageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    colour.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = depth_.view;
-    depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
     depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // to 0: infinitely far
     depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};

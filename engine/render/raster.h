@@ -28,8 +28,8 @@ class Rasterizer {
     void pose(const PosedScene& pose);
 
     // Draws and waits. Linear premultiplied RGBA as binary16, rows from the top, kSupersample times the camera's size
-    // each way; valid until the next call. The camera has the rasterizer's picture size. `near_m`: what is nearer to the
-    // camera's plane is cut off.
+    // each way; valid until the next call. The camera has the rasterizer's picture size. `near_m`: what is nearer to
+    // the camera's plane is cut off.
     std::span<const uint16_t> draw(const Camera& camera, double near_m);
 
   private:

@@ -11,7 +11,9 @@ namespace neuvv {
 
 namespace {
 
-uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
+uint8_t byte_of(float value) {
+    return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
 
 uint8_t srgb_byte(float linear) {
     return byte_of(static_cast<float>(srgb_from_linear(static_cast<double>(std::clamp(linear, 0.0f, 1.0f)))));

@@ -50,8 +50,10 @@ int alpha_near(const Image& image, const glm::dvec2& place) {
     int largest = 0;
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
-            const auto x = static_cast<uint32_t>(std::clamp<int>(static_cast<int>(place.x) + dx, 0, static_cast<int>(image.width) - 1));
-            const auto y = static_cast<uint32_t>(std::clamp<int>(static_cast<int>(place.y) + dy, 0, static_cast<int>(image.height) - 1));
+            const auto x = static_cast<uint32_t>(
+                std::clamp<int>(static_cast<int>(place.x) + dx, 0, static_cast<int>(image.width) - 1));
+            const auto y = static_cast<uint32_t>(
+                std::clamp<int>(static_cast<int>(place.y) + dy, 0, static_cast<int>(image.height) - 1));
             largest = std::max(largest, int{image.at(x, y)[3]});
         }
     return largest;
@@ -133,7 +135,8 @@ TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
                 if (picture.at(x, y)[3] == 0) {
                     for (int c = 0; c < 3; ++c) ASSERT_EQ(picture.at(x, y)[c], plate.at(x, y)[c]);
                 }
-                const glm::vec4 difference = foreground(clear, clear.views[v], x, y) - foreground(checker, checker.views[v], x, y);
+                const glm::vec4 difference =
+                    foreground(clear, clear.views[v], x, y) - foreground(checker, checker.views[v], x, y);
                 for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(static_cast<double>(difference[c])));
             }
     }
@@ -143,8 +146,8 @@ TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
 TEST(Capture, AStoppedCaptureLeavesNoTransforms) {
     const TemporaryFolder folder;
     write_text(folder.path / "transforms_train.json", "of an older capture");
-    const CaptureResult result = capture(device(), kPerformer, folder.path, small_settings(),
-                                         [](uint64_t done, uint64_t) { return done < 2; });
+    const CaptureResult result =
+        capture(device(), kPerformer, folder.path, small_settings(), [](uint64_t done, uint64_t) { return done < 2; });
     EXPECT_FALSE(result.complete);
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_train.json"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
@@ -205,7 +208,8 @@ TEST(Performer, StandsOnTheFloorAndMoves) {
     EXPECT_GT(moving.second.y, 1.8) << "arms rise above the head";
     EXPECT_GT(moving.second.x - moving.first.x, 1.5);
     EXPECT_LT(moving.second.x - moving.first.x, 2.5);
-    const glm::dvec3 start = pose_scene(scene, 0, 0).world_from_node[0][3], end = pose_scene(scene, 0, 3).world_from_node[0][3];
+    const glm::dvec3 start = pose_scene(scene, 0, 0).world_from_node[0][3],
+                     end = pose_scene(scene, 0, 3).world_from_node[0][3];
     EXPECT_LT(glm::length(start - end), 1e-5) << "the end joins the start";
 }
 
@@ -216,7 +220,8 @@ TEST(Performer, TheScriptMakesTheFile) {
     const std::string command =
         "python3 '" NEUVV_SOURCE_DIR "/tools/performer/make_performer.py' '" + made.string() + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
-    EXPECT_TRUE(read_file(made) == read_file(kPerformer)) << "run tools/performer/make_performer.py and commit the result";
+    EXPECT_TRUE(read_file(made) == read_file(kPerformer))
+        << "run tools/performer/make_performer.py and commit the result";
     EXPECT_LT(std::filesystem::file_size(kPerformer), 1500000u);
 }
 

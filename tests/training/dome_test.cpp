@@ -40,8 +40,7 @@ TEST(Dome, NoTwoCamerasAreClose) {
     const auto dome = dome_cameras(66);
     double closest = 2;
     for (size_t i = 0; i < dome.size(); ++i)
-        for (size_t k = 0; k < i; ++k)
-            closest = std::min(closest, glm::length(dome[i].outward - dome[k].outward));
+        for (size_t k = 0; k < i; ++k) closest = std::min(closest, glm::length(dome[i].outward - dome[k].outward));
     EXPECT_GT(closest, 0.25);
 }
 
