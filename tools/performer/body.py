@@ -39,7 +39,7 @@ def add_torso(mesh):
                 (1.20, .160, .117, .104, 0), (1.28, .173, .126, .114, -.004), (1.34, .182, .122, .116, -.010),
                 (1.385, .176, .104, .108, -.014), (1.415, .148, .086, .096, -.016), (1.440, .108, .072, .082, -.018),
                 (1.460, .074, .064, .070, -.016), (1.478, .062, .060, .062, -.014), (1.492, .058, .058, .056, -.010)]
-    loft(mesh, ellipse_rings(stations, 40, 48, 2.35), CHARTS["shirt"].uv, torso_skin, "torso")
+    loft(mesh, ellipse_rings(stations, 30, 36, 2.35), CHARTS["shirt"].uv, torso_skin, "torso")
 
 
 def leg_skin(name):
@@ -62,7 +62,7 @@ def hip_skin(position):
 def add_trousers(mesh):
     hips = [(0.785, .085, .075, .085, 0), (0.80, .128, .098, .108, -.002), (0.84, .158, .112, .126, -.006),
             (0.89, .165, .114, .122, -.004), (0.95, .158, .108, .112, 0), (0.99, .140, .095, .098, 0)]
-    loft(mesh, ellipse_rings(hips, 14, 40, 2.3), CHARTS["hips"].uv, hip_skin, "hips")
+    loft(mesh, ellipse_rings(hips, 10, 32, 2.3), CHARTS["hips"].uv, hip_skin, "hips")
     stations = [(0.075, .076, .058, .058), (0.125, .082, .078, .082), (0.180, .086, .087, .093), (0.250, .091, .087, .092),
                 (0.340, .094, .078, .082), (0.440, .095, .068, .071), (0.500, .096, .065, .067), (0.570, .097, .065, .066),
                 (0.660, .098, .065, .067), (0.760, .099, .063, .064), (0.850, .100, .064, .065), (0.905, .100, .067, .069),
@@ -70,13 +70,13 @@ def add_trousers(mesh):
     depth = [(0.0, 0.0), (0.2, -.004), (0.48, .010), (0.62, -.004), (0.78, -.012), (0.93, -.006)]
     for name, side in SIDES:
         centres, radii = [], []
-        for down, x, across, along in spline(stations, 42):
+        for down, x, across, along in spline(stations, 32):
             z = _interpolate(depth, down)
             centres.append((side * x, 1 - down, z))
             radii.append((across, along))
         chart = CHARTS[f"{name}_leg"]
         # The seam runs down the inside.
-        rings = tube_rings(centres, radii, (1.0, 0.0, 0.0), 30, 2.15, math.pi if side > 0 else 0.0)
+        rings = tube_rings(centres, radii, (1.0, 0.0, 0.0), 22, 2.15, math.pi if side > 0 else 0.0)
         loft(mesh, rings, chart.uv, leg_skin(name), f"{name}_leg")
 
 
@@ -114,11 +114,11 @@ def add_arms(mesh):
                 (0.485, .038, .038), (0.505, .041, .041), (0.520, .041, .041), (0.526, .034, .034)]
     for name, side in SIDES:
         centres, radii = [], []
-        for along, thick, deep in spline(stations, 36):
+        for along, thick, deep in spline(stations, 28):
             bend = smoothstep(0.04, -0.10, along)  # near the body the sleeve comes out level
             centres.append(arm_point(along, side, (0.0, -0.055 * bend, 0.0)))
             radii.append((deep, thick))
-        rings = tube_rings(centres, radii, (0.0, 0.0, 1.0), 24, 2.0, -math.pi / 2 * side)
+        rings = tube_rings(centres, radii, (0.0, 0.0, 1.0), 18, 2.0, -math.pi / 2 * side)
         loft(mesh, rings, CHARTS[f"{name}_sleeve"].uv, arm_skin(name), f"{name}_arm")
         add_hand(mesh, name, side)
 
@@ -139,8 +139,8 @@ def add_hand(mesh, name, side):
 
     palm = [(0.490, .020, .019), (0.520, .026, .021), (0.545, .034, .020), (0.575, .042, .019), (0.605, .043, .017),
             (0.622, .038, .013), (0.626, .030, .008)]
-    rows = spline(palm, 12)
-    tube([place(a, 0.004 * smoothstep(.52, .58, a)) for a, _, _ in rows], [(w, t) for _, w, t in rows], 16)
+    rows = spline(palm, 10)
+    tube([place(a, 0.004 * smoothstep(.52, .58, a)) for a, _, _ in rows], [(w, t) for _, w, t in rows], 14)
     for z, reach, radius in ((.033, .070, .0095), (.012, .080, .0100), (-.010, .075, .0095), (-.030, .058, .0085)):
         path, sizes = [], []
         for i in range(7):
@@ -223,7 +223,7 @@ def add_head(mesh):
     neck = [(1.420, .058, .056, .056, -.016), (1.46, .054, .052, .054, -.014), (1.50, .051, .050, .054, -.008),
             (1.54, .052, .052, .058, -.002), (1.58, .048, .046, .056, .0)]
     loft(mesh, ellipse_rings(neck, 10, 20, 2.0), CHARTS["skin"].uv, neck_skin, "neck")
-    loft(mesh, head_rings(36, 48, lambda a, h: 0.0), CHARTS["face"].uv, head_skin, "head")
+    loft(mesh, head_rings(28, 38, lambda a, h: 0.0), CHARTS["face"].uv, head_skin, "head")
     for _, side in SIDES:
         centres, radii = [], []
         for i in range(7):
@@ -240,11 +240,11 @@ def add_hair(mesh):
         strands = 0.0016 * math.cos(14 * azimuth + 3 * height)
         return -0.012 + (0.027 + strands) * hairline(azimuth, height)
 
-    loft(mesh, head_rings(30, 44, lift), CHARTS["hair"].uv, head_skin, "head")
+    loft(mesh, head_rings(24, 34, lift), CHARTS["hair"].uv, head_skin, "head")
     path = [(0.0, .0, 1.660, -.080, .018), (0.2, .0, 1.672, -.118, .034), (0.4, .0, 1.640, -.150, .036),
             (0.6, .0, 1.585, -.164, .033), (0.8, .0, 1.530, -.166, .026), (1.0, .0, 1.475, -.158, .008)]
     centres, radii = [], []
-    for _, x, y, z, r in spline(path, 18):
+    for _, x, y, z, r in spline(path, 14):
         centres.append((x, y, z))
         radii.append((r, r * 0.85))
 
@@ -252,7 +252,7 @@ def add_hair(mesh):
         tail = smoothstep(0.0, 0.06, length(sub(position, PLACE["ponytail"])) - 0.01)
         return weights(("head", 1 - tail), ("ponytail", tail))
 
-    loft(mesh, tube_rings(centres, radii, (1.0, 0.0, 0.0), 16), CHARTS["tail"].uv, skin, "tail")
+    loft(mesh, tube_rings(centres, radii, (1.0, 0.0, 0.0), 12), CHARTS["tail"].uv, skin, "tail")
 
 
 def add_shoes(mesh):
@@ -263,10 +263,10 @@ def add_shoes(mesh):
     for name, side in SIDES:
         ankle = PLACE[f"{name}_foot"]
         rings = []
-        for z, half, height in spline(stations, 26):
+        for z, half, height in spline(stations, 18):
             ring = []
-            for c in range(25):
-                x, s = superellipse(-math.pi / 2 + 2 * math.pi * (c % 24) / 24, 2.8)
+            for c in range(19):
+                x, s = superellipse(-math.pi / 2 + 2 * math.pi * (c % 18) / 18, 2.8)
                 ring.append((ankle[0] + side * 0.004 - x * half, max(0.0, (0.5 + 0.5 * s) * height), ankle[2] + z))
             rings.append(ring)
         loft(mesh, rings, CHARTS["shoe"].uv, lambda _, n=name: {f"{n}_foot": 1.0}, f"{name}_shoe")
