@@ -194,9 +194,9 @@ void write_plates(Session& session) {
     session.workers.finish();
 }
 
-void write_picture(const Session& session, size_t camera, size_t frame, std::span<const uint16_t> halves) {
+void write_picture(const Session& session, size_t camera, size_t frame, const RasterPicture& picture) {
     const uint32_t width = session.settings.width, height = session.settings.height;
-    const std::vector<glm::vec4> light = box_down(halves, width, height);
+    const std::vector<glm::vec4> light = box_down(picture, width, height);
     const auto path = session.folder / "images" / (picture_name(camera, frame) + ".png");
     write_png(path,
               session.plates.empty() ? encode_straight(light, width, height) : compose(light, session.plates[camera]));
@@ -213,10 +213,13 @@ bool render_pictures(Session& session, const Device& device, const GltfScene& sc
         rasterizer.pose(pose_scene(scene, animation, times[f]));
         for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
             if (progress && !progress(session.workers.finished() - before, total)) return false;
-            const auto halves = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
-            session.workers.add([&session, c, f, copy = std::vector<uint16_t>(halves.begin(), halves.end())] {
-                write_picture(session, c, f, copy);
-            });
+            const RasterPicture drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            session.workers.add(
+                [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
+                    RasterPicture picture = drawn;
+                    picture.halves = halves;
+                    write_picture(session, c, f, picture);
+                });
         }
     }
     session.workers.finish();

@@ -145,10 +145,11 @@ void upload_levels(const Device& device, const DeviceImage& image, std::span<con
     });
 }
 
-void copy(Commands& commands, const DeviceImage& from, const Buffer& to) {
+void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to) {
     VkBufferImageCopy region{};
     region.imageSubresource = {aspect_of(from.shape.format), 0, 0, 1};
-    region.imageExtent = {from.shape.width, from.shape.height, 1};
+    region.imageOffset = {part.offset.x, part.offset.y, 0};
+    region.imageExtent = {part.extent.width, part.extent.height, 1};
     vkCmdCopyImageToBuffer(commands.handle(), from.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.buffer, 1, &region);
 }
 
