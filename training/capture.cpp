@@ -27,6 +27,7 @@ constexpr double kMargin = 0.04;       // between the motion and the pictures' b
 constexpr double kBoxMargin = 0.02;    // of the motion's diagonal, around it
 constexpr double kMaxExtent_m = 1e5;   // transforms hold distances up to 1e6
 constexpr double kMinExtent_m = 1e-3;
+constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of pictures drawn but not yet written
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
 
 void check_settings(const CaptureSettings& s) {
@@ -268,7 +269,9 @@ CaptureResult capture(const Device& device, const std::filesystem::path& model, 
     result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
-    Session session{settings, folder, stage, {}, Workers(threads, 2 * threads)};
+    const uint64_t picture_bytes = uint64_t{8} * kSupersample * kSupersample * settings.width * settings.height;
+    const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / picture_bytes, 1, 2 * threads);
+    Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_pictures(session, device, scene, animation, progress)) return result;
     if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, held, true);
