@@ -25,7 +25,8 @@ layout(push_constant) uniform Push { TracePush push; };
 #include "weights.glsl"
 
 float sh_y[kMaxShCount];
-Composite sum;
+uint here;    // the leaf that the walk stopped at
+float sigma;  // its density
 
 // Σ_nm w_nlm H_nlm(d, γ) over one l
 vec3 band(uint leaf, uint l, vec4 radial) {
@@ -45,18 +46,23 @@ vec3 leaf_colour(uint leaf) {
     return 1.0 / (1.0 + exp(-raw));
 }
 
-bool march_visit(uint leaf, float t_in, float t_out) {
-    const float sigma = leaf_sigma(leaf, push.leaf_count);
-    if (sigma > 0.0) composite_add(sum, sigma, t_out - t_in, leaf_colour(leaf), 0.5 * (t_in + t_out));
-    return sum.transmittance >= push.box_min.w;
+bool march_wants(uint leaf) {
+    here = leaf;
+    sigma = leaf_sigma(leaf, push.leaf_count);
+    return sigma > 0.0;
 }
 
 void main() {
     if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
-    sum = composite_begin();
     sh_y = sh_basis(ray.direction_world);
-    if (ray.inside) march((ray.origin_world - push.box_min.xyz) / push.box_size.xyz, ray.direction_world / push.box_size.xyz);
+    Composite sum = composite_begin();
+    March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
+                              ray.direction_world / push.box_size.xyz);
+    march.inside = march.inside && ray.inside;
+    MarchSegment part;
+    while (sum.transmittance >= push.box_min.w && march_next(march, part))
+        composite_add(sum, sigma, part.t_out - part.t_in, leaf_colour(here), 0.5 * (part.t_in + part.t_out));
     const float alpha = 1.0 - sum.transmittance;
     imageStore(radiance, int(ray.index), vec4(sum.colour, alpha));
     imageStore(depth, int(ray.index), vec4(alpha > 0.0 ? sum.depth / alpha : uintBitsToFloat(0x7f800000u)));

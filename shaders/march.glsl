@@ -1,4 +1,8 @@
-// Walks one ray through the octree, front to back, and calls march_visit for every leaf on its way.
+// Walks one ray through the octree, front to back: march_next goes on to the next leaf that the includer wants.
+//
+// Two nested loops, walk and shade, keep the lanes of a SIMD device together: all of them walk until each has a leaf,
+// then all shade. (lavapipe does not even branch around an `if` that no lane takes: shading inside the walk would be
+// paid at every empty cell.)
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by dependent texel fetches (two per node level).
@@ -6,13 +10,21 @@
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 
-// The includer's: the leaf and the segment [t_in, t_out] in metres along the ray; false ends the walk.
-bool march_visit(uint leaf, float t_in, float t_out);
+// The includer's: whether this leaf holds anything now.
+bool march_wants(uint leaf);
 
 struct March {
     vec3 origin;     // in finest cells
     vec3 direction;  // finest cells per metre
     vec3 inverse;
+    ivec3 cell;   // the finest cell that the walk is in
+    float t;      // metres along the ray
+    bool inside;  // false: the walk has left the tree
+};
+
+// The part of a ray inside one leaf, in metres along the ray.
+struct MarchSegment {
+    float t_in, t_out;
 };
 
 // Slab test against the whole tree. Empty (x > y) where the ray misses it or it lies behind.
@@ -52,7 +64,7 @@ uint march_cell(ivec3 q, out uint shift) {
     return kNoLeaf;  // a well-formed tree ends in leaves
 }
 
-void march(vec3 origin_tree, vec3 direction_tree) {
+March march_begin(vec3 origin_tree, vec3 direction_tree) {
     const int side = 1 << (2u * kNodeLevels);
     March ray;
     ray.origin = origin_tree * float(side);
@@ -61,26 +73,33 @@ void march(vec3 origin_tree, vec3 direction_tree) {
     const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     ray.inverse = 1.0 / safe;
     const vec2 range = march_range(ray);
-    float t = range.x;
-    if (t >= range.y) return;
+    ray.t = range.x;
+    ray.inside = range.x < range.y;
+    ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), 0, side - 1);
+    return ray;
+}
 
-    ivec3 q = clamp(ivec3(floor(ray.origin + ray.direction * t)), 0, side - 1);
-    const ivec3 forward = ivec3(greaterThan(safe, vec3(0.0)));
-    while (true) {
+// The ray's part in the next wanted leaf; false where there is none.
+bool march_next(inout March ray, out MarchSegment segment) {
+    const int side = 1 << (2u * kNodeLevels);
+    const ivec3 forward = ivec3(greaterThan(ray.inverse, vec3(0.0)));
+    bool found = false;
+    while (ray.inside && !found) {
         uint shift;
-        const uint leaf = march_cell(q, shift);
-        const ivec3 low = (q >> int(shift)) << int(shift);
+        const uint leaf = march_cell(ray.cell, shift);
+        const ivec3 low = (ray.cell >> int(shift)) << int(shift);
         const int size = 1 << shift;
         const vec3 faces = (vec3(low + forward * size) - ray.origin) * ray.inverse;
         const float t_out = min(faces.x, min(faces.y, faces.z));
-        if (leaf != kNoLeaf && t_out > t && !march_visit(leaf, t, t_out)) return;
-        t = max(t, t_out);
-        const ivec3 at = ivec3(floor(ray.origin + ray.direction * t));
-        const bvec3 leaves = lessThanEqual(faces, vec3(t_out));
+        segment = MarchSegment(ray.t, t_out);
+        if (leaf != kNoLeaf && t_out > ray.t) found = march_wants(leaf);
+        ray.t = max(ray.t, t_out);
+        const ivec3 at = ivec3(floor(ray.origin + ray.direction * ray.t));
         const ivec3 beyond = low - 1 + forward * (size + 1);
-        q = mix(clamp(at, low, low + size - 1), beyond, leaves);
-        if (any(lessThan(q, ivec3(0))) || any(greaterThanEqual(q, ivec3(side)))) return;
+        ray.cell = mix(clamp(at, low, low + size - 1), beyond, lessThanEqual(faces, vec3(t_out)));
+        ray.inside = all(greaterThanEqual(ray.cell, ivec3(0))) && all(lessThan(ray.cell, ivec3(side)));
     }
+    return found;
 }
 
 #endif

@@ -20,32 +20,19 @@ layout(push_constant) uniform Push { TracePush push; };
 #include "composite.glsl"
 #include "march.glsl"
 #include "ray.glsl"
-#include "sh.glsl"
-
-float sh_y[kMaxShCount];
-Composite sum;
-
-vec3 slice_colour(uint slot) {
-    vec3 raw = vec3(0.0);
-    const int first = int(slot * sh_count(kHhDegree));
-    for (uint j = 0u; j < sh_count(kHhDegree); j++) raw += sh_y[j] * texelFetch(slice_sh, first + int(j)).rgb;
-    return 1.0 / (1.0 + exp(-raw));  // errata 8
-}
-
-bool march_visit(uint leaf, float t_in, float t_out) {
-    const uvec2 entry = texelFetch(head, int(leaf)).xy;
-    const float sigma = uintBitsToFloat(entry.x);
-    if (sigma > 0.0)
-        composite_add(sum, sigma, t_out - t_in, slice_colour(entry.y), 0.5 * (t_in + t_out));
-    return sum.transmittance >= push.box_min.w;
-}
+#include "slice_sample.glsl"
 
 void main() {
     if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
-    sum = composite_begin();
     sh_y = sh_basis(ray.direction_world);
-    if (ray.inside) march((ray.origin_world - push.box_min.xyz) / push.box_size.xyz, ray.direction_world / push.box_size.xyz);
+    Composite sum = composite_begin();
+    March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
+                              ray.direction_world / push.box_size.xyz);
+    march.inside = march.inside && ray.inside;
+    MarchSegment part;
+    while (sum.transmittance >= push.box_min.w && march_next(march, part))
+        composite_add(sum, sigma, part.t_out - part.t_in, slice_colour(), 0.5 * (part.t_in + part.t_out));
     const float alpha = 1.0 - sum.transmittance;
     imageStore(radiance, int(ray.index), vec4(sum.colour, alpha));
     imageStore(depth, int(ray.index), vec4(alpha > 0.0 ? sum.depth / alpha : uintBitsToFloat(0x7f800000u)));

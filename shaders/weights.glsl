@@ -10,10 +10,12 @@ vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) {
 }
 #endif
 
+// Planes whose part of the row is 0, as in bases that training has not spread yet, are not read: the branch is uniform.
 // σ = relu(A_t·w^σ), 1/m (errata 9)
 float leaf_sigma(uint leaf, uint leaf_count) {
     float raw = 0.0;
-    for (uint p = 0u; p < kBasisPlanes; p++) raw += dot(rows.sigma[p], fetch_weights(leaf, p, leaf_count));
+    for (uint p = 0u; p < kBasisPlanes; p++)
+        if (rows.sigma[p] != vec4(0.0)) raw += dot(rows.sigma[p], fetch_weights(leaf, p, leaf_count));
     return max(raw, 0.0);
 }
 
@@ -21,7 +23,7 @@ float leaf_sigma(uint leaf, uint leaf_count) {
 float leaf_gamma(uint leaf, uint leaf_count) {
     float raw = 0.0;
     for (uint p = 0u; p < kBasisPlanes; p++)
-        raw += dot(rows.gamma[p], fetch_weights(leaf, kBasisPlanes + p, leaf_count));
+        if (rows.gamma[p] != vec4(0.0)) raw += dot(rows.gamma[p], fetch_weights(leaf, kBasisPlanes + p, leaf_count));
     return kPi / (1.0 + exp(-raw));
 }
 

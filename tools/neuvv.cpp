@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
     neuvv::add_devices(app, common);
     neuvv::add_info(app, common);
     neuvv::add_capture(app, common);
+    neuvv::add_train(app, common);
     neuvv::add_eval(app, common);
     neuvv::add_render(app, common);
     app.footer(

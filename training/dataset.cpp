@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <functional>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <set>
-#include <thread>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/platform.h"
 #include "training/transforms.h"
 
@@ -24,29 +20,6 @@ namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 constexpr uint32_t kHoldOut = 8;  // of one transforms.json, every 8th camera is for the test
-
-// Calls work(i) for every i < count on all hardware threads. An exception stops the rest; of several, the one of the
-// lowest index is rethrown, so that a message does not depend on timing.
-void parallel_for(size_t count, const std::function<void(size_t)>& work) {
-    std::atomic<size_t> next{0};
-    std::mutex guard;
-    std::exception_ptr failure;
-    size_t failed_at = count;
-    const auto run = [&] {
-        for (size_t i = next++; i < count; i = next++) try {
-                work(i);
-            } catch (...) {
-                const std::lock_guard lock(guard);
-                next = count;
-                if (i < failed_at) failure = std::current_exception();
-                failed_at = std::min(failed_at, i);
-            }
-    };
-    std::vector<std::jthread> threads(std::min<size_t>(std::max(1u, std::thread::hardware_concurrency()), count));
-    for (auto& thread : threads) thread = std::jthread(run);
-    threads.clear();
-    if (failure) std::rethrow_exception(failure);
-}
 
 // What makes two frames the same camera: pose and intrinsics as the file gives them.
 using CameraIdentity = std::array<double, 19>;
@@ -176,7 +149,7 @@ Image load_picture(const std::filesystem::path& path) {
 
 void load_pictures(const Sources& sources, Dataset& dataset) {
     const size_t views = dataset.views.size();
-    parallel_for(views + dataset.plates.size(), [&](size_t i) {
+    const auto load = [&](size_t i) {
         const auto& path = i < views ? sources.pictures[i] : sources.plates[i - views];
         if (path.empty()) return;
         const size_t frame = i < views ? i : sources.first_frame[i - views];
@@ -188,6 +161,9 @@ void load_pictures(const Sources& sources, Dataset& dataset) {
                                          sources.frames[frame].place, sources.file, in.width, in.height),
                              "correct w and h, and fl_x, fl_y, cx, cy with them");
         (i < views ? dataset.views[i].image : dataset.plates[i - views]) = std::move(image);
+    };
+    parallel_for(views + dataset.plates.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) load(i);
     });
 }
 
@@ -223,15 +199,6 @@ void expect_matte(const Sources& sources, const Dataset& dataset) {
     if (!solid)
         throw InputError(sources.file, "frames[].file_path", "every alpha of every picture is 0",
                          "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");
-}
-
-const std::array<float, 256>& linear_table() {
-    static const std::array<float, 256> table = [] {
-        std::array<float, 256> linear{};
-        for (size_t i = 0; i < 256; ++i) linear[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
-        return linear;
-    }();
-    return table;
 }
 
 }  // namespace
@@ -275,8 +242,9 @@ std::vector<CameraKey> load_camera_path(const std::filesystem::path& file) {
 }
 
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y) {
-    const auto& linear = linear_table();
-    const auto rgb = [&](const uint8_t* at) { return glm::vec3(linear[at[0]], linear[at[1]], linear[at[2]]); };
+    const auto rgb = [](const uint8_t* at) {
+        return glm::vec3(linear_from_srgb_byte(at[0]), linear_from_srgb_byte(at[1]), linear_from_srgb_byte(at[2]));
+    };
     const uint8_t* pixel = view.image.at(x, y);
     const float alpha = static_cast<float>(pixel[3]) / 255.0f;
     const Image& plate = dataset.plates[view.camera];

@@ -15,10 +15,10 @@ namespace neuvv {
 
 // One picture of one camera at one instant.
 struct View {
-    std::string name;       // `file_path`'s file name without extension ("c00_f003")
-    uint32_t camera = 0;    // index into Dataset::cameras
-    double time = 0;        // [0,1] over the clip
-    Image image;            // straight alpha = the matte. See Dataset::plates for what RGB means
+    std::string name;     // `file_path`'s file name without extension ("c00_f003")
+    uint32_t camera = 0;  // index into Dataset::cameras
+    double time = 0;      // [0,1] over the clip
+    Image image;          // straight alpha = the matte. See Dataset::plates for what RGB means
 };
 
 struct Dataset {
@@ -41,9 +41,10 @@ enum class Split { kTrain, kTest };
 // without alpha.
 Dataset load_dataset(const std::filesystem::path& folder, Split split);
 
-// Cameras of a path for `neuvv render --camera`: the frames of a transforms.json without its images, in file order, with
-// `time` where given. A file without w and h leaves the size to the caller: width, height, cx and cy are then 0, and fx
-// and fy are the focal length in picture widths (multiply by the width chosen; the principal point is the centre).
+// Cameras of a path for `neuvv render --camera`: the frames of a transforms.json without its images, in file order,
+// with `time` where given. A file without w and h leaves the size to the caller: width, height, cx and cy are then 0,
+// and fx and fy are the focal length in picture widths (multiply by the width chosen; the principal point is the
+// centre).
 struct CameraKey {
     Camera camera;
     std::optional<double> time;

@@ -6,6 +6,7 @@
 #include <jerror.h>
 #include <png.h>
 
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <csetjmp>
@@ -239,6 +240,15 @@ double srgb_from_linear(double linear) {
 
 double linear_from_srgb(double srgb) {
     return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+float linear_from_srgb_byte(uint8_t srgb) {
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> linear{};
+        for (size_t i = 0; i < 256; i++) linear[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+        return linear;
+    }();
+    return table[srgb];
 }
 
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {

@@ -23,6 +23,7 @@ struct Image {
 // The sRGB transfer function (IEC 61966-2-1) and its inverse, on values in [0,1].
 double srgb_from_linear(double linear);
 double linear_from_srgb(double srgb);
+float linear_from_srgb_byte(uint8_t srgb);  // by table
 
 constexpr uint32_t kMaxImageSide = 16384;
 

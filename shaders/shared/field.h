@@ -22,7 +22,7 @@ struct LiveCount {
     uint groups_x;
     uint groups_y;
     uint groups_z;
-    uint slots;     // live leaves of this frame, at most the slice's capacity
+    uint slots;     // live leaves of this frame, those without a slot included: take min(slots, capacity)
     uint overflow;  // live leaves that found no slot (then the slice is incomplete)
 };
 

@@ -19,10 +19,6 @@ CONSTEXPR uint kTraceDepth = 7u;     // per ray: metres along the ray, infinity 
 // direct.comp reads weights and rows in place of head and SH
 CONSTEXPR uint kTraceWeights = 8u;
 CONSTEXPR uint kTraceRows = 9u;
-// trace_adjoint.comp
-CONSTEXPR uint kTraceAdjoint = 10u;    // per ray: ∂L/∂(R, G, B, alpha)
-CONSTEXPR uint kTraceGradients = 11u;  // per slot: see gradient_stride
-CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step
 
 // Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
 struct ShaderCamera {
@@ -45,15 +41,6 @@ struct TracePush {
     vec4 box_size;  // metres
     uint leaf_count;
 };
-
-// Floats of one slot's gradient: ∂L/∂σ, Σ|α ∂L/∂α|, then ∂L/∂k_lm (R, G, B) per SH function.
-#ifdef __cplusplus
-constexpr
-#endif
-    uint
-    gradient_stride(uint degree) {
-    return 2u + 3u * sh_count(degree);
-}
 
 NEUVV_SHARED_END
 

@@ -52,9 +52,11 @@ TEST_F(DeviceTest, IsNamedByIndexOrByPartOfItsName) {
 TEST_F(DeviceTest, AChoiceThatFitsNoneIsBadInput) {
     expect_input_error([] { Device("no such device", Validation::kOn); }, {"no such device", "neuvv devices"});
     expect_input_error([] { Device("999", Validation::kOn); }, {"999", "neuvv devices"});
+    const char* environment = std::getenv("NEUVV_DEVICE");
+    const std::string before = environment ? environment : "";
     ASSERT_EQ(setenv("NEUVV_DEVICE", "from the environment", 1), 0);
     expect_input_error([] { Device("", Validation::kOn); }, {"from the environment"});
-    ASSERT_EQ(unsetenv("NEUVV_DEVICE"), 0);
+    ASSERT_EQ(environment ? setenv("NEUVV_DEVICE", before.c_str(), 1) : unsetenv("NEUVV_DEVICE"), 0);
 }
 
 TEST_F(DeviceTest, ValidationIsHeard) {

@@ -1,0 +1,95 @@
+// The passes of training that run backwards: loss → rays → slice → weights and rows.
+#ifndef NEUVV_SHARED_TRAINING_H
+#define NEUVV_SHARED_TRAINING_H
+#include "shared/slice.h"
+#include "shared/trace.h"
+
+NEUVV_SHARED
+
+// loss.comp
+CONSTEXPR uint kLossRadiance = 0u;
+CONSTEXPR uint kLossTarget = 1u;      // per ray: premultiplied linear RGB and alpha of the foreground; alpha −1: no pixel
+CONSTEXPR uint kLossBackground = 2u;  // per ray: linear RGB
+CONSTEXPR uint kLossAdjoint = 3u;     // per ray: ∂L/∂(R, G, B, alpha)
+CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unused)
+
+struct LossPush {
+    float lambda_grad;  // errata 16
+};
+
+// trace_adjoint.comp: the bindings of trace.comp up to kTraceRadiance, and
+CONSTEXPR uint kTraceAdjoint = 10u;
+CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats
+CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step; 0: no ray came
+
+// Floats of one slot's gradient: ∂L/∂σ, then ∂L/∂k_lm (R, G, B) per SH function.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    gradient_stride(uint degree) {
+    return 1u + 3u * sh_count(degree);
+}
+
+// touched.comp: the slots that rays reached, so that the passes after it run over those alone
+CONSTEXPR uint kTouchedReach = 0u;
+CONSTEXPR uint kTouchedLive = 1u;
+CONSTEXPR uint kTouchedSlots = 2u;  // slots, in the order of the workgroups that found them
+CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
+
+// slice_adjoint.comp
+CONSTEXPR uint kAdjointWeights = 0u;
+CONSTEXPR uint kAdjointFirst = 1u;      // first moments, laid out as the weights
+CONSTEXPR uint kAdjointSecond = 2u;     // second moments
+CONSTEXPR uint kAdjointRows = 3u;
+CONSTEXPR uint kAdjointLeaves = 4u;     // per slot: its leaf
+CONSTEXPR uint kAdjointTouched = 5u;      // slots to run over
+CONSTEXPR uint kAdjointCount = 10u;       // how many
+CONSTEXPR uint kAdjointGradients = 6u;  // read and cleared
+CONSTEXPR uint kAdjointReach = 7u;      // read and cleared
+CONSTEXPR uint kAdjointLeafReach = 8u;  // per leaf: the largest blending weight since the tree last changed
+CONSTEXPR uint kAdjointPartials = 9u;   // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
+
+// rows_adjoint.comp
+CONSTEXPR uint kRowsAdjointPartials = 0u;
+CONSTEXPR uint kRowsAdjointCount = 1u;
+CONSTEXPR uint kRowsAdjointSigma = 2u;   // A, frames × bases
+CONSTEXPR uint kRowsAdjointGamma = 3u;   // B
+CONSTEXPR uint kRowsAdjointFirst = 4u;   // moments: those of A, then those of B
+CONSTEXPR uint kRowsAdjointSecond = 5u;
+
+// How the optimiser moves (Adam). `emit`: moments take no part; the first moment receives the gradient itself.
+struct AdamPush {
+    float beta1;
+    float beta2;
+    float epsilon;
+    float bias1;  // 1 − β1^step
+    float bias2;
+    uint emit;
+};
+
+struct SliceAdjointPush {
+    AdamPush adam;
+    uint leaf_count;
+    float sigma_rate;   // learning rate of w^σ, 1/m
+    float gamma_rate;   // of w^γ
+    float colour_rate;  // of w^HH with l = 0
+    float detail_rate;  // of w^HH with l > 0
+};
+
+struct RowsAdjointPush {
+    AdamPush adam;
+    float frame;
+    uint frames;
+    uint bases;
+    float sigma_rate;  // learning rate of A
+    float gamma_rate;  // of B
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::SliceAdjointPush) == 44);
+static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
+#endif
+#endif

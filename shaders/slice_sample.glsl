@@ -1,0 +1,25 @@
+// What a ray meets in a slice: march_wants stops the walk at live leaves, slice_colour is theirs along the ray. The
+// includer binds utextureBuffer `head` and textureBuffer `slice_sh`, and sets sh_y to its ray's sh_basis.
+#ifndef NEUVV_SLICE_SAMPLE_GLSL
+#define NEUVV_SLICE_SAMPLE_GLSL
+#include "sh.glsl"
+
+float sh_y[kMaxShCount];
+float sigma;  // 1/m, of the leaf that the walk stopped at
+uint slot;
+
+bool march_wants(uint leaf) {
+    const uvec2 entry = texelFetch(head, int(leaf)).xy;
+    sigma = uintBitsToFloat(entry.x);
+    slot = entry.y;
+    return sigma > 0.0;
+}
+
+vec3 slice_colour() {
+    vec3 raw = vec3(0.0);
+    const int first = int(slot * sh_count(kHhDegree));
+    for (uint j = 0u; j < sh_count(kHhDegree); j++) raw += sh_y[j] * texelFetch(slice_sh, first + int(j)).rgb;
+    return 1.0 / (1.0 + exp(-raw));  // errata 8
+}
+
+#endif

@@ -1,0 +1,89 @@
+// neuvv train: a data set in, a volumetric video out.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "base/platform.h"
+#include "tools/commands.h"
+#include "training/train.h"
+
+namespace neuvv {
+
+namespace {
+
+struct TrainOptions {
+    std::filesystem::path dataset, output;
+    TrainSettings settings;
+};
+
+std::string duration(double seconds) {
+    const auto whole = static_cast<int64_t>(seconds + 0.5);
+    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+void print_progress(const TrainProgress& now, bool line_ends) {
+    fmt::print(stderr,
+               "{}{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB{}",
+               stderr_is_terminal() ? "\r" : "", duration(now.elapsed_s), duration(now.eta_s), now.rays_per_s / 1000,
+               now.loss, now.psnr, now.leaves / 1000, now.depth,
+               static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
+}
+
+void run_train(const TrainOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const Device device(common.device);
+    fmt::print(stderr, "training on {}\n", device.summary().name);
+    const Dataset dataset = load_dataset(options.dataset, Split::kTrain);
+    fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures\n", options.dataset.string(), dataset.cameras.size(),
+               dataset.times.size(), dataset.views.size());
+    double printed = -1e9;
+    const TrainProgress last = train(device, dataset, options.settings, options.output, [&](const TrainProgress& now) {
+        if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
+            print_progress(now, !stderr_is_terminal());
+            printed = now.elapsed_s;
+            if (std::getenv("NEUVV_TRACE"))
+                for (const PassTime& pass : now.passes) fmt::print(stderr, "  {:16} {:8.2f} ms\n", pass.name, pass.milliseconds);
+        }
+        return !stop_requested();
+    });
+    if (std::getenv("NEUVV_TRACE")) for (const PassTime& pass : last.passes) fmt::print(stderr, "  {:16} {:8.2f} ms\n", pass.name, pass.milliseconds);
+    fmt::print(stderr, "{}wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", stderr_is_terminal() ? "\n" : "",
+               options.output.string(), last.leaves, last.step, last.epochs, duration(last.elapsed_s));
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, CommonOptions& common) {
+    auto options = std::make_shared<TrainOptions>();
+    CLI::App* verb = app.add_subcommand("train", "Train a volumetric video from a calibrated multi-view video");
+    verb->add_option("dataset", options->dataset, "Folder with transforms_train.json (see training/README.md)")
+        ->required();
+    verb->add_option("-o,--output", options->output, "The .nvv to write")->required();
+    CLI::Option* minutes = verb->add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
+                               ->check(CLI::Range(0.01, 1e5));
+    verb->add_option("--steps", options->settings.steps, "Budget in steps")
+        ->check(CLI::Range(1u, 1000000000u))
+        ->excludes(minutes);
+    verb->add_option("--resolution", options->settings.shape.resolution,
+                     "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
+        ->check(CLI::Range(8u, kMaxResolution));
+    verb->add_option("--bases", options->settings.shape.bases, "C: temporal bases, at most one a frame is used")
+        ->check(CLI::Range(1u, kMaxBases))
+        ->capture_default_str();
+    verb->add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")
+        ->check(CLI::Range(0u, kMaxHhDegree))
+        ->capture_default_str();
+    verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
+    verb->add_flag("--resume", options->settings.resume,
+                   "Go on from OUTPUT.state; shape and seed are the run's, --minutes or --steps its whole budget");
+    verb->footer(
+        "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n\n"
+        "Examples:\n"
+        "  neuvv train captures/dance -o dance.nvv --minutes 20\n"
+        "  neuvv train captures/dance -o dance.nvv --minutes 40 --resume\n"
+        "  neuvv train captures/dance -o small.nvv --steps 500 --resolution 96 --hh-degree 1");
+    verb->callback([options, &common] { run_train(*options, common); });
+}
+
+}  // namespace neuvv

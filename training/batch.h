@@ -1,0 +1,57 @@
+// Which rays a step traces, and what they should see (errata 10, 16, 17).
+#pragma once
+
+#include <random>
+
+#include "shared/trace.h"
+#include "training/dataset.h"
+
+namespace neuvv {
+
+// One step's tiles, all of one instant.
+struct Batch {
+    double time = 0;  // [0,1]
+    std::vector<Tile> tiles;
+    std::vector<glm::vec4> target;      // per ray premultiplied linear foreground and alpha; alpha −1 off the picture
+    std::vector<glm::vec4> background;  // per ray linear RGB
+};
+
+// Draws batches: instants in random rounds; of an instant's pictures every tile with foreground once an epoch, and a
+// fifth of the tiles without. Behind the rays stands the captured plate where there is one, else one random colour a
+// tile. The same seed and data give the same batches.
+class BatchSampler {
+  public:
+    // The data set must outlive it.
+    BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed);
+
+    // At most tiles_per_batch tiles, never none.
+    Batch next();
+
+    // Rays of one epoch over every instant.
+    uint64_t rays_per_epoch() const { return rays_per_epoch_; }
+
+  private:
+    struct ViewTile {
+        uint32_t view;
+        uint16_t x, y;  // in tiles
+    };
+    struct Instant {
+        std::vector<uint32_t> views;
+        std::vector<ViewTile> queue;  // of this epoch, drawn from the back
+    };
+    void refill(Instant& instant);
+    void append(Batch& batch, const ViewTile& tile);
+    double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+    template <typename T>
+    void shuffle(std::vector<T>& values);
+
+    const Dataset& dataset_;
+    uint32_t tiles_per_batch_;
+    std::mt19937_64 random_;
+    std::vector<Instant> instants_;
+    std::vector<uint32_t> round_;                    // instants left of this round
+    std::vector<std::vector<bool>> has_foreground_;  // per view, per tile
+    uint64_t rays_per_epoch_ = 0;
+};
+
+}  // namespace neuvv

@@ -1,0 +1,181 @@
+#include "training/checkpoint.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+// bfloat16, rounded to nearest: moments steer steps, three digits are enough.
+uint16_t bfloat_from_float(float value) {
+    const uint32_t bits = std::bit_cast<uint32_t>(value);
+    return static_cast<uint16_t>((bits + 0x7fff + (bits >> 16 & 1)) >> 16);
+}
+
+float float_from_bfloat(uint16_t value) {
+    return std::bit_cast<float>(uint32_t{value} << 16);
+}
+
+std::vector<float> fetch(const Device& device, const Buffer& buffer, size_t count) {
+    std::vector<float> values(count);
+    download(device, buffer, values.data(), count * sizeof(float));
+    return values;
+}
+
+std::vector<uint16_t> fetch_bfloat(const Device& device, const Buffer& buffer, size_t count) {
+    const std::vector<float> values = fetch(device, buffer, count);
+    std::vector<uint16_t> result(count);
+    parallel_for(count, 1 << 20, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) result[i] = bfloat_from_float(values[i]);
+    });
+    return result;
+}
+
+void put_bfloat(const Device& device, const Buffer& buffer, const std::vector<uint16_t>& values) {
+    std::vector<float> floats(values.size());
+    for (size_t i = 0; i < values.size(); i++) floats[i] = float_from_bfloat(values[i]);
+    upload(device, buffer, floats.data(), floats.size() * sizeof(float));
+}
+
+template <typename T>
+NvvChunk chunk(const char* name, const std::vector<T>& values) {
+    NvvChunk result{name, std::vector<uint8_t>(values.size() * sizeof(T))};
+    std::memcpy(result.bytes.data(), values.data(), result.bytes.size());
+    return result;
+}
+
+const NvvChunk& find_chunk(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name) {
+    for (const NvvChunk& candidate : chunks)
+        if (candidate.name == name) return candidate;
+    throw InputError(path.string(), "chunk " + std::string(name), "is missing: this is no state of a training run",
+                     "train without --resume");
+}
+
+template <typename T>
+std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name,
+                          size_t count) {
+    const NvvChunk& found = find_chunk(path, chunks, name);
+    if (found.bytes.size() != count * sizeof(T))
+        throw InputError(path.string(), "chunk " + std::string(name), "does not fit the tree",
+                         "train without --resume");
+    std::vector<T> values(count);
+    std::memcpy(values.data(), found.bytes.data(), found.bytes.size());
+    return values;
+}
+
+std::vector<float> read_floats(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name,
+                               size_t count) {
+    std::vector<float> values = read_chunk<float>(path, chunks, name, count);
+    for (const float value : values)
+        if (!std::isfinite(value))
+            throw InputError(path.string(), "chunk " + std::string(name), "holds a number that is not finite",
+                             "train without --resume");
+    return values;
+}
+
+NvvChunk run_chunk(const RunState& run) {
+    const nlohmann::json json = {{"seed", run.seed},
+                                 {"step", run.step},
+                                 {"adam_step", run.adam_step},
+                                 {"stage", run.stage},
+                                 {"stage_rays", run.stage_rays},
+                                 {"max_depth", run.max_depth},
+                                 {"elapsed_s", run.elapsed_s},
+                                 {"rays", run.rays},
+                                 {"minutes", run.minutes},
+                                 {"steps", run.steps}};
+    const std::string text = json.dump();
+    return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
+}
+
+RunState read_run(const std::filesystem::path& path, const NvvChunk& found) {
+    RunState run;
+    try {
+        const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
+        json.at("seed").get_to(run.seed);
+        json.at("step").get_to(run.step);
+        json.at("adam_step").get_to(run.adam_step);
+        json.at("stage").get_to(run.stage);
+        json.at("stage_rays").get_to(run.stage_rays);
+        json.at("max_depth").get_to(run.max_depth);
+        json.at("elapsed_s").get_to(run.elapsed_s);
+        json.at("rays").get_to(run.rays);
+        json.at("minutes").get_to(run.minutes);
+        json.at("steps").get_to(run.steps);
+    } catch (const nlohmann::json::exception&) {
+        throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
+    }
+    if (run.max_depth < 1 || run.max_depth > 2 * kMaxNodeLevels || !(run.elapsed_s >= 0) || !(run.minutes >= 0))
+        throw InputError(path.string(), "chunk run0", "holds numbers out of range", "train without --resume");
+    return run;
+}
+
+size_t plane_numbers(const VOctree& tree) {
+    return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
+}
+
+}  // namespace
+
+std::filesystem::path state_path(const std::filesystem::path& nvv) {
+    return nvv.string() + ".state";
+}
+
+Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run) {
+    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, step.leaf_reach()};
+    step.download(checkpoint.tree);
+    const Device& device = *step.field().weights.device;
+    const Moments& moments = step.moments();
+    const size_t rows = size_t{2} * tree.frames * tree.bases;
+    checkpoint.first = fetch_bfloat(device, moments.first, plane_numbers(tree));
+    checkpoint.second = fetch_bfloat(device, moments.second, plane_numbers(tree));
+    checkpoint.rows_first = fetch(device, moments.rows_first, rows);
+    checkpoint.rows_second = fetch(device, moments.rows_second, rows);
+    return checkpoint;
+}
+
+void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
+    write_nvv(nvv, checkpoint.tree, {}, 1);
+    write_nvv(state_path(nvv), checkpoint.tree,
+              {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
+               chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first),
+               chunk("row2", checkpoint.rows_second), chunk("rech", checkpoint.reach)},
+              1);
+}
+
+Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
+    const std::filesystem::path path = state_path(nvv);
+    std::vector<NvvChunk> chunks;
+    Checkpoint checkpoint;
+    checkpoint.tree = read_nvv(path, &chunks);
+    VOctree& tree = checkpoint.tree;
+    checkpoint.run = read_run(path, find_chunk(path, chunks, "run0"));
+    const size_t rows = size_t{2} * tree.frames * tree.bases;
+    tree.weights = read_floats(path, chunks, "wf32", size_t{tree.leaf_count} * tree.weights_per_leaf());
+    checkpoint.first = read_chunk<uint16_t>(path, chunks, "mom1", plane_numbers(tree));
+    checkpoint.second = read_chunk<uint16_t>(path, chunks, "mom2", plane_numbers(tree));
+    checkpoint.rows_first = read_floats(path, chunks, "row1", rows);
+    checkpoint.rows_second = read_floats(path, chunks, "row2", rows);
+    checkpoint.reach = read_floats(path, chunks, "rech", tree.leaf_count);
+    return checkpoint;
+}
+
+void restore_moments(const Device& device, const TrainingStep& step, const Checkpoint& checkpoint) {
+    const Moments& moments = step.moments();
+    put_bfloat(device, moments.first, checkpoint.first);
+    put_bfloat(device, moments.second, checkpoint.second);
+    const auto put = [&](const Buffer& buffer, const std::vector<float>& values) {
+        upload(device, buffer, values.data(), values.size() * sizeof(float));
+    };
+    put(moments.rows_first, checkpoint.rows_first);
+    put(moments.rows_second, checkpoint.rows_second);
+    step.restore_leaf_reach(checkpoint.reach);
+}
+
+}  // namespace neuvv

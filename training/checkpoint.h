@@ -1,0 +1,47 @@
+// A training run on disk: the .nvv that anybody can open, and beside it the .nvv.state that --resume goes on from.
+#pragma once
+
+#include <filesystem>
+
+#include "training/step.h"
+
+namespace neuvv {
+
+// Where a run stands, apart from tree and moments.
+struct RunState {
+    uint64_t seed = 1;
+    uint64_t step = 0;
+    uint32_t adam_step = 0;  // since the moments were 0
+    uint32_t stage = 0;
+    uint64_t stage_rays = 0;  // traced since the stage began
+    uint32_t max_depth = 0;   // octree depth of the finest leaves
+    double elapsed_s = 0;
+    double rays = 0;
+    double minutes = 0;  // the run's budget; one of the two is 0
+    uint64_t steps = 0;
+};
+
+// What a state file holds: everything, so that it does not matter whether the .nvv beside it is a step older or newer.
+struct Checkpoint {
+    RunState run;
+    VOctree tree;                                // fp32 weights
+    std::vector<uint16_t> first, second;         // moments, bfloat16, in planes
+    std::vector<float> rows_first, rows_second;  // moments of A, then B
+    std::vector<float> reach;                    // per leaf
+};
+
+std::filesystem::path state_path(const std::filesystem::path& nvv);
+
+// Takes weights, rows and moments off the device. `tree` has the run's topology.
+Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run);
+
+// Replaces the .nvv, then the state: each is at any moment the old or the new one. Throws RuntimeFailure.
+void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
+
+// Throws InputError where the state file is missing, damaged or not of a training run.
+Checkpoint load_checkpoint(const std::filesystem::path& nvv);
+
+// Puts the moments back; the step was made from checkpoint.tree.
+void restore_moments(const Device& device, const TrainingStep& step, const Checkpoint& checkpoint);
+
+}  // namespace neuvv

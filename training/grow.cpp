@@ -1,0 +1,228 @@
+#include "training/grow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "training/bases.h"
+#include "training/hull.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr float kInitialOpacity = 1.0f;  // optical depth of a leaf of the first tree, in frames that the hull allows
+constexpr uint32_t kFirstDepth = 4;      // of the grid that carving starts from
+
+HullCell hull_cell(const VOctree& tree, const LeafPlace& place) {
+    const glm::vec3 size = tree.box_size / static_cast<float>(1u << place.depth);
+    const glm::vec3 low = tree.box_min + size * glm::vec3(place.x, place.y, place.z);
+    return {low + 0.5f * size, 0.5f * glm::length(size)};
+}
+
+std::vector<HullCell> hull_cells(const VOctree& tree, const std::vector<LeafPlace>& places) {
+    std::vector<HullCell> cells(places.size());
+    for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i]);
+    return cells;
+}
+
+void append_children(std::vector<LeafPlace>& places, const LeafPlace& place) {
+    for (uint32_t i = 0; i < 8; i++)
+        places.push_back({2 * place.x + (i & 1), 2 * place.y + (i >> 1 & 1), 2 * place.z + (i >> 2), place.depth + 1});
+}
+
+bool any_bit(const uint32_t* bits, size_t words) {
+    return std::any_of(bits, bits + words, [](uint32_t word) { return word != 0; });
+}
+
+// Places that the hull allows in some frame, with their bits.
+struct Carved {
+    std::vector<LeafPlace> places;
+    std::vector<uint32_t> bits;
+    std::vector<uint32_t> parents;  // index into what was given, divided by `group`
+};
+
+Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places, uint32_t group) {
+    const size_t words = hull_words(dataset);
+    const std::vector<uint32_t> bits = carve(dataset, hull_cells(tree, places));
+    Carved kept;
+    for (size_t i = 0; i < places.size(); i++) {
+        if (!any_bit(&bits[i * words], words)) continue;
+        kept.places.push_back(places[i]);
+        kept.bits.insert(kept.bits.end(), &bits[i * words], &bits[i * words] + words);
+        kept.parents.push_back(static_cast<uint32_t>(i / group));
+    }
+    return kept;
+}
+
+// The course σ takes over the frames, with the hull's forbidden frames pushed below 0.
+void forbid(std::vector<float>& course, const uint32_t* bits, float below) {
+    for (size_t t = 0; t < course.size(); t++)
+        if (!(bits[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
+}
+
+float density_of(const VOctree& tree, uint32_t depth, float optical_depth) {
+    return optical_depth * static_cast<float>(1u << depth) / tree.box_size.x;
+}
+
+// Allowed bits are per dataset time; a tree's frames are spread evenly over them.
+std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const uint32_t* bits) {
+    std::vector<uint32_t> result((frames + 31) / 32);
+    for (size_t i = 0; i < dataset.times.size(); i++) {
+        if (!(bits[i / 32] >> i % 32 & 1)) continue;
+        const double frame = dataset.times[i] * (frames - 1);
+        for (const double near : {std::floor(frame), std::ceil(frame)})
+            result[static_cast<size_t>(near) / 32] |= 1u << static_cast<uint32_t>(near) % 32;
+    }
+    return result;
+}
+
+void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& carved) {
+    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    const std::vector<float> gamma = initial_gamma_weights(tree.bases);
+    const size_t words = hull_words(dataset);
+    const float sigma = density_of(tree, carved.places[0].depth, kInitialOpacity);
+    tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
+    parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
+        std::vector<float> course(tree.frames);
+        for (size_t i = begin; i < end; i++) {
+            std::fill(course.begin(), course.end(), sigma);
+            forbid(course, frame_bits(dataset, tree.frames, &carved.bits[i * words]).data(), -0.3f * sigma);
+            float* leaf = tree.leaf(static_cast<uint32_t>(i));
+            solver.solve(course.data(), leaf);
+            std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
+        }
+    });
+}
+
+// The σ of a leaf in every frame before relu.
+void sigma_course(const VOctree& tree, const float* leaf, std::vector<float>& course) {
+    for (uint32_t t = 0; t < tree.frames; t++) {
+        course[t] = 0;
+        for (uint32_t c = 0; c < tree.bases; c++) course[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
+    }
+}
+
+// Which leaves divide: deep enough reach, and the tree stays within max_leaves.
+std::vector<bool> choose_divided(const std::vector<LeafPlace>& places, const std::vector<float>& reach,
+                                 const GrowSettings& settings) {
+    std::vector<uint32_t> wanted;
+    for (uint32_t i = 0; i < places.size(); i++)
+        if (places[i].depth < settings.max_depth && reach[i] >= settings.divide_from) wanted.push_back(i);
+    const size_t room = settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0;
+    if (settings.max_leaves > 0 && wanted.size() > room) {
+        std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return reach[a] > reach[b]; });
+        wanted.resize(room);
+    }
+    std::vector<bool> divided(places.size());
+    for (const uint32_t i : wanted) divided[i] = true;
+    return divided;
+}
+
+VOctree same_shape(const VOctree& tree) {
+    VOctree result = tree;
+    result.weights.clear();
+    return result;
+}
+
+}  // namespace
+
+uint32_t depth_of_resolution(uint32_t resolution) {
+    uint32_t depth = 1;
+    while ((1u << depth) < resolution) depth++;
+    return depth;
+}
+
+uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box) {
+    const glm::dvec3 centre = 0.5 * (box.first + box.second), size = box.second - box.first;
+    std::vector<double> footprints;
+    for (const Camera& camera : dataset.cameras)
+        footprints.push_back(glm::length(glm::dvec3(camera.world_from_camera[3]) - centre) / camera.fx);
+    std::nth_element(footprints.begin(), footprints.begin() + static_cast<ptrdiff_t>(footprints.size() / 2),
+                     footprints.end());
+    const double resolution = std::max({size.x, size.y, size.z}) / footprints[footprints.size() / 2];
+    return static_cast<uint32_t>(std::clamp(std::round(resolution), 32.0, 512.0));
+}
+
+VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above) {
+    const auto box = hull_box(dataset);
+    const uint32_t resolution = shape.resolution > 0 ? shape.resolution : natural_resolution(dataset, box);
+    const uint32_t depth = depth_of_resolution(resolution);
+    VOctree tree;
+    tree.frames = static_cast<uint32_t>(dataset.times.size());
+    tree.fps = static_cast<float>(dataset.fps > 0 ? dataset.fps : 25.0);
+    tree.bases = std::min(shape.bases, tree.frames);
+    tree.hh_degree = shape.hh_degree;
+    tree.node_levels = (depth + 1) / 2;
+    const glm::dvec3 size = box.second - box.first;
+    const double side = std::max({size.x, size.y, size.z}) / resolution * (1u << depth);
+    tree.box_size = glm::vec3(static_cast<float>(side));
+    tree.box_min = glm::vec3(0.5 * (box.first + box.second) - 0.5 * side);
+    tree.sigma_basis = hat_basis(tree.frames, tree.bases);
+    tree.gamma_basis = tree.sigma_basis;
+
+    const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
+    const uint32_t start = std::min(kFirstDepth, target);
+    std::vector<LeafPlace> places;
+    for (uint32_t z = 0; z < 1u << start; z++)
+        for (uint32_t y = 0; y < 1u << start; y++)
+            for (uint32_t x = 0; x < 1u << start; x++) places.push_back({x, y, z, start});
+    Carved carved = keep_allowed(dataset, tree, places, 1);
+    for (uint32_t at = start; at < target; at++) {
+        std::vector<LeafPlace> finer;
+        for (const LeafPlace& place : carved.places) append_children(finer, place);
+        carved = keep_allowed(dataset, tree, finer, 8);
+    }
+    if (carved.places.empty())
+        throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
+                         "check that alpha is the matte, or raise --resolution");
+    build_topology(tree, carved.places);
+    set_initial_weights(dataset, tree, carved);
+    return tree;
+}
+
+VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<float>& reach,
+             const GrowSettings& settings) {
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<bool> divided = choose_divided(places, reach, settings);
+    std::vector<LeafPlace> grown, children;
+    std::vector<uint32_t> parents, dividing;
+    for (uint32_t i = 0; i < places.size(); i++) {
+        if (reach[i] < settings.prune_below) continue;
+        if (divided[i]) {
+            append_children(children, places[i]);
+            dividing.push_back(i);
+        } else {
+            grown.push_back(places[i]);
+            parents.push_back(i);
+        }
+    }
+    const size_t kept = grown.size(), words = hull_words(dataset);
+    const Carved carved = keep_allowed(dataset, tree, children, 8);
+    grown.insert(grown.end(), carved.places.begin(), carved.places.end());
+    for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
+    if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
+
+    VOctree result = same_shape(tree);
+    build_topology(result, grown);
+    result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
+    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
+        std::vector<float> course(tree.frames);
+        for (size_t i = begin; i < end; i++) {
+            const float* parent = tree.leaf(parents[i]);
+            float* leaf = result.leaf(static_cast<uint32_t>(i));
+            std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
+            if (i < kept) continue;
+            const float below = -density_of(tree, grown[i].depth, 0.1f);
+            sigma_course(tree, parent, course);
+            forbid(course, frame_bits(dataset, tree.frames, &carved.bits[(i - kept) * words]).data(), below);
+            solver.solve(course.data(), leaf);
+        }
+    });
+    return result;
+}
+
+}  // namespace neuvv

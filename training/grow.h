@@ -1,0 +1,40 @@
+// How the tree of a training run comes to be and changes: from the visual hull, coarse to fine.
+#pragma once
+
+#include "training/dataset.h"
+#include "voctree/voctree.h"
+
+namespace neuvv {
+
+struct TreeShape {
+    uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the pictures show
+    uint32_t bases = 31;      // C, at most one for each frame is used
+    uint32_t hh_degree = 2;
+};
+
+constexpr uint32_t kMaxResolution = 2048;
+
+// Octree depth of the finest leaves of a tree of this resolution.
+uint32_t depth_of_resolution(uint32_t resolution);
+
+// Leaves along the longest side such that a leaf is as large as a pixel at the scene's distance.
+uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box);
+
+// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame: grey,
+// faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws InputError as
+// hull_box does.
+VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
+
+struct GrowSettings {
+    uint32_t max_depth = 0;
+    float prune_below = 0;    // leaves whose reach stays under it go (0: none)
+    float divide_from = 2;    // leaves of at least this reach become their children, those that the hull allows
+    uint32_t max_leaves = 0;  // where dividing would pass it, those of most reach are divided
+};
+
+// `reach`: per leaf the largest blending weight that a ray saw. Children inherit their parent's weights, but are empty
+// in the frames that the hull forbids them.
+VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<float>& reach,
+             const GrowSettings& settings);
+
+}  // namespace neuvv

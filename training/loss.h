@@ -1,0 +1,33 @@
+// The loss of a batch of traced tiles, and its derivative by every ray.
+#pragma once
+
+#include "render/trace.h"
+#include "shared/training.h"
+
+namespace neuvv {
+
+// What the rays of a batch should have seen, in the rays' order; and what the loss says.
+struct LossBatch {
+    LossBatch(const Device& device, uint32_t tiles);
+
+    Buffer
+        target;  // per ray premultiplied linear RGB and alpha of the foreground, alpha −1 off the picture; host-mapped
+    Buffer background;  // per ray linear RGB; host-mapped
+    Buffer adjoint;     // per ray ∂L/∂(R, G, B, alpha)
+    Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
+};
+
+class Loss {
+  public:
+    Loss(const Device& device, const RayBatch& rays, const LossBatch& batch);
+
+  private:
+    friend void record_loss(Commands&, const Loss&, uint32_t, float);
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// `lambda_grad`: weight of L_grad (errata 16).
+void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad);
+
+}  // namespace neuvv

@@ -1,0 +1,22 @@
+#include "training/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace neuvv {
+
+LearningRates learning_rates(double progress, double leaf_size_m) {
+    const auto decay = [&](double first, double last) {
+        return static_cast<float>(first * std::pow(last / first, std::clamp(progress, 0.0, 1.0)));
+    };
+    LearningRates rates;
+    rates.sigma = decay(0.1 / leaf_size_m, 0.01 / leaf_size_m);
+    rates.colour = decay(0.3, 0.02);
+    rates.detail = decay(0.06, 0.005);
+    rates.gamma = decay(0.01, 0.001);
+    rates.sigma_rows = decay(1e-3, 1e-4);
+    rates.gamma_rows = decay(1e-3, 1e-4);
+    return rates;
+}
+
+}  // namespace neuvv

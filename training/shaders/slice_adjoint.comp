@@ -1,0 +1,110 @@
+// Slice, backwards, and the optimiser: what rays said to a slot's σ and SH becomes a move of its leaf's weights.
+//   ∂w^σ = ∂σ A_t,  ∂w_nlm = R_nl(γ) ∂k_lm,  ∂γ = Σ w_nlm R'_nl(γ)·∂k_lm,  ∂w^γ = ∂γ π s(1−s) B_t   (errata 7, 9)
+// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step. With kLearnRows also leaves each workgroup's sums of ∂A_t and ∂B_t. Bound by memory: weights and two moments
+// are read and written, 96 bytes for each plane with a gradient.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/training.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(constant_id = 1) const uint kBasisPlanes = 8u;
+layout(constant_id = 2) const uint kLearnRows = 0u;
+layout(binding = kAdjointWeights, rgba32f) uniform imageBuffer weights;
+layout(binding = kAdjointFirst, rgba32f) uniform imageBuffer first;
+layout(binding = kAdjointSecond, rgba32f) uniform imageBuffer second;
+layout(binding = kAdjointRows, std140) uniform Rows { BasisRows rows; };
+layout(binding = kAdjointLeaves) uniform utextureBuffer slot_leaf;
+layout(binding = kAdjointTouched) uniform utextureBuffer touched_slots;
+layout(binding = kAdjointCount, std430) readonly buffer Count { LiveCount count; };
+layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]; };
+layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
+layout(binding = kAdjointLeafReach, r32f) uniform imageBuffer leaf_reach;
+layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
+layout(push_constant) uniform Push { SliceAdjointPush push; };
+
+vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return imageLoad(weights, int(plane * leaf_count + leaf)); }
+#define NEUVV_FETCH_WEIGHTS
+#include "adam.glsl"
+#include "weights.glsl"
+
+shared vec4 share[kSliceGroup];
+
+void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
+    if (gradient == vec4(0.0) && push.adam.emit == 0u) return;
+    const int texel = int(plane * push.leaf_count + leaf);
+    const AdamElement old = AdamElement(imageLoad(weights, texel), imageLoad(first, texel), imageLoad(second, texel));
+    const AdamElement new = adam_update(old, gradient, rate, push.adam);
+    imageStore(weights, texel, new.weight);
+    imageStore(first, texel, new.first);
+    imageStore(second, texel, new.second);
+}
+
+// The workgroup's sum of its threads' shares of one plane of the rows' gradient.
+void sum_partial(uint plane, vec4 own) {
+    const uint lane = gl_LocalInvocationID.x;
+    share[lane] = own;
+    barrier();
+    if (lane == 0u) {
+        vec4 sum = vec4(0.0);
+        for (uint i = 0u; i < kSliceGroup; i++) sum += share[i];
+        partials[gl_WorkGroupID.x * (2u * kMaxBasisPlanes) + plane] = sum;
+    }
+    barrier();
+}
+
+vec3 take_gradient(uint at) {
+    return vec3(gradients[at], gradients[at + 1u], gradients[at + 2u]);
+}
+
+// Moves the HH weights of degree l in every n, and returns their part of ∂L/∂γ.
+float band_adjoint(uint leaf, uint base, uint l, vec4 radial, vec4 radial_adjoint, float rate) {
+    float d_gamma = 0.0;
+    for (uint n = l; n <= kHhDegree; n++)
+        for (uint j = l * l; j < (l + 1u) * (l + 1u); j++) {
+            const vec3 d_k = take_gradient(base + 1u + 3u * j);
+            const uint function = kHhBase[n] + j;
+            d_gamma += radial_adjoint[n] * dot(leaf_hh(leaf, function, push.leaf_count), d_k);
+            move_plane(leaf, 2u * kBasisPlanes + function, vec4(radial[n] * d_k, 0.0), rate);
+        }
+    return d_gamma;
+}
+
+// Moves the HH weights; returns ∂L/∂(B_t·w^γ).
+float colour_adjoint(uint leaf, uint base) {
+    const float gamma = leaf_gamma(leaf, push.leaf_count);
+    const HhRadial r = hh_radial(gamma), d = hh_radial_adjoint(gamma);
+    float d_gamma = band_adjoint(leaf, base, 0u, r.l0, d.l0, push.colour_rate);
+    if (kHhDegree >= 1u) d_gamma += band_adjoint(leaf, base, 1u, r.l1, d.l1, push.detail_rate);
+    if (kHhDegree >= 2u) d_gamma += band_adjoint(leaf, base, 2u, r.l2, d.l2, push.detail_rate);
+    if (kHhDegree >= 3u) d_gamma += band_adjoint(leaf, base, 3u, r.l3, d.l3, push.detail_rate);
+    return d_gamma * gamma * (1.0 - gamma / kPi);
+}
+
+void main() {
+    const bool inside = gl_GlobalInvocationID.x < count.slots;
+    uint leaf = 0u;
+    float d_sigma = 0.0, d_raw_gamma = 0.0;
+    if (inside) {
+        const uint slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+        const uint base = slot * gradient_stride(kHhDegree);
+        leaf = texelFetch(slot_leaf, int(slot)).x;
+        imageStore(leaf_reach, int(leaf), vec4(max(imageLoad(leaf_reach, int(leaf)).x, uintBitsToFloat(reach[slot]))));
+        reach[slot] = 0u;
+        d_sigma = gradients[base];
+        d_raw_gamma = colour_adjoint(leaf, base);
+        for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[base + i] = 0.0;
+    }
+    for (uint p = 0u; p < kBasisPlanes; p++) {
+        if (kLearnRows != 0u) {
+            const vec4 sigma_share = inside ? d_sigma * fetch_weights(leaf, p, push.leaf_count) : vec4(0.0);
+            const vec4 gamma_share =
+                inside ? d_raw_gamma * fetch_weights(leaf, kBasisPlanes + p, push.leaf_count) : vec4(0.0);
+            sum_partial(p, sigma_share);
+            sum_partial(kMaxBasisPlanes + p, gamma_share);
+        }
+        if (!inside) continue;
+        move_plane(leaf, p, d_sigma * rows.sigma[p], push.sigma_rate);
+        move_plane(leaf, kBasisPlanes + p, d_raw_gamma * rows.gamma[p], push.gamma_rate);
+    }
+}

@@ -1,0 +1,65 @@
+// Trace, backwards: walks each ray again and scatters what the loss says to the σ and SH of every leaf it crosses.
+// Reads the slice as trace.comp does; adds gradient_stride floats a sample to its slot. Bound by those atomic adds.
+#include "shared/training.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
+layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
+layout(binding = kTraceHead) uniform utextureBuffer head;
+layout(binding = kTraceSh) uniform textureBuffer slice_sh;
+layout(binding = kTraceCameras) uniform textureBuffer cameras;
+layout(binding = kTraceTiles) uniform utextureBuffer tiles;
+layout(binding = kTraceRadiance) uniform textureBuffer radiance;
+layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
+layout(binding = kTraceReach, std430) buffer Reach { uint reach[]; };
+layout(push_constant) uniform Push { TracePush push; };
+
+#ifdef NEUVV_CAS_ATOMICS
+layout(binding = kTraceGradients, std430) buffer Gradients { uint gradients[]; };
+
+void gradient_add(uint index, float value) {
+    uint seen = gradients[index], expected;
+    do {
+        expected = seen;
+        seen = atomicCompSwap(gradients[index], expected, floatBitsToUint(uintBitsToFloat(expected) + value));
+    } while (seen != expected);
+}
+#else
+layout(binding = kTraceGradients, std430) buffer Gradients { float gradients[]; };
+
+void gradient_add(uint index, float value) { atomicAdd(gradients[index], value); }
+#endif
+
+#include "composite.glsl"
+#include "march.glsl"
+#include "ray.glsl"
+#include "slice_sample.glsl"
+
+// Adds one sample's derivatives to its slot.
+void scatter(float weight, float d_sigma, vec3 d_raw) {
+    atomicMax(reach[slot], max(floatBitsToUint(weight), 1u));
+    uint at = slot * gradient_stride(kHhDegree);
+    gradient_add(at++, d_sigma);
+    for (uint j = 0u; j < sh_count(kHhDegree); j++)
+        for (uint channel = 0u; channel < 3u; channel++) gradient_add(at++, sh_y[j] * d_raw[channel]);
+}
+
+void main() {
+    const Ray ray = tile_ray();
+    const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
+    const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
+    sh_y = sh_basis(ray.direction_world);
+    Composite sum = composite_begin();
+    March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
+                              ray.direction_world / push.box_size.xyz);
+    march.inside = march.inside && ray.inside && d_ray != vec4(0.0);
+    MarchSegment part;
+    while (sum.transmittance >= push.box_min.w && march_next(march, part)) {
+        const float delta = part.t_out - part.t_in;
+        const vec3 c = slice_colour();
+        const float weight = composite_add(sum, sigma, delta, c, 0.0);
+        scatter(weight, composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a), weight * d_ray.rgb * c * (1.0 - c));
+    }
+}

@@ -1,0 +1,93 @@
+#include "training/slice_adjoint.h"
+
+#include <cmath>
+
+#include "spirv/rows_adjoint.comp.h"
+#include "spirv/slice_adjoint.comp.h"
+#include "spirv/touched.comp.h"
+
+namespace neuvv {
+
+namespace {
+
+AdamPush adam_push(const AdamSettings& adam) {
+    const auto bias = [&](float beta) {
+        return static_cast<float>(1 - std::pow(static_cast<double>(beta), adam.step));
+    };
+    return {adam.beta1, adam.beta2, adam.epsilon, bias(adam.beta1), bias(adam.beta2), adam.emit_only ? 1u : 0u};
+}
+
+BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slice& slice,
+                         const SliceGradients& gradients, const Moments& moments) {
+    return BindingSet(pass, {{kAdjointWeights, &field.weights},
+                             {kAdjointFirst, &moments.first},
+                             {kAdjointSecond, &moments.second},
+                             {kAdjointRows, &slice.rows},
+                             {kAdjointLeaves, &slice.slot_leaf},
+                             {kAdjointTouched, &gradients.touched},
+                             {kAdjointCount, &gradients.touched_count},
+                             {kAdjointGradients, &gradients.gradients},
+                             {kAdjointReach, &gradients.reach},
+                             {kAdjointLeafReach, &gradients.leaf_reach},
+                             {kAdjointPartials, &gradients.partials}});
+}
+
+}  // namespace
+
+Moments::Moments(const Device& device, const Field& field)
+    : first(device, "first moments", field.weights.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
+      second(device, "second moments", field.weights.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
+      rows_first(device, "row first moments", uint64_t{8} * field.frames * field.bases, MemoryKind::kDevice,
+                 VK_FORMAT_R32_SFLOAT),
+      rows_second(device, "row second moments", uint64_t{8} * field.frames * field.bases, MemoryKind::kDevice,
+                  VK_FORMAT_R32_SFLOAT) {
+    run_once(device, "clear moments", [&](Commands& commands) {
+        for (const Buffer* buffer : {&first, &second, &rows_first, &rows_second}) fill(commands, *buffer, 0);
+        compute_barrier(commands);
+    });
+}
+
+SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice& slice,
+                           const SliceGradients& gradients, const Moments& moments)
+    : field_(field),
+      slice_(slice),
+      gradients_(gradients),
+      touched_(device, "touched", touched_comp),
+      leaves_(device, "slice adjoint", slice_adjoint_comp, {field.hh_degree, field.basis_planes(), 0}),
+      leaves_and_rows_(device, "slice adjoint with rows", slice_adjoint_comp,
+                       {field.hh_degree, field.basis_planes(), 1}),
+      rows_(device, "rows adjoint", rows_adjoint_comp),
+      touched_set_(touched_, {{kTouchedReach, &gradients.reach},
+                              {kTouchedLive, &slice.live},
+                              {kTouchedSlots, &gradients.touched},
+                              {kTouchedCount, &gradients.touched_count}}),
+      leaves_set_(leaf_bindings(leaves_, field, slice, gradients, moments)),
+      leaves_and_rows_set_(leaf_bindings(leaves_and_rows_, field, slice, gradients, moments)),
+      rows_set_(rows_, {{kRowsAdjointPartials, &gradients.partials},
+                        {kRowsAdjointCount, &gradients.touched_count},
+                        {kRowsAdjointSigma, &field.sigma_basis},
+                        {kRowsAdjointGamma, &field.gamma_basis},
+                        {kRowsAdjointFirst, &moments.rows_first},
+                        {kRowsAdjointSecond, &moments.rows_second}}) {}
+
+void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
+                          const AdamSettings& adam, bool learn_rows) {
+    const PassScope scope(commands, "slice adjoint");
+    const Field& field = adjoint.field_;
+    update(commands, adjoint.gradients_.touched_count, LiveCount{0, 1, 1, 0, 0});
+    compute_barrier(commands);
+    dispatch_indirect(commands, adjoint.touched_, adjoint.touched_set_, adjoint.slice_.live, 0, nullptr, 0);
+    compute_barrier(commands);
+    const SliceAdjointPush push{adam_push(adam), field.leaf_count, rates.sigma,
+                                rates.gamma,     rates.colour,     rates.detail};
+    dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
+                      learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_, adjoint.gradients_.touched_count,
+                      0, push);
+    compute_barrier(commands);
+    if (!learn_rows) return;
+    dispatch(commands, adjoint.rows_, adjoint.rows_set_, 1,
+             RowsAdjointPush{adam_push(adam), frame, field.frames, field.bases, rates.sigma_rows, rates.gamma_rows});
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,84 @@
+#include "training/step.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace neuvv {
+
+void record_step(Commands& commands, TrainingStep& s, const StepSettings& settings) {
+    record_slice(commands, s.slicer_, settings.frame);
+    record_trace(commands, s.tracer_, settings.tiles, settings.stop);
+    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad);
+    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop);
+    record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
+                         settings.learn_rows);
+    copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
+    copy(commands, s.slice_.live, s.live_, sizeof(LiveCount));
+    host_barrier(commands);
+}
+
+TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles)
+    : device_(device),
+      field_(upload_field(device, tree, WeightPrecision::kFloat)),
+      slice_(device, field_, std::min(field_.leaf_count, max_training_slots(device, field_.hh_degree))),
+      rays_(device, cameras, tiles),
+      batch_(device, tiles),
+      gradients_(device, field_, slice_),
+      moments_(device, field_),
+      sums_(device, "loss sums readback", uint64_t{16} * tiles, MemoryKind::kReadback),
+      live_(device, "live count readback", sizeof(LiveCount), MemoryKind::kReadback),
+      slicer_(device, field_, slice_),
+      tracer_(device, field_, slice_, rays_),
+      loss_(device, rays_, batch_),
+      trace_adjoint_(device, field_, slice_, rays_, batch_, gradients_, best_atomic_add(device)),
+      slice_adjoint_(device, field_, slice_, gradients_, moments_),
+      commands_(device, "training step") {}
+
+void TrainingStep::submit(const StepSettings& settings) {
+    assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
+    tiles_ = settings.tiles;
+    commands_.begin();
+    record_step(commands_, *this, settings);
+    commands_.submit();
+}
+
+StepResult TrainingStep::wait() {
+    commands_.wait();
+    StepResult result;
+    double pixels = 0;
+    for (uint32_t i = 0; i < tiles_; i++) {
+        const glm::vec4 sum = sums_.as<glm::vec4>()[i];
+        result.rgb_loss += static_cast<double>(sum.x);
+        result.grad_loss += static_cast<double>(sum.y);
+        pixels += static_cast<double>(sum.z);
+    }
+    result.rgb_loss /= std::max(pixels, 1.0);
+    result.grad_loss /= std::max(pixels, 1.0);
+    result.pixels = static_cast<uint64_t>(pixels);
+    const LiveCount& live = *live_.as<LiveCount>();
+    result.slots = std::min(live.slots, slice_.capacity);
+    result.overflow = live.overflow;
+    return result;
+}
+
+void TrainingStep::download(VOctree& tree) const {
+    assert(tree.leaf_count == field_.leaf_count && "the tree's topology changed");
+    std::vector<float> planes(size_t{4} * field_.planes() * field_.leaf_count);
+    neuvv::download(device_, field_.weights, planes.data(), planes.size() * sizeof(float));
+    weights_from_planes(planes, tree);
+    neuvv::download(device_, field_.sigma_basis, tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
+    neuvv::download(device_, field_.gamma_basis, tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
+}
+
+std::vector<float> TrainingStep::leaf_reach() const {
+    std::vector<float> reach(field_.leaf_count);
+    neuvv::download(device_, gradients_.leaf_reach, reach.data(), reach.size() * sizeof(float));
+    return reach;
+}
+
+void TrainingStep::restore_leaf_reach(const std::vector<float>& reach) const {
+    assert(reach.size() == field_.leaf_count && "reach of another tree");
+    upload(device_, gradients_.leaf_reach, reach.data(), reach.size() * sizeof(float));
+}
+
+}  // namespace neuvv

@@ -1,0 +1,74 @@
+// One step of training on the device: a batch of tiles of one frame, forwards and backwards.
+#pragma once
+
+#include "training/loss.h"
+#include "training/slice_adjoint.h"
+#include "training/trace_adjoint.h"
+
+namespace neuvv {
+
+struct StepSettings {
+    float frame = 0;
+    uint32_t tiles = 0;
+    float lambda_grad = 0.1f;
+    float stop = kStopTransmittance;
+    LearningRates rates;
+    AdamSettings adam;
+    bool learn_rows = false;
+};
+
+struct StepResult {
+    double rgb_loss = 0;   // mean over pixels of the channels' summed squared error
+    double grad_loss = 0;  // L_grad, mean over pixels
+    uint64_t pixels = 0;
+    uint32_t slots = 0;     // live leaves
+    uint32_t overflow = 0;  // live leaves that found no slot
+};
+
+// The device's memory of a training run: field, slice, rays, gradients, moments. Fill rays() and batch() with the next
+// tiles, submit(), prepare the following ones meanwhile, wait().
+class TrainingStep {
+  public:
+    // At most `cameras` cameras and `tiles` tiles a step. Throws RuntimeFailure where the device cannot hold it.
+    TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles);
+
+    const RayBatch& rays() const { return rays_; }
+    const LossBatch& batch() const { return batch_; }
+    const Field& field() const { return field_; }
+    const Moments& moments() const { return moments_; }
+
+    void submit(const StepSettings& settings);
+    StepResult wait();
+    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+
+    // Weights and rows as they are now; the rest of `tree` (the same topology) stays.
+    void download(VOctree& tree) const;
+    // Per leaf the largest blending weight that any ray saw since construction.
+    std::vector<float> leaf_reach() const;
+    void restore_leaf_reach(const std::vector<float>& reach) const;
+    // True where the gradients of every leaf fit the device at once.
+    bool holds_every_leaf() const { return slice_.capacity >= field_.leaf_count; }
+
+  private:
+    friend void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
+    const Device& device_;
+    Field field_;
+    Slice slice_;
+    RayBatch rays_;
+    LossBatch batch_;
+    SliceGradients gradients_;
+    Moments moments_;
+    Buffer sums_, live_;  // host's copies
+    Slicer slicer_;
+    Tracer tracer_;
+    Loss loss_;
+    TraceAdjoint trace_adjoint_;
+    SliceAdjoint slice_adjoint_;
+    Commands commands_;
+    uint32_t tiles_ = 0;
+};
+
+// The whole step, pass by pass.
+void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
+
+}  // namespace neuvv

@@ -1,0 +1,45 @@
+// Trace, backwards: from rays to the σ and SH of the slots they crossed.
+#pragma once
+
+#include "render/trace.h"
+#include "shared/training.h"
+#include "training/loss.h"
+
+namespace neuvv {
+
+// What rays say to slots, summed; slice_adjoint reads and clears it.
+struct SliceGradients {
+    // Starts out clear.
+    SliceGradients(const Device& device, const Field& field, const Slice& slice);
+
+    Buffer gradients;   // per slot gradient_stride floats
+    Buffer reach;       // per slot bits of the largest blending weight of the step
+    Buffer touched;     // slots that rays of the step reached
+    Buffer touched_count;
+    Buffer leaf_reach;  // per leaf the largest blending weight since it was made
+    Buffer partials;    // per workgroup of slots: sums for the rows
+};
+
+// The most slots whose gradients fit one bound storage buffer of this device.
+uint32_t max_training_slots(const Device& device, uint32_t hh_degree);
+
+enum class AtomicAdd { kNative, kCompareAndSwap };
+AtomicAdd best_atomic_add(const Device& device);
+
+class TraceAdjoint {
+  public:
+    TraceAdjoint(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays,
+                 const LossBatch& batch, const SliceGradients& gradients, AtomicAdd atomics);
+
+  private:
+    friend void record_trace_adjoint(Commands&, const TraceAdjoint&, uint32_t, float);
+    const Field& field_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient.
+void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles,
+                          float stop = kStopTransmittance);
+
+}  // namespace neuvv

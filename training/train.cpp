@@ -1,0 +1,221 @@
+#include "training/train.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "base/error.h"
+#include "training/batch.h"
+#include "training/schedule.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr float kPruneReach = 0.003f;  // leaves that never weigh this much in any pixel go
+constexpr float kDivideReach = 0.02f;
+constexpr double kCoverage = 0.25;  // epochs that a stage needs before "never reached" means anything
+constexpr float kTrainingStop = 1.0f / 256;
+constexpr double kCheckpointShare = 0.05;
+constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
+
+double seconds_now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// One run: the tree on the host (its topology), the step on the device, and where they stand.
+class Run {
+  public:
+    Run(const Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
+        : device_(device),
+          dataset_(dataset),
+          settings_(settings),
+          output_(std::move(output)),
+          began_(seconds_now()),
+          sampler_(begin(), settings.tiles_per_step, sampler_seed()) {}
+
+    TrainProgress operator()(const TrainCallback& callback);
+
+  private:
+    const Dataset& begin();
+    uint64_t sampler_seed() const { return run_.seed * 0x9e3779b97f4a7c15u + run_.step; }
+    double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
+    double fraction() const;
+    void make_step();
+    void begin_stage_if_due();
+    void save();
+    void load_batch(const Batch& batch);
+    StepSettings step_settings(double time) const;
+    TrainProgress progress() const;
+
+    const Device& device_;
+    const Dataset& dataset_;
+    TrainSettings settings_;
+    std::filesystem::path output_;
+    double began_;
+    RunState run_;
+    VOctree tree_;
+    std::unique_ptr<TrainingStep> step_;
+    BatchSampler sampler_;
+    double saved_at_ = 0, save_took_ = 0;
+    // Sums since the last report.
+    double loss_sum_ = 0, rgb_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
+};
+
+const Dataset& Run::begin() {
+    if (settings_.resume) {
+        Checkpoint checkpoint = load_checkpoint(output_);
+        if (checkpoint.tree.frames != dataset_.times.size())
+            throw InputError(state_path(output_).string(), "",
+                             fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
+                                         dataset_.times.size()),
+                             "resume with the data set that the run began with");
+        run_ = checkpoint.run;
+        tree_ = std::move(checkpoint.tree);
+        make_step();
+        checkpoint.tree = {};
+        restore_moments(device_, *step_, checkpoint);
+    } else {
+        run_.seed = settings_.seed;
+        tree_ = initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        run_.max_depth = leaf_places(tree_)[0].depth + kLevelsAbove;
+        make_step();
+    }
+    if (settings_.minutes > 0 || settings_.steps > 0) {
+        run_.minutes = settings_.minutes;
+        run_.steps = settings_.steps;
+    } else if (run_.minutes <= 0 && run_.steps == 0) {
+        run_.minutes = kDefaultMinutes;
+    }
+    return dataset_;
+}
+
+double Run::fraction() const {
+    const double share = run_.steps > 0 ? static_cast<double>(run_.step) / static_cast<double>(run_.steps)
+                                        : elapsed() / (60 * run_.minutes);
+    return std::min(share, 1.0);
+}
+
+void Run::make_step() {
+    step_.reset();  // the old one's memory first
+    step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
+                                           settings_.tiles_per_step);
+    for (size_t i = 0; i < dataset_.cameras.size(); i++)
+        step_->rays().cameras.as<ShaderCamera>()[i] = shader_camera(dataset_.cameras[i]);
+}
+
+void Run::begin_stage_if_due() {
+    if (run_.stage + 1 >= kStages || fraction() < kStageBegins[run_.stage + 1]) return;
+    run_.stage++;
+    const bool covered =
+        static_cast<double>(run_.stage_rays) > kCoverage * static_cast<double>(sampler_.rays_per_epoch());
+    const bool divides = run_.stage <= kLevelsAbove;
+    if (!covered && !divides) return;
+    step_->download(tree_);
+    GrowSettings grow_settings;
+    grow_settings.max_depth = run_.max_depth;
+    grow_settings.prune_below = covered ? kPruneReach : 0;
+    if (divides) grow_settings.divide_from = kDivideReach;
+    grow_settings.max_leaves = max_training_slots(device_, tree_.hh_degree);
+    tree_ = grow(dataset_, tree_, step_->leaf_reach(), grow_settings);
+    make_step();
+    run_.adam_step = 0;
+    run_.stage_rays = 0;
+}
+
+void Run::save() {
+    const double start = seconds_now();
+    RunState now = run_;
+    now.elapsed_s = elapsed();
+    save_checkpoint(output_, take_checkpoint(*step_, tree_, now));
+    saved_at_ = seconds_now();
+    save_took_ = saved_at_ - start;
+}
+
+void Run::load_batch(const Batch& batch) {
+    std::memcpy(step_->rays().tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
+    std::memcpy(step_->batch().target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
+    std::memcpy(step_->batch().background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));
+}
+
+StepSettings Run::step_settings(double time) const {
+    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << run_.max_depth);
+    StepSettings settings;
+    settings.frame = static_cast<float>(time * (tree_.frames - 1));
+    settings.rates = learning_rates(fraction(), leaf_size);
+    settings.adam.step = run_.adam_step;
+    settings.stop = kTrainingStop;
+    // With as many bases as frames the first bases already span every course.
+    settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
+    return settings;
+}
+
+TrainProgress Run::progress() const {
+    TrainProgress now;
+    now.elapsed_s = elapsed();
+    now.fraction = fraction();
+    now.eta_s = now.fraction > 0 ? now.elapsed_s / now.fraction - now.elapsed_s : 0;
+    now.rays_per_s = rays_sum_ / std::max(seconds_now() - reported_at_, 1e-3);
+    now.loss = loss_sum_ / std::max(steps_sum_, 1.0);
+    now.psnr = -10 * std::log10(std::max(rgb_sum_ / std::max(steps_sum_, 1.0) / 3, 1e-10));
+    now.step = run_.step;
+    now.leaves = tree_.leaf_count;
+    now.depth = run_.max_depth - std::min(kLevelsAbove, run_.max_depth - 1) + std::min(run_.stage, kLevelsAbove);
+    now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
+    now.passes = step_->pass_times();
+    return now;
+}
+
+TrainProgress Run::operator()(const TrainCallback& callback) {
+    save();
+    bool go_on = true, first_saved = false;
+    Batch batch = sampler_.next();
+    reported_at_ = seconds_now();
+    while (go_on && fraction() < 1) {
+        begin_stage_if_due();
+        load_batch(batch);
+        run_.step++;
+        run_.adam_step++;
+        StepSettings settings = step_settings(batch.time);
+        settings.tiles = static_cast<uint32_t>(batch.tiles.size());
+        step_->submit(settings);
+        batch = sampler_.next();
+        const StepResult result = step_->wait();
+        if (!std::isfinite(result.rgb_loss))
+            throw RuntimeFailure(fmt::format("training diverged at step {}: the loss is not a number", run_.step));
+        rays_sum_ += static_cast<double>(result.pixels);
+        run_.rays += static_cast<double>(result.pixels);
+        run_.stage_rays += result.pixels;
+        rgb_sum_ += result.rgb_loss;
+        loss_sum_ += result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
+        steps_sum_++;
+        if (seconds_now() - reported_at_ >= 1) {
+            go_on = callback(progress());
+            loss_sum_ = rgb_sum_ = rays_sum_ = steps_sum_ = 0;
+            reported_at_ = seconds_now();
+        }
+        const double wait = std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_took_ / kCheckpointShare);
+        if (seconds_now() - saved_at_ > wait) {
+            save();
+            first_saved = true;
+        }
+    }
+    save();
+    TrainProgress last = progress();
+    callback(last);
+    return last;
+}
+
+}  // namespace
+
+TrainProgress train(const Device& device, const Dataset& dataset, const TrainSettings& settings,
+                    const std::filesystem::path& output, const TrainCallback& callback) {
+    Run run(device, dataset, settings, output);
+    return run(callback);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,43 @@
+// A training run: data set in, .nvv out.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "training/checkpoint.h"
+#include "training/grow.h"
+
+namespace neuvv {
+
+struct TrainSettings {
+    double minutes = 0;  // budget in wall time, or
+    uint64_t steps = 0;  // in steps; both 0: kDefaultMinutes, or what a resumed run had
+    TreeShape shape;
+    uint64_t seed = 1;
+    uint32_t tiles_per_step = 512;
+    bool resume = false;
+};
+
+constexpr double kDefaultMinutes = 20;
+
+struct TrainProgress {
+    double elapsed_s = 0, eta_s = 0;
+    double fraction = 0;  // of the budget
+    double rays_per_s = 0;
+    double loss = 0, psnr = 0;  // of the last second's batches; PSNR of the foreground's tiles over their backgrounds
+    uint64_t step = 0;
+    uint32_t leaves = 0, depth = 0;
+    double epochs = 0;
+    std::vector<PassTime> passes;  // of the last step
+};
+
+// Called about once a second, and once at the end; false stops the run after a checkpoint.
+using TrainCallback = std::function<bool(const TrainProgress&)>;
+
+// Trains until the budget is spent and leaves the last checkpoint at `output`. The first is written before the first
+// step, later ones so that they take at most a twentieth of the time. Throws InputError (a data set without matter, a
+// state file that does not fit) and RuntimeFailure.
+TrainProgress train(const Device& device, const Dataset& dataset, const TrainSettings& settings,
+                    const std::filesystem::path& output, const TrainCallback& callback);
+
+}  // namespace neuvv
