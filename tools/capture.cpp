@@ -59,10 +59,9 @@ void run_capture(Options& options, const CommonOptions& common) {
             return done == total || !stop_requested();
         });
     progress.reset();
-    if (!result.complete) {
-        fmt::print(stderr, "neuvv: stopped; {} has pictures but no transforms: run capture again\n", options.folder);
-        throw CLI::RuntimeError(1);
-    }
+    if (!result.complete)
+        throw RuntimeFailure(
+            fmt::format("stopped; {} has pictures but no transforms: run capture again", options.folder));
     fmt::print("{}: {} pictures, {} train and {} test cameras\n", options.folder, result.pictures, result.train_cameras,
                result.test_cameras);
 }

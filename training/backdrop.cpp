@@ -45,7 +45,8 @@ Image clean_plate(const Backdrop& backdrop, const Camera& camera) {
             }
             for (int c = 0; c < 3; ++c) {
                 const auto linear = static_cast<double>(sum[c]) / (kSamples * kSamples);
-                plate.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
+                plate.at(x, y)[c] =
+                    static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
             }
             plate.at(x, y)[3] = 255;
         }

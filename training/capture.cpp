@@ -22,10 +22,10 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double kViewAngle_deg = 40;   // of the picture's shorter side
-constexpr double kMargin = 0.04;        // between the motion and the pictures' borders
-constexpr double kBoxMargin = 0.02;     // of the motion's diagonal, around it
-constexpr double kMaxExtent_m = 1e5;    // transforms hold distances up to 1e6
+constexpr double kViewAngle_deg = 30;  // of the picture's shorter side
+constexpr double kMargin = 0.04;       // between the motion and the pictures' borders
+constexpr double kBoxMargin = 0.02;    // of the motion's diagonal, around it
+constexpr double kMaxExtent_m = 1e5;   // transforms hold distances up to 1e6
 constexpr double kMinExtent_m = 1e-3;
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
 
@@ -55,8 +55,7 @@ int32_t choose_animation(const GltfScene& scene, const std::string& wanted) {
 
 std::vector<double> frame_times(const GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
     std::vector<double> times;
-    const double end =
-        animation == kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
+    const double end = animation == kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
     for (uint32_t f = 0; f < settings.frames; ++f) times.push_back(std::min(f / settings.fps, end));
     return times;
 }
@@ -90,8 +89,12 @@ void for_each_pose(const GltfScene& scene, int32_t animation, const std::vector<
     }
 }
 
-std::string camera_name(size_t camera) { return fmt::format("c{:02}", camera); }
-std::string picture_name(size_t camera, size_t frame) { return fmt::format("c{:02}_f{:03}", camera, frame); }
+std::string camera_name(size_t camera) {
+    return fmt::format("c{:02}", camera);
+}
+std::string picture_name(size_t camera, size_t frame) {
+    return fmt::format("c{:02}_f{:03}", camera, frame);
+}
 
 json matrix_rows(const glm::dmat4& matrix) {
     json rows = json::array();
@@ -134,12 +137,14 @@ void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& 
     std::error_code error;
     for (const char* name : {"transforms_train.json", "transforms_test.json"}) {
         std::filesystem::remove(folder / name, error);
-        if (error) throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
+        if (error)
+            throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
     }
     for (const char* name : {"images", "plates"}) {
         if (name == std::string("plates") && settings.background == CaptureBackground::kClear) continue;
         std::filesystem::create_directories(folder / name, error);
-        if (error) throw RuntimeFailure(fmt::format("{}: cannot create: {}", (folder / name).string(), error.message()));
+        if (error)
+            throw RuntimeFailure(fmt::format("{}: cannot create: {}", (folder / name).string(), error.message()));
     }
 }
 
@@ -189,12 +194,12 @@ void write_plates(Session& session) {
     session.workers.finish();
 }
 
-void write_picture(const Session& session, size_t camera, size_t frame, std::span<const uint16_t> halves) {
+void write_picture(const Session& session, size_t camera, size_t frame, const RasterPicture& picture) {
     const uint32_t width = session.settings.width, height = session.settings.height;
-    const std::vector<glm::vec4> light = box_down(halves, width, height);
+    const std::vector<glm::vec4> light = box_down(picture, width, height);
     const auto path = session.folder / "images" / (picture_name(camera, frame) + ".png");
-    write_png(path, session.plates.empty() ? encode_straight(light, width, height)
-                                           : compose(light, session.plates[camera]));
+    write_png(path,
+              session.plates.empty() ? encode_straight(light, width, height) : compose(light, session.plates[camera]));
 }
 
 // False where the caller wants to stop.
@@ -208,10 +213,13 @@ bool render_pictures(Session& session, const Device& device, const GltfScene& sc
         rasterizer.pose(pose_scene(scene, animation, times[f]));
         for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
             if (progress && !progress(session.workers.finished() - before, total)) return false;
-            const auto halves = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
-            session.workers.add([&session, c, f, copy = std::vector<uint16_t>(halves.begin(), halves.end())] {
-                write_picture(session, c, f, copy);
-            });
+            const RasterPicture drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            session.workers.add(
+                [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
+                    RasterPicture picture = drawn;
+                    picture.halves = halves;
+                    write_picture(session, c, f, picture);
+                });
         }
     }
     session.workers.finish();
@@ -263,8 +271,7 @@ CaptureResult capture(const Device& device, const std::filesystem::path& model, 
     Session session{settings, folder, stage, {}, Workers(threads, 2 * threads)};
     write_plates(session);
     if (!render_pictures(session, device, scene, animation, progress)) return result;
-    if (result.test_cameras > 0)
-        write_transforms(folder / "transforms_test.json", stage, settings, held, true);
+    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, held, true);
     write_transforms(folder / "transforms_train.json", stage, settings, held, false);
     result.complete = true;
     return result;

@@ -58,7 +58,22 @@ std::vector<bool> held_out(uint32_t count, double share) {
     assert(count >= 2 && "one camera cannot be shared between training and test");
     const auto wanted = static_cast<uint32_t>(std::lround(share * count));
     const uint32_t held = std::clamp(wanted, 1u, count - 1);
-    for (uint32_t k = 0; k < held; ++k) out[static_cast<size_t>((k + 0.5) * count / held)] = true;
+    // One camera from each of `held` equal stretches of the dome, which follow its rings; in a stretch that one which
+    // is farthest from those held out before.
+    const std::vector<DomeCamera> dome = dome_cameras(count);
+    std::vector<size_t> chosen{count / held / 2};
+    for (uint32_t k = 1; k < held; ++k) {
+        size_t best = 0;
+        double best_distance = -1;
+        for (size_t i = size_t{k} * count / held; i < size_t{k + 1} * count / held; ++i) {
+            double nearest = 2;
+            for (const size_t c : chosen) nearest = std::min(nearest, glm::length(dome[i].outward - dome[c].outward));
+            if (nearest > best_distance) best = i;
+            best_distance = std::max(best_distance, nearest);
+        }
+        chosen.push_back(best);
+    }
+    for (const size_t c : chosen) out[c] = true;
     return out;
 }
 

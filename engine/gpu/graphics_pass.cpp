@@ -159,7 +159,8 @@ TextureSet::TextureSet(const GraphicsPass& pass,
     : device_(&pass.device()) {
     const std::vector<BindingSlot>& slots = pass.interface().bindings;
     if (slots.size() != textures.size())
-        throw RuntimeFailure(fmt::format("pass \"{}\" has {} bindings, not {}", pass.name(), slots.size(), textures.size()));
+        throw RuntimeFailure(
+            fmt::format("pass \"{}\" has {} bindings, not {}", pass.name(), slots.size(), textures.size()));
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, static_cast<uint32_t>(slots.size())};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
@@ -171,7 +172,8 @@ TextureSet::TextureSet(const GraphicsPass& pass,
     check(vkAllocateDescriptorSets(device_->handle(), &info, &set_), "vkAllocateDescriptorSets", pass.name());
     device_->name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), pass.name());
     for (size_t i = 0; i < slots.size(); i++) {
-        const VkDescriptorImageInfo image{textures[i].second->sampler, textures[i].first->view, VK_IMAGE_LAYOUT_GENERAL};
+        const VkDescriptorImageInfo image{textures[i].second->sampler, textures[i].first->view,
+                                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_;
         write.dstBinding = slots[i].binding;
@@ -186,7 +188,9 @@ TextureSet::~TextureSet() {
     if (device_) vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
 }
 
-TextureSet::TextureSet(TextureSet&& other) noexcept { *this = std::move(other); }
+TextureSet::TextureSet(TextureSet&& other) noexcept {
+    *this = std::move(other);
+}
 
 TextureSet& TextureSet::operator=(TextureSet&& other) noexcept {
     std::swap(device_, other.device_);

@@ -48,7 +48,8 @@ class GraphicsPass {
 
 constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// The textures of one draw, all of the pass's bindings in ascending order; move-only. Images and samplers must outlive it.
+// The textures of one draw, all of the pass's bindings in ascending order; move-only. Images and samplers must outlive
+// it.
 class TextureSet {
   public:
     TextureSet() = default;

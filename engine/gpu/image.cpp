@@ -17,22 +17,6 @@ VkImageAspectFlags aspect_of(VkFormat format) {
     return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
-void move_to_general(Commands& commands, const DeviceImage& image) {
-    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
-    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-    barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = image.image;
-    barrier.subresourceRange = {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1};
-    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.imageMemoryBarrierCount = 1;
-    info.pImageMemoryBarriers = &barrier;
-    vkCmdPipelineBarrier2(commands.handle(), &info);
-}
-
 void create_image(DeviceImage& to) {
     const Device& device = *to.device;
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
@@ -72,7 +56,6 @@ DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShap
     owner.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image), name);
     owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
     owner.name_object(VK_OBJECT_TYPE_IMAGE_VIEW, reinterpret_cast<uint64_t>(view), name);
-    run_once(owner, name, [&](Commands& commands) { move_to_general(commands, *this); });
 }
 
 DeviceImage::~DeviceImage() {
@@ -82,7 +65,9 @@ DeviceImage::~DeviceImage() {
     vkFreeMemory(device->handle(), memory, nullptr);
 }
 
-DeviceImage::DeviceImage(DeviceImage&& other) noexcept { *this = std::move(other); }
+DeviceImage::DeviceImage(DeviceImage&& other) noexcept {
+    *this = std::move(other);
+}
 
 DeviceImage& DeviceImage::operator=(DeviceImage&& other) noexcept {
     std::swap(device, other.device);
@@ -111,7 +96,9 @@ Sampler::~Sampler() {
     if (device) vkDestroySampler(device->handle(), sampler, nullptr);
 }
 
-Sampler::Sampler(Sampler&& other) noexcept { *this = std::move(other); }
+Sampler::Sampler(Sampler&& other) noexcept {
+    *this = std::move(other);
+}
 
 Sampler& Sampler::operator=(Sampler&& other) noexcept {
     std::swap(device, other.device);
@@ -119,37 +106,51 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
     return *this;
 }
 
-void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels) {
-    assert(levels.size() == image.shape.mip_levels && "one array a mip level");
-    for (uint32_t level = 0; level < levels.size(); level++) {
-        const Buffer staging(device, image.name + " upload", levels[level].size(), MemoryKind::kUpload);
-        std::memcpy(staging.mapped, levels[level].data(), levels[level].size());
-        VkBufferImageCopy region{};
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
-        region.imageExtent = {std::max(1u, image.shape.width >> level), std::max(1u, image.shape.height >> level), 1};
-        run_once(device, image.name + " upload", [&](Commands& commands) {
-            vkCmdCopyBufferToImage(commands.handle(), staging.buffer, image.image, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
-        });
-    }
-}
-
-void drawing_barrier(Commands& commands) {
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_READ_BIT;
+void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to) {
+    // The stages and accesses of whole frames: images change their layout a few times a picture.
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image.image;
+    barrier.subresourceRange = {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1};
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.memoryBarrierCount = 1;
-    info.pMemoryBarriers = &barrier;
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands.handle(), &info);
 }
 
-void copy(Commands& commands, const DeviceImage& from, const Buffer& to) {
+void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels) {
+    assert(levels.size() == image.shape.mip_levels && "one array a mip level");
+    uint64_t bytes = 0;
+    std::vector<VkBufferImageCopy> regions(levels.size());
+    for (uint32_t level = 0; level < levels.size(); level++) {
+        regions[level].bufferOffset = bytes;
+        regions[level].imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+        regions[level].imageExtent = {std::max(1u, image.shape.width >> level),
+                                      std::max(1u, image.shape.height >> level), 1};
+        bytes += levels[level].size();
+    }
+    const Buffer staging(device, image.name + " upload", bytes, MemoryKind::kUpload);
+    for (size_t level = 0; level < levels.size(); level++)
+        std::memcpy(staging.as<uint8_t>() + regions[level].bufferOffset, levels[level].data(), levels[level].size());
+    run_once(device, image.name + " upload", [&](Commands& commands) {
+        move_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        vkCmdCopyBufferToImage(commands.handle(), staging.buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                               static_cast<uint32_t>(regions.size()), regions.data());
+        move_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    });
+}
+
+void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to) {
     VkBufferImageCopy region{};
     region.imageSubresource = {aspect_of(from.shape.format), 0, 0, 1};
-    region.imageExtent = {from.shape.width, from.shape.height, 1};
-    vkCmdCopyImageToBuffer(commands.handle(), from.image, VK_IMAGE_LAYOUT_GENERAL, to.buffer, 1, &region);
+    region.imageOffset = {part.offset.x, part.offset.y, 0};
+    region.imageExtent = {part.extent.width, part.extent.height, 1};
+    vkCmdCopyImageToBuffer(commands.handle(), from.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.buffer, 1, &region);
 }
 
 }  // namespace neuvv

@@ -1,4 +1,4 @@
-// Device images: targets to draw into and textures to read. They stay in layout GENERAL all their life.
+// Device images: targets to draw into and textures to read.
 #pragma once
 
 #include <span>
@@ -17,7 +17,7 @@ struct ImageShape {
     uint32_t mip_levels = 1;
 };
 
-// Move-only; two-dimensional, with one view of the whole. Contents are undefined and the layout is GENERAL after creation.
+// Move-only; two-dimensional, with one view of the whole. Layout and contents are undefined after creation.
 struct DeviceImage {
     DeviceImage() = default;
     // Throws RuntimeFailure naming the image where a limit of the device or its memory is exceeded.
@@ -55,13 +55,14 @@ struct Sampler {
     VkSampler sampler = VK_NULL_HANDLE;
 };
 
-// One tightly packed array of bytes a mip level, the largest first; set-up only.
+// What was done with the image before, in layout `from` (UNDEFINED drops its contents), is seen by all that comes
+// after.
+void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to);
+
+// One tightly packed array of bytes a mip level, the largest first. The layout becomes SHADER_READ_ONLY; set-up only.
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);
 
-// What was drawn into attachments before is seen by copies after.
-void drawing_barrier(Commands& commands);
-
-// The whole of level 0 into a tightly packed buffer.
-void copy(Commands& commands, const DeviceImage& from, const Buffer& to);
+// A part of level 0, in layout TRANSFER_SRC, into the tightly packed beginning of a buffer.
+void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to);
 
 }  // namespace neuvv

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstring>
-#include <glm/gtc/type_ptr.hpp>
 
 #include "base/error.h"
 #include "spirv/raster.frag.h"
@@ -45,9 +45,12 @@ GraphicsShape pass_shape() {
 
 VkSamplerAddressMode address_mode(GltfWrap wrap) {
     switch (wrap) {
-        case GltfWrap::kRepeat: return VK_SAMPLER_ADDRESS_MODE_REPEAT;
-        case GltfWrap::kMirroredRepeat: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-        case GltfWrap::kClampToEdge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+        case GltfWrap::kRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+        case GltfWrap::kMirroredRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+        case GltfWrap::kClampToEdge:
+            return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     }
     return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
@@ -91,9 +94,9 @@ Rasterizer::Rasterizer(const Device& device, const GltfScene& scene, uint32_t wi
                            {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
     depth_ = DeviceImage(device, "raster depth",
                          {width_, height_, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient, kSamples});
-    target_ = DeviceImage(device, "raster target",
-                          {width_, height_, kColour,
-                           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    target_ =
+        DeviceImage(device, "raster target",
+                    {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
     readback_ = Buffer(device, "raster readback", uint64_t{8} * width_ * height_, MemoryKind::kReadback);
     list_draws();
     upload_geometry();
@@ -126,8 +129,8 @@ void Rasterizer::upload_geometry() {
     for (const Draw& draw : draws_) {
         const GltfPrimitive& from = *draw.primitive;
         for (size_t v = 0; v < from.positions.size(); v++)
-            fixed.push_back({from.uvs.empty() ? glm::vec2(0) : from.uvs[v],
-                             from.colors.empty() ? glm::vec4(1) : from.colors[v]});
+            fixed.push_back(
+                {from.uvs.empty() ? glm::vec2(0) : from.uvs[v], from.colors.empty() ? glm::vec4(1) : from.colors[v]});
         indices.insert(indices.end(), from.indices.begin(), from.indices.end());
     }
     moving_ = Buffer(device_, "raster moving vertices", vertex_count_ * sizeof(MovingVertex), MemoryKind::kUpload);
@@ -158,52 +161,87 @@ void Rasterizer::upload_textures() {
 }
 
 void Rasterizer::pose(const PosedScene& pose) {
+    low_ = glm::vec3(INFINITY);
+    high_ = -low_;
     for (Draw& draw : draws_) {
         pose_vertices(scene_, pose, draw.node, *draw.primitive, posed_);
         draw.mirrored = posed_.mirrored;
         MovingVertex* to = moving_.as<MovingVertex>() + draw.first_vertex;
-        for (size_t v = 0; v < posed_.positions.size(); v++) to[v] = {posed_.positions[v], posed_.normals[v]};
+        for (size_t v = 0; v < posed_.positions.size(); v++) {
+            to[v] = {posed_.positions[v], posed_.normals[v]};
+            low_ = glm::min(low_, posed_.positions[v]);
+            high_ = glm::max(high_, posed_.positions[v]);
+        }
     }
 }
 
-std::span<const uint16_t> Rasterizer::draw(const Camera& camera, double near_m) {
+RasterPicture Rasterizer::draw(const Camera& camera, double near_m) {
     assert(camera.width * kSupersample == width_ && camera.height * kSupersample == height_ && "the picture size");
-    record(glm::mat4(clip_from_world(camera, near_m)));
+    const glm::dmat4 projection = clip_from_world(camera, near_m);
+    const VkRect2D part = visible_part(projection);
+    record(glm::mat4(projection), part);
     commands_.submit();
     commands_.wait();
-    return {readback_.as<const uint16_t>(), size_t{4} * width_ * height_};
+    return {static_cast<uint32_t>(part.offset.x) / kSupersample,
+            static_cast<uint32_t>(part.offset.y) / kSupersample,
+            part.extent.width / kSupersample,
+            part.extent.height / kSupersample,
+            {readback_.as<const uint16_t>(), size_t{4} * part.extent.width * part.extent.height}};
 }
 
-void Rasterizer::record(const glm::mat4& clip_from_world) {
+// Of the target: where the posed box can be seen, in whole pixels of the camera, one at least.
+VkRect2D Rasterizer::visible_part(const glm::dmat4& clip_from_world) const {
+    const glm::dvec2 size(width_ / kSupersample, height_ / kSupersample);
+    glm::dvec2 low = size, high(0);
+    for (int corner = 0; corner < 8; corner++) {
+        const glm::dvec3 place(corner & 1 ? high_.x : low_.x, corner & 2 ? high_.y : low_.y,
+                               corner & 4 ? high_.z : low_.z);
+        const glm::dvec4 clip = clip_from_world * glm::dvec4(place, 1);
+        const bool in_front = clip.w > clip.z && std::isfinite(clip.w);  // beyond the near plane
+        if (!in_front) return {{0, 0}, {width_, height_}};
+        const glm::dvec2 pixel = (0.5 + 0.5 * glm::dvec2(clip) / clip.w) * size;
+        low = glm::min(low, pixel - 1.0);
+        high = glm::max(high, pixel + 1.0);
+    }
+    low = glm::clamp(glm::floor(low), glm::dvec2(0), size - 1.0);
+    high = glm::clamp(glm::ceil(high), low + 1.0, size);
+    const glm::uvec2 from = glm::uvec2(low) * kSupersample, extent = glm::uvec2(high - low) * kSupersample;
+    return {{static_cast<int32_t>(from.x), static_cast<int32_t>(from.y)}, {extent.x, extent.y}};
+}
+
+void Rasterizer::record(const glm::mat4& clip_from_world, const VkRect2D& part) {
     commands_.begin();
     {
         const PassScope scope(commands_, "raster");
-        begin_rendering();
+        for (const DeviceImage* colour : {&samples_, &target_})
+            move_layout(commands_, *colour, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        move_layout(commands_, depth_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        begin_rendering(part);
         record_draws(clip_from_world, false);
         record_draws(clip_from_world, true);
         vkCmdEndRendering(commands_.handle());
     }
-    drawing_barrier(commands_);
-    copy(commands_, target_, readback_);
+    move_layout(commands_, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    copy(commands_, target_, part, readback_);
     host_barrier(commands_);
 }
 
-void Rasterizer::begin_rendering() {
+void Rasterizer::begin_rendering(const VkRect2D& part) {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = samples_.view;
-    colour.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     colour.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
     colour.resolveImageView = target_.view;
-    colour.resolveImageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    colour.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = depth_.view;
-    depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
     depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // to 0: infinitely far
     depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    info.renderArea.extent = {width_, height_};
+    info.renderArea = part;
     info.layerCount = 1;
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
@@ -212,7 +250,7 @@ void Rasterizer::begin_rendering() {
     const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
     vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.pipeline());
     vkCmdSetViewport(commands_.handle(), 0, 1, &viewport);
-    vkCmdSetScissor(commands_.handle(), 0, 1, &info.renderArea);
+    vkCmdSetScissor(commands_.handle(), 0, 1, &part);
     const VkBuffer streams[] = {moving_.buffer, fixed_.buffer};
     const VkDeviceSize offsets[] = {0, 0};
     vkCmdBindVertexBuffers(commands_.handle(), 0, 2, streams, offsets);

@@ -16,6 +16,13 @@ namespace neuvv {
 // Pictures are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
 constexpr uint32_t kSupersample = 2;
 
+// What a draw left: linear premultiplied RGBA as binary16, rows from the top, kSupersample times larger each way. Only
+// the part of the camera's picture that can show something; the rest is transparent.
+struct RasterPicture {
+    uint32_t x = 0, y = 0, width = 0, height = 0;  // the part, in the camera's pixels
+    std::span<const uint16_t> halves;
+};
+
 // Draws one scene at one picture size. Vertices are posed on the CPU: a capture draws dozens of pictures of an instant.
 class Rasterizer {
   public:
@@ -27,10 +34,9 @@ class Rasterizer {
     // The instant that draw() shows.
     void pose(const PosedScene& pose);
 
-    // Draws and waits. Linear premultiplied RGBA as binary16, rows from the top, kSupersample times the camera's size
-    // each way; valid until the next call. The camera has the rasterizer's picture size. `near_m`: what is nearer to the
-    // camera's plane is cut off.
-    std::span<const uint16_t> draw(const Camera& camera, double near_m);
+    // Draws and waits; the result is valid until the next call. The camera has the rasterizer's picture size. `near_m`:
+    // what is nearer to the camera's plane is cut off.
+    RasterPicture draw(const Camera& camera, double near_m);
 
   private:
     struct Draw {
@@ -43,9 +49,10 @@ class Rasterizer {
     void list_draws();
     void upload_geometry();
     void upload_textures();
-    void record(const glm::mat4& clip_from_world);
+    VkRect2D visible_part(const glm::dmat4& clip_from_world) const;
+    void record(const glm::mat4& clip_from_world, const VkRect2D& part);
     void record_draws(const glm::mat4& clip_from_world, bool blended);
-    void begin_rendering();
+    void begin_rendering(const VkRect2D& part);
 
     const Device& device_;
     const GltfScene& scene_;
@@ -60,13 +67,14 @@ class Rasterizer {
     std::vector<TextureSet> sets_;
     Commands commands_;
     PosedVertices posed_;
+    glm::vec3 low_{0}, high_{0};  // the box of the instant that is posed
 };
 
 // Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
 glm::dmat4 clip_from_world(const Camera& camera, double near_m);
 
-// Averages kSupersample² pixels: width × height of linear premultiplied RGBA.
-std::vector<glm::vec4> box_down(std::span<const uint16_t> halves, uint32_t width, uint32_t height);
+// Averages kSupersample² pixels into a whole picture: width × height of linear premultiplied RGBA.
+std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height);
 
 // Straight alpha, sRGB, 8 bits.
 Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);

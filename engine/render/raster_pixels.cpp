@@ -11,7 +11,9 @@ namespace neuvv {
 
 namespace {
 
-uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
+uint8_t byte_of(float value) {
+    return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
 
 uint8_t srgb_byte(float linear) {
     return byte_of(static_cast<float>(srgb_from_linear(static_cast<double>(std::clamp(linear, 0.0f, 1.0f)))));
@@ -47,18 +49,19 @@ void shrink_pixel(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
 
 }  // namespace
 
-std::vector<glm::vec4> box_down(std::span<const uint16_t> halves, uint32_t width, uint32_t height) {
-    assert(halves.size() == size_t{4} * kSupersample * kSupersample * width * height && "a supersampled picture");
+std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height) {
+    const uint32_t columns = picture.width * kSupersample, rows = picture.height * kSupersample;
+    assert(picture.halves.size() == size_t{4} * columns * rows && "a supersampled picture");
+    assert(picture.x + picture.width <= width && picture.y + picture.height <= height && "a part of the picture");
     std::vector<glm::vec4> out(size_t{width} * height, glm::vec4(0));
-    const size_t stride = size_t{width} * kSupersample;
     constexpr float kShare = 1.0f / (kSupersample * kSupersample);
-    for (uint32_t y = 0; y < height * kSupersample; y++)
-        for (uint32_t x = 0; x < width * kSupersample; x++) {
-            const uint16_t* pixel = &halves[(y * stride + x) * 4];
+    for (uint32_t y = 0; y < rows; y++)
+        for (uint32_t x = 0; x < columns; x++) {
+            const uint16_t* pixel = &picture.halves[(size_t{y} * columns + x) * 4];
             uint64_t bits = 0;
             std::memcpy(&bits, pixel, sizeof(bits));
             if (bits == 0) continue;  // most of a picture
-            glm::vec4& sum = out[size_t{y / kSupersample} * width + x / kSupersample];
+            glm::vec4& sum = out[size_t{picture.y + y / kSupersample} * width + picture.x + x / kSupersample];
             for (int c = 0; c < 4; c++) sum[c] += kShare * float_from_half(pixel[c]);
         }
     return out;

@@ -1,0 +1,229 @@
+#include "training/capture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "base/platform.h"
+#include "stage/pose.h"
+#include "tests/stage/glb_builder.h"
+#include "tests/support/input_error.h"
+#include "tests/support/temporary_folder.h"
+#include "training/dataset.h"
+
+namespace neuvv {
+namespace {
+
+const std::filesystem::path kPerformer = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+
+const Device& device() {
+    static const Device shared("", Validation::kOn);
+    return shared;
+}
+
+CaptureSettings small_settings() {
+    CaptureSettings settings;
+    settings.cameras = 6;
+    settings.frames = 3;
+    settings.fps = 1;
+    settings.width = 64;
+    settings.height = 72;
+    settings.holdout = 0.3;
+    return settings;
+}
+
+CaptureResult run(const std::filesystem::path& folder, const CaptureSettings& settings,
+                  const std::filesystem::path& model = kPerformer) {
+    const CaptureResult result = capture(device(), model, folder, settings, nullptr);
+    EXPECT_EQ(device().drain_validation_messages(), std::vector<std::string>());
+    return result;
+}
+
+glm::dvec2 project(const Camera& camera, const glm::vec3& point) {
+    const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(point, 1));
+    return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
+}
+
+// The largest alpha in the 3 × 3 pixels around a place in the picture.
+int alpha_near(const Image& image, const glm::dvec2& place) {
+    int largest = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const auto x = static_cast<uint32_t>(
+                std::clamp<int>(static_cast<int>(place.x) + dx, 0, static_cast<int>(image.width) - 1));
+            const auto y = static_cast<uint32_t>(
+                std::clamp<int>(static_cast<int>(place.y) + dy, 0, static_cast<int>(image.height) - 1));
+            largest = std::max(largest, int{image.at(x, y)[3]});
+        }
+    return largest;
+}
+
+// Every vertex projects onto the silhouette, and the silhouette ends where the vertices do.
+void expect_silhouette(const View& view, const Camera& camera, const std::vector<glm::vec3>& points) {
+    glm::dvec2 low(1e9), high(-1e9), alpha_low(1e9), alpha_high(-1e9);
+    int missed = 0;
+    for (const glm::vec3& point : points) {
+        const glm::dvec2 place = project(camera, point);
+        low = glm::min(low, place);
+        high = glm::max(high, place);
+        missed += alpha_near(view.image, place) == 0;
+    }
+    EXPECT_EQ(missed, 0) << view.name;
+    EXPECT_GT(std::min(low.x, low.y), 1) << view.name;
+    EXPECT_LT(high.x, camera.width - 1.0) << view.name;
+    EXPECT_LT(high.y, camera.height - 1.0) << view.name;
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x)
+            if (view.image.at(x, y)[3] > 0) {
+                alpha_low = glm::min(alpha_low, glm::dvec2(x, y));
+                alpha_high = glm::max(alpha_high, glm::dvec2(x + 1.0, y + 1.0));
+            }
+    EXPECT_LT(glm::length(alpha_low - low) + glm::length(alpha_high - high), 4) << view.name;
+}
+
+TEST(Capture, DataSetMatchesTheModel) {
+    const TemporaryFolder folder;
+    const CaptureSettings settings = small_settings();
+    const CaptureResult result = run(folder.path, settings);
+    EXPECT_TRUE(result.complete);
+    EXPECT_EQ(result.train_cameras, 4u);
+    EXPECT_EQ(result.test_cameras, 2u);
+    const Dataset train = load_dataset(folder.path, Split::kTrain), test = load_dataset(folder.path, Split::kTest);
+    EXPECT_EQ(train.cameras.size(), 4u);
+    EXPECT_EQ(train.views.size(), 12u);
+    EXPECT_EQ(test.views.size(), 6u);
+    EXPECT_EQ(train.times, (std::vector<double>{0, 0.5, 1}));
+    EXPECT_EQ(train.fps, 1);
+    EXPECT_EQ(train.plates.at(0).width, 0u);
+
+    const GltfScene scene = load_gltf(kPerformer);
+    const auto [low, high] = bounds_over(scene, 0, {0, 1, 2});
+    ASSERT_TRUE(train.box);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_LT(train.box->first[i], low[i]);
+        EXPECT_GT(train.box->second[i], high[i]);
+        EXPECT_LT(train.box->second[i] - train.box->first[i], (high[i] - low[i]) * 1.2);
+    }
+    const auto node = static_cast<uint32_t>(scene.nodes.size() - 1);
+    for (const Dataset* set : {&train, &test})
+        for (const View& view : set->views) {
+            PosedVertices vertices;
+            pose_vertices(scene, pose_scene(scene, 0, view.time * 2), node, scene.meshes[0].primitives[0], vertices);
+            expect_silhouette(view, set->cameras[view.camera], vertices.positions);
+        }
+}
+
+TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
+    const TemporaryFolder clear_folder, checker_folder;
+    CaptureSettings settings = small_settings();
+    settings.frames = 2;
+    run(clear_folder.path, settings);
+    settings.background = CaptureBackground::kChecker;
+    run(checker_folder.path, settings);
+    const Dataset clear = load_dataset(clear_folder.path, Split::kTrain);
+    const Dataset checker = load_dataset(checker_folder.path, Split::kTrain);
+    double worst = 0;
+    for (size_t v = 0; v < clear.views.size(); ++v) {
+        const Image& picture = checker.views[v].image;
+        const Image& plate = checker.plates.at(checker.views[v].camera);
+        ASSERT_EQ(plate.width, picture.width);
+        EXPECT_NE(std::equal(plate.rgba.begin() + 4, plate.rgba.end(), plate.rgba.begin()), true) << "one colour only";
+        for (uint32_t y = 0; y < picture.height; ++y)
+            for (uint32_t x = 0; x < picture.width; ++x) {
+                ASSERT_EQ(picture.at(x, y)[3], clear.views[v].image.at(x, y)[3]);
+                if (picture.at(x, y)[3] == 0) {
+                    for (int c = 0; c < 3; ++c) ASSERT_EQ(picture.at(x, y)[c], plate.at(x, y)[c]);
+                }
+                const glm::vec4 difference =
+                    foreground(clear, clear.views[v], x, y) - foreground(checker, checker.views[v], x, y);
+                for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(static_cast<double>(difference[c])));
+            }
+    }
+    EXPECT_LT(worst, 0.012) << "8-bit rounding of picture, plate and matte, in linear light";
+}
+
+TEST(Capture, AStoppedCaptureLeavesNoTransforms) {
+    const TemporaryFolder folder;
+    write_text(folder.path / "transforms_train.json", "of an older capture");
+    const CaptureResult result =
+        capture(device(), kPerformer, folder.path, small_settings(), [](uint64_t done, uint64_t) { return done < 2; });
+    EXPECT_FALSE(result.complete);
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_train.json"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
+    EXPECT_EQ(device().drain_validation_messages(), std::vector<std::string>());
+}
+
+TEST(Capture, AModelWithoutAnimationShowsItsRestPose) {
+    test::GlbBuilder glb;
+    glb.root["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", glb.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0})}}}}}}}};
+    glb.root["nodes"] = {{{"mesh", 0}}};
+    glb.root["materials"] = {{{"doubleSided", true}}};
+    glb.root["meshes"][0]["primitives"][0]["material"] = 0;
+    const test::TemporaryFolder model;
+    const TemporaryFolder folder;
+    CaptureSettings settings = small_settings();
+    settings.frames = 2;
+    settings.holdout = 0;
+    run(folder.path, settings, model.write(glb.bytes()));
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
+    const Dataset dataset = load_dataset(folder.path, Split::kTrain);
+    ASSERT_EQ(dataset.views.size(), 12u);
+    EXPECT_EQ(dataset.views[0].image.rgba, dataset.views[1].image.rgba);
+}
+
+TEST(Capture, BadSettingsNameTheirOption) {
+    const TemporaryFolder folder;
+    const auto refuse = [&](const std::function<void(CaptureSettings&)>& change, const std::string& option) {
+        CaptureSettings settings = small_settings();
+        change(settings);
+        expect_input_error([&] { run(folder.path, settings); }, {option});
+    };
+    refuse([](auto& s) { s.cameras = 0; }, "--cameras");
+    refuse([](auto& s) { s.frames = 0; }, "--frames");
+    refuse([](auto& s) { s.frames = 4000000000u; }, "--frames");
+    refuse([](auto& s) { s.fps = NAN; }, "--fps");
+    refuse([](auto& s) { s.fps = 0; }, "--fps");
+    refuse([](auto& s) { s.width = 7; }, "--size");
+    refuse([](auto& s) { s.height = 100000; }, "--size");
+    refuse([](auto& s) { s.holdout = NAN; }, "--holdout");
+    refuse([](auto& s) { s.holdout = 1; }, "--holdout");
+    refuse([](auto& s) { s.cameras = 1; }, "--holdout");
+    refuse([](auto& s) { s.animation = "waltz"; }, "dance");
+    EXPECT_EQ(folder.entries(), 0u) << "refused before anything is written";
+    expect_input_error([&] { run(folder.path, small_settings(), folder.path / "none.glb"); }, {"none.glb"});
+}
+
+TEST(Performer, StandsOnTheFloorAndMoves) {
+    const GltfScene scene = load_gltf(kPerformer);
+    ASSERT_EQ(find_animation(scene, "dance"), 0u);
+    EXPECT_NEAR(scene.animations[0].duration_s, 3, 1e-6);
+    const auto [low, high] = bounds_over(scene, kNoAnimation, {0});
+    EXPECT_NEAR(low.y, 0, 0.01);
+    EXPECT_NEAR(high.y, 1.72, 0.05);
+    std::vector<double> times;
+    for (int f = 0; f < 75; ++f) times.push_back(f / 25.0);
+    const auto moving = bounds_over(scene, 0, times);
+    EXPECT_GT(moving.first.y, -0.03) << "no foot sinks into the floor";
+    EXPECT_GT(moving.second.y, 1.8) << "arms rise above the head";
+    EXPECT_GT(moving.second.x - moving.first.x, 1.5);
+    EXPECT_LT(moving.second.x - moving.first.x, 2.5);
+    const glm::dvec3 start = pose_scene(scene, 0, 0).world_from_node[0][3],
+                     end = pose_scene(scene, 0, 3).world_from_node[0][3];
+    EXPECT_LT(glm::length(start - end), 1e-5) << "the end joins the start";
+}
+
+TEST(Performer, TheScriptMakesTheFile) {
+    if (std::system("python3 -c 'import zlib' > /dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is not installed";
+    const TemporaryFolder folder;
+    const auto made = folder.path / "performer.glb";
+    const std::string command =
+        "python3 '" NEUVV_SOURCE_DIR "/tools/performer/make_performer.py' '" + made.string() + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    EXPECT_TRUE(read_file(made) == read_file(kPerformer))
+        << "run tools/performer/make_performer.py and commit the result";
+    EXPECT_LT(std::filesystem::file_size(kPerformer), 1500000u);
+}
+
+}  // namespace
+}  // namespace neuvv
