@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/input_error.h"
+#include "support/random_tree.h"
 #include "support/sphere_capture.h"
 
 namespace neuvv::test {
@@ -47,6 +48,25 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
         EXPECT_GT(matter, 300u);
         EXPECT_LT(static_cast<double>(empty_kept), 0.02 * static_cast<double>(empty));
     }
+}
+
+// Balls of all sizes that reach little more than a pixel into the sphere: their picture's rectangle must not be too
+// small.
+TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
+    const SphereCapture capture{
+        .cameras = 4, .frames = 1, .size = 200, .radius_m = 0.3, .reach_m = 0, .distance_m = 2.5};
+    const Dataset dataset = sphere_dataset(capture);
+    const double pixel_m = capture.distance_m / dataset.cameras[0].fx;
+    Random random(4);
+    std::vector<HullCell> touching;
+    for (int i = 0; i < 3000; i++) {
+        const glm::dvec3 away = glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()));
+        const double radius = random.uniform(0.03, 0.25);
+        const double distance = capture.radius_m + radius - 1.5 * pixel_m;
+        touching.push_back({glm::vec3(capture.centre(0) + distance * away), static_cast<float>(radius)});
+    }
+    const std::vector<uint32_t> bits = carve(dataset, touching);
+    EXPECT_EQ(std::count(bits.begin(), bits.end(), 0u), 0);
 }
 
 TEST(Hull, FramesBeyondThirtyTwoHaveTheirOwnBits) {
