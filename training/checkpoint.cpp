@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "training/schedule.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -70,13 +71,24 @@ std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<N
     return values;
 }
 
+[[noreturn]] void fail_finite(const std::filesystem::path& path, const char* name) {
+    throw InputError(path.string(), "chunk " + std::string(name), "holds a number that is not finite",
+                     "train without --resume");
+}
+
 std::vector<float> read_floats(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name,
                                size_t count) {
     std::vector<float> values = read_chunk<float>(path, chunks, name, count);
     for (const float value : values)
-        if (!std::isfinite(value))
-            throw InputError(path.string(), "chunk " + std::string(name), "holds a number that is not finite",
-                             "train without --resume");
+        if (!std::isfinite(value)) fail_finite(path, name);
+    return values;
+}
+
+std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks,
+                                   const char* name, size_t count) {
+    std::vector<uint16_t> values = read_chunk<uint16_t>(path, chunks, name, count);
+    for (const uint16_t value : values)
+        if (!std::isfinite(float_from_bfloat(value))) fail_finite(path, name);
     return values;
 }
 
@@ -95,10 +107,13 @@ NvvChunk run_chunk(const RunState& run) {
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
 
-RunState read_run(const std::filesystem::path& path, const NvvChunk& found) {
+// `deepest`: what the tree can hold.
+RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint32_t deepest) {
     RunState run;
+    bool negative = false;
     try {
         const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
+        for (const auto& item : json.items()) negative |= item.value().is_number() && item.value().get<double>() < 0;
         json.at("seed").get_to(run.seed);
         json.at("step").get_to(run.step);
         json.at("adam_step").get_to(run.adam_step);
@@ -112,7 +127,7 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found) {
     } catch (const nlohmann::json::exception&) {
         throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
     }
-    if (run.max_depth < 1 || run.max_depth > 2 * kMaxNodeLevels || !(run.elapsed_s >= 0) || !(run.minutes >= 0))
+    if (negative || run.max_depth < 1 || run.max_depth > deepest || run.stage >= kStages)
         throw InputError(path.string(), "chunk run0", "holds numbers out of range", "train without --resume");
     return run;
 }
@@ -141,12 +156,12 @@ Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const 
 }
 
 void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
-    write_nvv(nvv, checkpoint.tree, {}, 1);
     write_nvv(state_path(nvv), checkpoint.tree,
               {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
                chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first),
                chunk("row2", checkpoint.rows_second), chunk("rech", checkpoint.reach)},
               1);
+    write_nvv(nvv, checkpoint.tree, {}, 1);
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
@@ -155,11 +170,11 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     Checkpoint checkpoint;
     checkpoint.tree = read_nvv(path, &chunks);
     VOctree& tree = checkpoint.tree;
-    checkpoint.run = read_run(path, find_chunk(path, chunks, "run0"));
+    checkpoint.run = read_run(path, find_chunk(path, chunks, "run0"), 2 * tree.node_levels);
     const size_t rows = size_t{2} * tree.frames * tree.bases;
     tree.weights = read_floats(path, chunks, "wf32", size_t{tree.leaf_count} * tree.weights_per_leaf());
-    checkpoint.first = read_chunk<uint16_t>(path, chunks, "mom1", plane_numbers(tree));
-    checkpoint.second = read_chunk<uint16_t>(path, chunks, "mom2", plane_numbers(tree));
+    checkpoint.first = read_bfloats(path, chunks, "mom1", plane_numbers(tree));
+    checkpoint.second = read_bfloats(path, chunks, "mom2", plane_numbers(tree));
     checkpoint.rows_first = read_floats(path, chunks, "row1", rows);
     checkpoint.rows_second = read_floats(path, chunks, "row2", rows);
     checkpoint.reach = read_floats(path, chunks, "rech", tree.leaf_count);

@@ -35,7 +35,8 @@ std::filesystem::path state_path(const std::filesystem::path& nvv);
 // Takes weights, rows and moments off the device. `tree` has the run's topology.
 Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run);
 
-// Replaces the .nvv, then the state: each is at any moment the old or the new one. Throws RuntimeFailure.
+// Replaces the state, then the .nvv: each is at any moment the old or the new one, and where there is a .nvv, a run can
+// be resumed. Throws RuntimeFailure.
 void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
 
 // Throws InputError where the state file is missing, damaged or not of a training run.

@@ -36,7 +36,8 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          sampler_(begin(), settings.tiles_per_step, sampler_seed()) {}
+          // Braces: begin() sets the seed that sampler_seed() reads, so it must come first.
+          sampler_{begin(), settings.tiles_per_step, sampler_seed()} {}
 
     TrainProgress operator()(const TrainCallback& callback);
 
@@ -64,6 +65,7 @@ class Run {
     double saved_at_ = 0, save_took_ = 0;
     // Sums since the last report.
     double loss_sum_ = 0, rgb_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
+    TrainProgress reported_;
 };
 
 const Dataset& Run::begin() {
@@ -159,9 +161,14 @@ TrainProgress Run::progress() const {
     now.elapsed_s = elapsed();
     now.fraction = fraction();
     now.eta_s = now.fraction > 0 ? now.elapsed_s / now.fraction - now.elapsed_s : 0;
-    now.rays_per_s = rays_sum_ / std::max(seconds_now() - reported_at_, 1e-3);
-    now.loss = loss_sum_ / std::max(steps_sum_, 1.0);
-    now.psnr = -10 * std::log10(std::max(rgb_sum_ / std::max(steps_sum_, 1.0) / 3, 1e-10));
+    now.rays_per_s = reported_.rays_per_s;
+    now.loss = reported_.loss;
+    now.psnr = reported_.psnr;
+    if (steps_sum_ > 0) {
+        now.rays_per_s = rays_sum_ / std::max(seconds_now() - reported_at_, 1e-3);
+        now.loss = loss_sum_ / steps_sum_;
+        now.psnr = -10 * std::log10(std::max(rgb_sum_ / steps_sum_ / 3, 1e-10));
+    }
     now.step = run_.step;
     now.leaves = tree_.leaf_count;
     now.depth = run_.max_depth - std::min(kLevelsAbove, run_.max_depth - 1) + std::min(run_.stage, kLevelsAbove);
@@ -194,7 +201,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         loss_sum_ += result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
         steps_sum_++;
         if (seconds_now() - reported_at_ >= 1) {
-            go_on = callback(progress());
+            reported_ = progress();
+            go_on = callback(reported_);
             loss_sum_ = rgb_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }

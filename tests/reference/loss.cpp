@@ -16,20 +16,24 @@ glm::dvec3 over_background(glm::dvec3 colour, double alpha, glm::dvec3 backgroun
     return colour + (1 - alpha) * background;
 }
 
-// P − I of each pixel.
+// P − I of each pixel; 0 beyond the picture.
 std::array<glm::dvec3, kPatchPixels> differences(const Patch& patch) {
-    std::array<glm::dvec3, kPatchPixels> result;
+    std::array<glm::dvec3, kPatchPixels> result{};
     for (size_t i = 0; i < kPatchPixels; ++i) {
         const PatchPixel& p = patch[i];
+        if (!p.inside) continue;
         result[i] = display(over_background(p.colour, p.alpha, p.background)) -
                     display(over_background(p.true_colour, p.true_alpha, p.background));
     }
     return result;
 }
 
-// Calls visit(pixel, neighbour) for each forward difference inside the patch.
+// Calls visit(pixel, neighbour) for each forward difference inside the patch and the picture.
 template <typename Visit>
-void each_neighbour(const Visit& visit) {
+void each_neighbour(const Patch& patch, const Visit& visit_pair) {
+    const auto visit = [&](size_t pixel, size_t neighbour) {
+        if (patch[pixel].inside && patch[neighbour].inside) visit_pair(pixel, neighbour);
+    };
     for (size_t y = 0; y < kPatchSide; ++y) {
         for (size_t x = 0; x < kPatchSide; ++x) {
             const size_t i = y * kPatchSide + x;
@@ -55,7 +59,7 @@ PatchLoss patch_loss(const Patch& patch, double batch_pixels) {
     const auto difference = differences(patch);
     PatchLoss loss;
     for (const glm::dvec3& d : difference) loss.rgb += glm::dot(d, d);
-    each_neighbour([&](size_t pixel, size_t neighbour) {
+    each_neighbour(patch, [&](size_t pixel, size_t neighbour) {
         const glm::dvec3 step = glm::abs(difference[neighbour]) - glm::abs(difference[pixel]);
         loss.grad += glm::dot(step, step);
     });
@@ -68,7 +72,7 @@ std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, d
                                                            double batch_pixels) {
     const auto difference = differences(patch);
     std::array<glm::dvec3, kPatchPixels> d_error{};  // by e = |P−I|
-    each_neighbour([&](size_t pixel, size_t neighbour) {
+    each_neighbour(patch, [&](size_t pixel, size_t neighbour) {
         const glm::dvec3 step = glm::abs(difference[neighbour]) - glm::abs(difference[pixel]);
         d_error[neighbour] += 2.0 * lambda_grad / batch_pixels * step;
         d_error[pixel] -= 2.0 * lambda_grad / batch_pixels * step;

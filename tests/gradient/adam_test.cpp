@@ -1,0 +1,157 @@
+// The optimiser inside slice_adjoint.comp and rows_adjoint.comp against the reference's, and that it learns.
+#include <gtest/gtest.h>
+
+#include "gradient/scene.h"
+#include "reference/adam.h"
+#include "support/gpu_test.h"
+
+namespace neuvv::test {
+namespace {
+
+struct State {
+    std::vector<float> weights, first, second;
+};
+
+State weights_now(const Device& device, const TrainingStep& step) {
+    const size_t count = step.field().weights.bytes / sizeof(float);
+    return {download_floats(device, step.field().weights, count), download_floats(device, step.moments().first, count),
+            download_floats(device, step.moments().second, count)};
+}
+
+// A, then B, as their moments are.
+State rows_now(const Device& device, const TrainingStep& step) {
+    const size_t count = size_t{step.field().frames} * step.field().bases;
+    State state{download_floats(device, step.field().sigma_basis, count),
+                download_floats(device, step.moments().rows_first, 2 * count),
+                download_floats(device, step.moments().rows_second, 2 * count)};
+    const std::vector<float> gamma = download_floats(device, step.field().gamma_basis, count);
+    state.weights.insert(state.weights.end(), gamma.begin(), gamma.end());
+    return state;
+}
+
+struct Counts {
+    size_t moved = 0, kept = 0;
+};
+
+// `after` is `before` moved by Adam along `gradient`; elements without a gradient are the same bits. Gradients that are
+// mostly the rounding of their atomic sums differ from run to run and are passed over.
+template <typename RateOf>
+void expect_update(const State& before, const State& after, const std::vector<float>& gradient, const RateOf& rate_of,
+                   const AdamSettings& adam, Counts& counts) {
+    ASSERT_EQ(before.weights.size(), gradient.size());
+    float largest = 0;
+    for (const float g : gradient) largest = std::max(largest, std::abs(g));
+    for (size_t i = 0; i < gradient.size(); i++) {
+        if (gradient[i] == 0) {
+            ASSERT_EQ(after.weights[i], before.weights[i]);
+            ASSERT_EQ(after.first[i], before.first[i]);
+            ASSERT_EQ(after.second[i], before.second[i]);
+            counts.kept++;
+            continue;
+        }
+        if (std::abs(gradient[i]) < 1e-4f * largest) continue;
+        const double rate = rate_of(i);
+        reference::AdamElement truth{before.weights[i], before.first[i], before.second[i]};
+        reference::adam_update(truth, gradient[i], {rate, adam.beta1, adam.beta2, adam.epsilon},
+                               reference::adam_bias(adam.beta1, adam.step),
+                               reference::adam_bias(adam.beta2, adam.step));
+        ASSERT_NEAR(after.first[i], truth.m, 1e-5 * std::abs(truth.m) + 1e-6 * largest) << i;
+        ASSERT_NEAR(after.second[i], truth.v, 1e-3 * truth.v) << i;
+        ASSERT_NEAR(after.weights[i], truth.weight, 1e-3 * rate + 1e-6 * std::abs(truth.weight)) << i;
+        ASSERT_NE(after.weights[i], before.weights[i]) << i;
+        counts.moved++;
+    }
+}
+
+using AdamTest = GpuTest;
+
+// Three steps on different tiles: a leaf first seen in the third is corrected for the bias of the third step.
+TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
+    const Scene all = random_scene({.tree = {.seed = 51, .leaves = 300, .bases = 5, .hh_degree = 2}});
+    TrainingStep step(device(), all.tree, 2, 3);
+    const LearningRates rates{
+        .sigma = 0.3f, .gamma = 0.01f, .colour = 0.2f, .detail = 0.05f, .sigma_rows = 1e-2f, .gamma_rows = 2e-2f};
+    const uint32_t basis_planes = step.field().basis_planes(), leaves = all.tree.leaf_count;
+    const auto weight_rate = [&](size_t i) {
+        const size_t plane = i / (size_t{4} * leaves);
+        if (plane < basis_planes) return static_cast<double>(rates.sigma);
+        if (plane < 2 * basis_planes) return static_cast<double>(rates.gamma);
+        const size_t function = plane - 2 * basis_planes;
+        const bool constant = function == 0 || function == 1 || function == 5;  // l = 0 of n = 0, 1, 2
+        return static_cast<double>(constant ? rates.colour : rates.detail);
+    };
+    const auto row_rate = [&](size_t i) {
+        const bool of_a = i < size_t{all.tree.frames} * all.tree.bases;
+        return static_cast<double>(of_a ? rates.sigma_rows : rates.gamma_rows);
+    };
+    Counts weights, rows;
+    for (uint32_t i = 1; i <= 3; i++) {
+        SCOPED_TRACE("step " + std::to_string(i));
+        const Scene scene = with_tiles(all, 2 * i, 3, i);
+        const Gradients gradients = emitted_gradients(device(), step, scene);
+        const State weights_before = weights_now(device(), step), rows_before = rows_now(device(), step);
+        StepSettings settings = settings_of(scene);
+        settings.rates = rates;
+        settings.adam.step = i;
+        step.submit(settings);
+        step.wait();
+        expect_update(weights_before, weights_now(device(), step), gradients.weights, weight_rate, settings.adam,
+                      weights);
+        expect_update(rows_before, rows_now(device(), step), gradients.rows, row_rate, settings.adam, rows);
+    }
+    EXPECT_GT(weights.moved, 1000u);
+    EXPECT_GT(weights.kept, 1000u);
+    EXPECT_GT(rows.moved, 30u);
+    EXPECT_GT(rows.kept, 30u);
+}
+
+TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {
+    const Scene scene = random_scene({.tree = {.seed = 52, .leaves = 300, .bases = 5, .hh_degree = 1}});
+    TrainingStep step(device(), scene.tree, 2, 7);
+    load_scene(step, scene);
+    StepSettings settings = settings_of(scene);
+    settings.rates = {.sigma = 0.1f, .gamma = 0.1f, .colour = 0.1f, .detail = 0.1f, .sigma_rows = 1, .gamma_rows = 1};
+    settings.learn_rows = false;
+    step.submit(settings);
+    step.wait();
+    VOctree after = scene.tree;
+    step.download(after);
+    EXPECT_EQ(after.sigma_basis, scene.tree.sigma_basis);
+    EXPECT_EQ(after.gamma_basis, scene.tree.gamma_basis);
+    EXPECT_NE(after.weights, scene.tree.weights);
+}
+
+// Pictures of a random tree; another one with the same leaves learns to look like it.
+TEST_F(AdamTest, AHundredStepsLearnAFixedBatch) {
+    Scene scene = random_scene({.tree = {.seed = 61, .node_levels = 1, .leaves = 30, .bases = 5, .hh_degree = 1}});
+    TrainingStep teacher(device(), scene.tree, 2, 7);
+    load_scene(teacher, scene);
+    teacher.submit(settings_of(scene));
+    teacher.wait();
+    std::vector<glm::vec4> seen(scene.target.size());
+    download(device(), teacher.rays().radiance, seen.data(), seen.size() * sizeof(glm::vec4));
+    for (size_t i = 0; i < seen.size(); i++)
+        if (scene.target[i].a >= 0) scene.target[i] = seen[i];
+
+    VOctree pupil = scene.tree;
+    for (uint32_t leaf = 0; leaf < pupil.leaf_count; leaf++)
+        for (uint32_t i = 2 * pupil.bases; i < pupil.weights_per_leaf(); i++) pupil.leaf(leaf)[i] = 0;  // grey
+    TrainingStep step(device(), pupil, 2, 7);
+    load_scene(step, scene);
+    StepSettings settings = settings_of(scene);
+    settings.rates = {
+        .sigma = 0.05f, .gamma = 0.01f, .colour = 0.15f, .detail = 0.15f, .sigma_rows = 1e-3f, .gamma_rows = 1e-3f};
+    double first = 0, last = 0;
+    for (uint32_t i = 1; i <= 100; i++) {
+        settings.adam.step = i;
+        step.submit(settings);
+        const StepResult result = step.wait();
+        last = result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
+        if (i == 1) first = last;
+    }
+    EXPECT_GT(first, 1e-3);
+    EXPECT_LT(last, first / 10);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,154 @@
+#include "gradient/chain.h"
+
+#include <cmath>
+
+#include "reference/camera.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr double kNudge = 1e-5;
+
+// A_t or B_t from rows in double precision.
+std::vector<double> row_at(const std::vector<double>& basis, uint32_t bases, const reference::FrameRows& rows) {
+    std::vector<double> row(bases);
+    for (size_t i = 0; i < bases; i++)
+        row[i] = (1 - rows.blend) * basis[rows.first * size_t{bases} + i] +
+                 rows.blend * basis[rows.second * size_t{bases} + i];
+    return row;
+}
+
+double& weight_of(reference::LeafWeights& weights, uint32_t bases, uint32_t functions, uint32_t weight) {
+    if (weight < bases) return weights.sigma[weight];
+    if (weight < 2 * bases) return weights.gamma[weight - bases];
+    return weights.hh[(weight - 2 * bases) / functions][(weight - 2 * bases) % functions];
+}
+
+template <typename Loss>
+double central_difference(double& parameter, const Loss& loss) {
+    const double before = parameter;
+    parameter = before + kNudge;
+    const double above = loss();
+    parameter = before - kNudge;
+    const double below = loss();
+    parameter = before;
+    loss();  // leaves everything as it was
+    return (above - below) / (2 * kNudge);
+}
+
+}  // namespace
+
+Chain::Chain(const Scene& scene)
+    : scene_(scene),
+      sigma_basis_(scene.tree.sigma_basis.begin(), scene.tree.sigma_basis.end()),
+      gamma_basis_(scene.tree.gamma_basis.begin(), scene.tree.gamma_basis.end()),
+      slices_(scene.tree.leaf_count),
+      tiles_of_leaf_(scene.tree.leaf_count) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++)
+        weights_.push_back(reference::leaf_weights(scene.tree, leaf));
+    for (size_t tile = 0; tile < scene.tiles.size(); tile++)
+        for (uint32_t lane = 0; lane < kTilePixels; lane++) {
+            const Tile& t = scene.tiles[tile];
+            const reference::Ray ray =
+                reference::camera_ray(scene.cameras[t.camera], t.x + lane % kTile, t.y + lane / kTile);
+            rays_.push_back({ray.direction, reference::intersect(scene.tree, ray)});
+            if (scene.target[rays_.size() - 1].a < 0) continue;
+            for (const reference::Segment& segment : rays_.back().segments) {
+                std::vector<size_t>& tiles = tiles_of_leaf_[segment.leaf];
+                if (tiles.empty() || tiles.back() != tile) tiles.push_back(tile);
+            }
+        }
+    slice_rows();
+}
+
+void Chain::slice_leaf(uint32_t leaf) {
+    slices_[leaf] = reference::slice(weights_[leaf], row_a_, row_b_, scene_.tree.hh_degree);
+}
+
+void Chain::slice_rows() {
+    const auto rows = reference::frame_rows(static_cast<double>(scene_.frame), scene_.tree.frames);
+    row_a_ = row_at(sigma_basis_, scene_.tree.bases, rows);
+    row_b_ = row_at(gamma_basis_, scene_.tree.bases, rows);
+    for (uint32_t leaf = 0; leaf < slices_.size(); leaf++) slice_leaf(leaf);
+}
+
+std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
+    std::vector<reference::Sample> result;
+    for (const reference::Segment& segment : ray.segments) {
+        const reference::LeafSlice& leaf = slices_[segment.leaf];
+        if (leaf.sigma == 0) continue;
+        result.push_back({leaf.sigma, reference::sample_colour(leaf, scene_.tree.hh_degree, ray.direction),
+                          segment.t_exit - segment.t_enter, 0});
+    }
+    return result;
+}
+
+double Chain::tile_loss(size_t tile) const {
+    reference::Patch patch;
+    for (size_t i = 0; i < kTilePixels; i++) {
+        const size_t ray = tile * kTilePixels + i;
+        const glm::dvec4 truth(scene_.target[ray]);
+        patch[i].inside = truth.a >= 0;
+        if (!patch[i].inside) continue;
+        const reference::RayResult seen = reference::composite(samples(rays_[ray]), static_cast<double>(scene_.stop));
+        patch[i].colour = seen.colour;
+        patch[i].alpha = seen.alpha;
+        patch[i].true_colour = glm::dvec3(truth);
+        patch[i].true_alpha = truth.a;
+        patch[i].background = glm::dvec3(scene_.background[ray]);
+    }
+    return reference::patch_loss(patch, 1).total(static_cast<double>(scene_.lambda_grad));
+}
+
+double Chain::loss() const {
+    double sum = 0;
+    for (size_t tile = 0; tile < scene_.tiles.size(); tile++) sum += tile_loss(tile);
+    return sum;
+}
+
+double Chain::by_weight(uint32_t leaf, uint32_t weight) {
+    double& parameter = weight_of(weights_[leaf], scene_.tree.bases, hh_count(scene_.tree.hh_degree), weight);
+    return central_difference(parameter, [&] {
+        slice_leaf(leaf);
+        double sum = 0;
+        for (const size_t tile : tiles_of_leaf_[leaf]) sum += tile_loss(tile);
+        return sum;
+    });
+}
+
+double Chain::by_row(bool of_gamma, size_t element) {
+    return central_difference((of_gamma ? gamma_basis_ : sigma_basis_)[element], [&] {
+        slice_rows();
+        return loss();
+    });
+}
+
+std::vector<uint32_t> Chain::seen_leaves() const {
+    std::vector<bool> seen(slices_.size());
+    for (size_t i = 0; i < rays_.size(); i++) {
+        if (scene_.target[i].a < 0) continue;
+        double transmittance = 1;
+        for (const reference::Segment& segment : rays_[i].segments) {
+            if (transmittance < static_cast<double>(scene_.stop)) break;
+            const double sigma = slices_[segment.leaf].sigma;
+            transmittance *= std::exp(-sigma * (segment.t_exit - segment.t_enter));
+            if (sigma > 0) seen[segment.leaf] = true;
+        }
+    }
+    std::vector<uint32_t> leaves;
+    for (uint32_t leaf = 0; leaf < seen.size(); leaf++)
+        if (seen[leaf]) leaves.push_back(leaf);
+    return leaves;
+}
+
+uint32_t Chain::rays_ended_early() const {
+    uint32_t count = 0;
+    for (size_t i = 0; i < rays_.size(); i++) {
+        const std::vector<reference::Sample> all = samples(rays_[i]);
+        const double stop = static_cast<double>(scene_.stop);
+        count += reference::composite(all, stop).alpha < reference::composite(all, 0).alpha ? 1 : 0;
+    }
+    return count;
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,143 @@
+// loss.comp against the reference: the sums, and ∂L/∂(C, α) by central differences.
+#include "training/loss.h"
+
+#include <gtest/gtest.h>
+
+#include "gradient/agreement.h"
+#include "reference/loss.h"
+#include "support/gpu_test.h"
+#include "support/random_tree.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kTiles = 3;
+constexpr double kLambda = 0.1;
+
+struct LossScene {
+    std::vector<glm::vec4> radiance, target, background;  // per ray
+};
+
+// Tile 0 is whole, 1 lies at the right edge of a picture, 2 at its bottom right corner. Errors keep away from the kinks
+// |P−I| = 0; a third of the pixels are dark, on the straight part of sRGB.
+LossScene random_loss_scene(uint64_t seed) {
+    Random random(seed);
+    const auto between = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+    LossScene scene;
+    for (uint32_t i = 0; i < kTiles * kTilePixels; i++) {
+        const uint32_t tile = i / kTilePixels, x = i % kTile, y = i % kTilePixels / kTile;
+        const bool inside = tile == 0 || (x < 5 && (tile == 1 || y < 3));
+        const bool dark = i % 3 == 0;
+        const float alpha = between(0.1, 0.95), true_alpha = between(0, 1);
+        glm::vec4 seen(0, 0, 0, alpha), truth(0, 0, 0, true_alpha), behind(0);
+        for (int c = 0; c < 3; c++) {
+            behind[c] = dark ? between(1e-4, 1e-3) : between(0.05, 0.9);
+            seen[c] = dark ? between(1e-4, 1e-3) : alpha * between(0.1, 0.9);
+            truth[c] = true_alpha * between(0.1, 0.9);
+        }
+        if (!inside) truth = glm::vec4(0.3f, 0.2f, 0.1f, -1);
+        scene.radiance.push_back(seen);
+        scene.target.push_back(truth);
+        scene.background.push_back(behind);
+    }
+    return scene;
+}
+
+reference::Patch patch_of(const LossScene& scene, uint32_t tile) {
+    reference::Patch patch;
+    for (uint32_t i = 0; i < kTilePixels; i++) {
+        const size_t ray = size_t{tile} * kTilePixels + i;
+        patch[i] = {glm::dvec3(scene.radiance[ray]),   scene.radiance[ray].a,
+                    glm::dvec3(scene.target[ray]),     scene.target[ray].a,
+                    glm::dvec3(scene.background[ray]), scene.target[ray].a >= 0};
+    }
+    return patch;
+}
+
+struct DeviceLoss {
+    std::vector<glm::vec4> adjoint, sums;
+};
+
+DeviceLoss loss_on(const Device& device, const LossScene& scene) {
+    const RayBatch rays(device, 1, kTiles);
+    const LossBatch batch(device, kTiles);
+    const Loss loss(device, rays, batch);
+    const uint64_t bytes = scene.radiance.size() * sizeof(glm::vec4);
+    upload(device, rays.radiance, scene.radiance.data(), bytes);
+    std::copy(scene.target.begin(), scene.target.end(), batch.target.as<glm::vec4>());
+    std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
+    run_once(device, "loss",
+             [&](Commands& commands) { record_loss(commands, loss, kTiles, static_cast<float>(kLambda)); });
+    DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles)};
+    download(device, batch.adjoint, result.adjoint.data(), bytes);
+    download(device, batch.sums, result.sums.data(), kTiles * sizeof(glm::vec4));
+    return result;
+}
+
+double by_central_difference(reference::Patch& patch, double& number) {
+    constexpr double kNudge = 1e-7;  // far below the distance to any kink
+    const double before = number;
+    number = before + kNudge;
+    const double above = reference::patch_loss(patch, 1).total(kLambda);
+    number = before - kNudge;
+    const double below = reference::patch_loss(patch, 1).total(kLambda);
+    number = before;
+    return (above - below) / (2 * kNudge);
+}
+
+using LossTest = GpuTest;
+
+TEST_F(LossTest, SumsAreThoseOfTheReference) {
+    const LossScene scene = random_loss_scene(1);
+    const DeviceLoss found = loss_on(device(), scene);
+    const float pixels[kTiles] = {64, 40, 15};
+    for (uint32_t tile = 0; tile < kTiles; tile++) {
+        const reference::PatchLoss truth = reference::patch_loss(patch_of(scene, tile), 1);
+        EXPECT_NEAR(found.sums[tile].x, truth.rgb, 1e-5 * truth.rgb);
+        EXPECT_NEAR(found.sums[tile].y, truth.grad, 1e-5 * truth.grad);
+        EXPECT_EQ(found.sums[tile].z, pixels[tile]);
+    }
+}
+
+TEST_F(LossTest, AdjointIsTheDerivative) {
+    const LossScene scene = random_loss_scene(2);
+    const DeviceLoss found = loss_on(device(), scene);
+    std::vector<GradientPair> colours, alphas;
+    for (uint32_t tile = 0; tile < kTiles; tile++) {
+        reference::Patch patch = patch_of(scene, tile);
+        for (uint32_t i = 0; i < kTilePixels; i++) {
+            const glm::vec4 adjoint = found.adjoint[size_t{tile} * kTilePixels + i];
+            if (!patch[i].inside) {
+                EXPECT_EQ(adjoint, glm::vec4(0));
+                continue;
+            }
+            for (int c = 0; c < 3; c++)
+                colours.push_back({adjoint[c], by_central_difference(patch, patch[i].colour[c])});
+            alphas.push_back({adjoint.a, by_central_difference(patch, patch[i].alpha)});
+        }
+    }
+    expect_gradients("colour", colours);
+    expect_gradients("alpha", alphas);
+}
+
+TEST_F(LossTest, NeighboursBeyondThePictureChangeNothing) {
+    LossScene scene = random_loss_scene(3);
+    const DeviceLoss before = loss_on(device(), scene);
+    for (size_t i = 0; i < scene.target.size(); i++)
+        if (scene.target[i].a < 0) scene.radiance[i] = glm::vec4(7);
+    const DeviceLoss after = loss_on(device(), scene);
+    EXPECT_EQ(before.adjoint, after.adjoint);
+    EXPECT_EQ(before.sums, after.sums);
+}
+
+// |P−I| has subgradient 0 at 0.
+TEST_F(LossTest, ARightPixelPullsNowhere) {
+    LossScene scene = random_loss_scene(4);
+    scene.target[9] = scene.radiance[9];
+    const DeviceLoss found = loss_on(device(), scene);
+    EXPECT_EQ(found.adjoint[9], glm::vec4(0));
+    EXPECT_NE(found.adjoint[10], glm::vec4(0));
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,48 @@
+// What gradients are checked on: a random tree, some tiles of two cameras, random truths. And how to get the device's
+// gradients of it.
+#pragma once
+
+#include "support/random_tree.h"
+#include "training/step.h"
+
+namespace neuvv::test {
+
+struct Scene {
+    VOctree tree;
+    std::vector<Camera> cameras;
+    std::vector<Tile> tiles;
+    std::vector<glm::vec4> target, background;  // as LossBatch holds them
+    float frame = 1.3f;                         // between two rows
+    float lambda_grad = 0.1f;
+    float stop = 0;  // 0: rays never end early
+};
+
+struct SceneOptions {
+    RandomTreeOptions tree;
+    float density = 1;  // factor on every σ
+    float stop = 0;
+};
+
+Scene random_scene(const SceneOptions& options);
+
+// The same with other tiles and truths; `from` and `count` choose among all tiles of both cameras.
+Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed);
+
+// Settings of a step on the scene, rows included; rates are 0.
+StepSettings settings_of(const Scene& scene);
+
+void load_scene(const TrainingStep& step, const Scene& scene);
+
+struct Gradients {
+    std::vector<float> weights;  // in planes
+    std::vector<float> rows;     // of A, then of B
+};
+// Runs one step that only emits. Leaves the moments as they were.
+Gradients emitted_gradients(const Device& device, TrainingStep& step, const Scene& scene);
+
+std::vector<float> download_floats(const Device& device, const Buffer& buffer, size_t count);
+
+// Where the plane order keeps a leaf's weight number `weight` (voctree.h).
+size_t place_in_planes(const VOctree& tree, uint32_t leaf, uint32_t weight);
+
+}  // namespace neuvv::test

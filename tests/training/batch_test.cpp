@@ -1,0 +1,165 @@
+// Which tiles a batch holds, and what they should see.
+#include "training/batch.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "support/sphere_capture.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kSize = 44;                                     // six tiles across, the last one cut
+using TileKey = std::tuple<double, uint32_t, uint32_t, uint32_t>;  // time, camera, x, y
+
+const Dataset& capture() {
+    static const Dataset dataset = sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .reach_m = 0.2});
+    return dataset;
+}
+
+TileKey key_of(const Batch& batch, const Tile& tile) {
+    return {batch.time, tile.camera, tile.x, tile.y};
+}
+
+const View& view_of(const Dataset& dataset, double time, uint32_t camera) {
+    for (const View& view : dataset.views)
+        if (view.time == time && view.camera == camera) return view;
+    throw std::logic_error("no such view");
+}
+
+bool holds_foreground(const View& view, uint32_t x0, uint32_t y0) {
+    for (uint32_t y = y0; y < std::min(y0 + kTile, view.image.height); y++)
+        for (uint32_t x = x0; x < std::min(x0 + kTile, view.image.width); x++)
+            if (view.image.at(x, y)[3] > 0) return true;
+    return false;
+}
+
+// How often each tile was drawn until every instant's epoch had ended once: batches hold whole epochs.
+std::map<TileKey, uint32_t> draws_of_an_epoch(BatchSampler& sampler) {
+    std::map<TileKey, uint32_t> draws;
+    for (size_t i = 0; i < capture().times.size(); i++) {
+        const Batch batch = sampler.next();
+        for (const Tile& tile : batch.tiles) draws[key_of(batch, tile)]++;
+    }
+    return draws;
+}
+
+TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
+    BatchSampler sampler(capture(), 100000, 3);
+    size_t background = 0, background_drawn = 0, rays = 0;
+    for (int epoch = 0; epoch < 5; epoch++) {
+        const std::map<TileKey, uint32_t> draws = draws_of_an_epoch(sampler);
+        for (const View& view : capture().views)
+            for (uint32_t y = 0; y < kSize; y += kTile)
+                for (uint32_t x = 0; x < kSize; x += kTile) {
+                    const auto found = draws.find({view.time, view.camera, x, y});
+                    const uint32_t count = found == draws.end() ? 0 : found->second;
+                    rays += count * kTilePixels;
+                    if (holds_foreground(view, x, y)) {
+                        EXPECT_EQ(count, 1u) << view.name << ' ' << x << ' ' << y;
+                    } else {
+                        EXPECT_LE(count, 1u);
+                        background++;
+                        background_drawn += count;
+                    }
+                }
+    }
+    ASSERT_GT(background, 1000u);
+    EXPECT_NEAR(static_cast<double>(background_drawn) / static_cast<double>(background), 0.2, 0.04);
+    const double expected = 5.0 * static_cast<double>(sampler.rays_per_epoch());
+    EXPECT_NEAR(static_cast<double>(rays), expected, 0.1 * expected);
+}
+
+TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
+    BatchSampler sampler(capture(), 7, 4);
+    std::map<TileKey, uint32_t> draws;
+    std::map<double, bool> ended;
+    while (ended.size() < capture().times.size()) {
+        const Batch batch = sampler.next();
+        ASSERT_GT(batch.tiles.size(), 0u);
+        ASSERT_LE(batch.tiles.size(), 7u);
+        for (const Tile& tile : batch.tiles) {
+            if (ended.contains(batch.time)) continue;
+            if (++draws[key_of(batch, tile)] == 2) ended[batch.time] = true;
+        }
+    }
+    for (const View& view : capture().views)
+        for (uint32_t y = 0; y < kSize; y += kTile)
+            for (uint32_t x = 0; x < kSize; x += kTile)
+                if (holds_foreground(view, x, y)) {
+                    EXPECT_GE((draws[{view.time, view.camera, x, y}]), 1u) << view.name << ' ' << x << ' ' << y;
+                }
+}
+
+TEST(Batch, TheSameSeedGivesTheSameBatches) {
+    BatchSampler a(capture(), 50, 5), b(capture(), 50, 5), other(capture(), 50, 6);
+    bool differs = false;
+    for (int i = 0; i < 20; i++) {
+        const Batch from_a = a.next(), from_b = b.next(), from_other = other.next();
+        EXPECT_EQ(from_a.time, from_b.time);
+        EXPECT_EQ(from_a.target, from_b.target);
+        EXPECT_EQ(from_a.background, from_b.background);
+        differs |= from_a.target != from_other.target;
+    }
+    EXPECT_TRUE(differs);
+}
+
+TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
+    BatchSampler sampler(capture(), 100000, 7);
+    const Batch batch = sampler.next();
+    ASSERT_EQ(batch.target.size(), batch.tiles.size() * kTilePixels);
+    ASSERT_EQ(batch.background.size(), batch.target.size());
+    size_t beyond = 0, partial = 0;
+    for (size_t i = 0; i < batch.target.size(); i++) {
+        const Tile& tile = batch.tiles[i / kTilePixels];
+        const auto x = static_cast<uint32_t>(tile.x + i % kTile), y = static_cast<uint32_t>(tile.y + i % 64 / kTile);
+        if (x >= kSize || y >= kSize) {
+            beyond++;
+            EXPECT_EQ(batch.target[i].a, -1);
+            continue;
+        }
+        const uint8_t* pixel = view_of(capture(), batch.time, tile.camera).image.at(x, y);
+        const double alpha = pixel[3] / 255.0;
+        partial += alpha > 0 && alpha < 1 ? 1 : 0;
+        ASSERT_NEAR(batch.target[i].a, alpha, 1e-6);
+        for (int c = 0; c < 3; c++) ASSERT_NEAR(batch.target[i][c], alpha * linear_from_srgb(pixel[c] / 255.0), 1e-5);
+        EXPECT_EQ(batch.background[i], batch.background[i - i % kTilePixels]) << "one colour a tile";
+    }
+    EXPECT_GT(beyond, 100u);
+    EXPECT_GT(partial, 100u);
+    EXPECT_NE(batch.background.front(), batch.background.back());
+}
+
+TEST(Batch, ACapturedPlateStandsBehindTheRays) {
+    Dataset dataset = capture();
+    for (Image& plate : dataset.plates) {
+        plate = Image(kSize, kSize);
+        for (uint32_t i = 0; i < kSize * kSize * 4; i++)
+            plate.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 255 : 60 + i % 101);
+    }
+    BatchSampler sampler(dataset, 100000, 8);
+    const Batch batch = sampler.next();
+    for (size_t i = 0; i < batch.target.size(); i++) {
+        if (batch.target[i].a < 0) continue;
+        const Tile& tile = batch.tiles[i / kTilePixels];
+        const auto x = static_cast<uint32_t>(tile.x + i % kTile), y = static_cast<uint32_t>(tile.y + i % 64 / kTile);
+        const uint8_t* plate = dataset.plates[tile.camera].at(x, y);
+        for (int c = 0; c < 3; c++) ASSERT_NEAR(batch.background[i][c], linear_from_srgb(plate[c] / 255.0), 1e-6);
+        ASSERT_EQ(batch.target[i], foreground(dataset, view_of(dataset, batch.time, tile.camera), x, y));
+    }
+}
+
+TEST(Batch, AnInstantWithoutMatterStillGivesABatch) {
+    Dataset dataset = capture();
+    for (View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    BatchSampler sampler(dataset, 3, 9);
+    for (int i = 0; i < 50; i++) {
+        const size_t tiles = sampler.next().tiles.size();
+        EXPECT_GE(tiles, 1u);
+        EXPECT_LE(tiles, 3u);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test

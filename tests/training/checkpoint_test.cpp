@@ -1,0 +1,250 @@
+// A run's state through the file and back; states that must be refused.
+#include "training/checkpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/gpu_test.h"
+#include "support/input_error.h"
+#include "support/random_tree.h"
+#include "support/sphere_capture.h"
+#include "training/train.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+// A tree whose weights half precision does not hold.
+VOctree some_tree() {
+    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = 5, .hh_degree = 2, .frames = 6});
+    Random random(6);
+    for (float& weight : tree.weights) weight += static_cast<float>(1e-5 * random.bell());
+    return tree;
+}
+
+RunState some_run() {
+    return {.seed = 0xfedcba9876543210u,
+            .step = 123456789012,
+            .adam_step = 77,
+            .stage = 2,
+            .stage_rays = 1u << 31,
+            .max_depth = 4,
+            .elapsed_s = 12.5,
+            .rays = 3e12,
+            .minutes = 0.25,
+            .steps = 0};
+}
+
+// Puts recognisable numbers into every moment and reach; returns those of the weights' first moments.
+std::vector<float> fill_moments(const Device& device, const TrainingStep& step) {
+    Random random(8);
+    const auto put = [&](const Buffer& buffer, size_t count, double low) {
+        std::vector<float> values(count);
+        for (float& value : values) value = static_cast<float>(random.uniform(low, 1));
+        upload(device, buffer, values.data(), count * sizeof(float));
+        return values;
+    };
+    const Moments& moments = step.moments();
+    const size_t numbers = size_t{4} * step.field().planes() * step.field().leaf_count;
+    const size_t rows = size_t{2} * step.field().frames * step.field().bases;
+    put(moments.second, numbers, 0);
+    put(moments.rows_first, rows, -1);
+    put(moments.rows_second, rows, 0);
+    std::vector<float> reach(step.field().leaf_count);
+    for (float& value : reach) value = static_cast<float>(random.uniform());
+    step.restore_leaf_reach(reach);
+    return put(moments.first, numbers, -1);
+}
+
+using CheckpointTest = GpuTest;
+
+TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "scene.nvv";
+    const VOctree tree = some_tree();
+    const TrainingStep step(device(), tree, 1, 1);
+    const std::vector<float> first = fill_moments(device(), step);
+    const Checkpoint saved = take_checkpoint(step, tree, some_run());
+    EXPECT_EQ(saved.tree.weights, tree.weights);
+    save_checkpoint(nvv, saved);
+    const Checkpoint loaded = load_checkpoint(nvv);
+
+    EXPECT_EQ(loaded.tree.weights, tree.weights);  // bit for bit
+    EXPECT_EQ(loaded.tree.sigma_basis, tree.sigma_basis);
+    EXPECT_EQ(loaded.tree.gamma_basis, tree.gamma_basis);
+    EXPECT_EQ(loaded.tree.children, tree.children);
+    ASSERT_EQ(loaded.first.size(), first.size());
+    for (size_t i = 0; i < first.size(); i++) {
+        const float kept = std::bit_cast<float>(uint32_t{loaded.first[i]} << 16);
+        ASSERT_NEAR(kept, first[i], std::abs(first[i]) / 256);  // bfloat16
+    }
+    const RunState run = some_run();
+    EXPECT_EQ(loaded.run.seed, run.seed);
+    EXPECT_EQ(loaded.run.step, run.step);
+    EXPECT_EQ(loaded.run.adam_step, run.adam_step);
+    EXPECT_EQ(loaded.run.stage, run.stage);
+    EXPECT_EQ(loaded.run.stage_rays, run.stage_rays);
+    EXPECT_EQ(loaded.run.max_depth, run.max_depth);
+    EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
+    EXPECT_EQ(loaded.run.rays, run.rays);
+    EXPECT_EQ(loaded.run.minutes, run.minutes);
+    EXPECT_EQ(loaded.run.steps, run.steps);
+    EXPECT_EQ(folder.entries(), 2u) << "nothing lies about";
+    EXPECT_EQ(read_nvv(nvv).leaf_count, tree.leaf_count);
+}
+
+TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "scene.nvv";
+    const VOctree tree = some_tree();
+    const TrainingStep step(device(), tree, 1, 1);
+    fill_moments(device(), step);
+    const Checkpoint before = take_checkpoint(step, tree, some_run());
+    save_checkpoint(nvv, before);
+    const Checkpoint loaded = load_checkpoint(nvv);
+    const TrainingStep resumed(device(), loaded.tree, 1, 1);
+    restore_moments(device(), resumed, loaded);
+    const Checkpoint after = take_checkpoint(resumed, loaded.tree, loaded.run);
+    EXPECT_EQ(after.tree.weights, before.tree.weights);
+    EXPECT_EQ(after.first, before.first);
+    EXPECT_EQ(after.second, before.second);
+    EXPECT_EQ(after.rows_first, before.rows_first);
+    EXPECT_EQ(after.rows_second, before.rows_second);
+    EXPECT_EQ(after.reach, before.reach);
+}
+
+// Files at rest; these need no device.
+struct StateFile {
+    TemporaryFolder folder;
+    std::filesystem::path nvv = folder.path / "scene.nvv", state = state_path(nvv);
+    Checkpoint checkpoint{some_run(), some_tree(), {}, {}, {}, {}, {}};
+
+    StateFile() {
+        VOctree& tree = checkpoint.tree;
+        checkpoint.first.resize(size_t{4} * tree.leaf_count * (4 + hh_count(tree.hh_degree)));
+        checkpoint.second = checkpoint.first;
+        checkpoint.rows_first.resize(size_t{2} * tree.frames * tree.bases);
+        checkpoint.rows_second = checkpoint.rows_first;
+        checkpoint.reach.resize(tree.leaf_count);
+        save_checkpoint(nvv, checkpoint);
+    }
+    // Writes the state again with one chunk changed or (no bytes) left out.
+    void rewrite(const std::string& name, const std::vector<uint8_t>* bytes) const {
+        std::vector<NvvChunk> chunks;
+        const VOctree tree = read_nvv(state, &chunks);
+        std::erase_if(chunks, [&](const NvvChunk& chunk) { return chunk.name == name; });
+        if (bytes) chunks.push_back({name, *bytes});
+        write_nvv(state, tree, chunks);
+    }
+    void refused(std::initializer_list<std::string> parts) const {
+        expect_input_error([&] { load_checkpoint(nvv); }, parts);
+    }
+};
+
+TEST(CheckpointFile, LoadsAsWritten) {
+    const StateFile file;
+    EXPECT_EQ(load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
+}
+
+TEST(CheckpointFile, RefusesAMissingState) {
+    const StateFile file;
+    std::filesystem::remove(file.state);
+    file.refused({"scene.nvv.state"});
+}
+
+TEST(CheckpointFile, RefusesATruncatedState) {
+    const StateFile file;
+    const std::string whole = read_text(file.state);
+    for (const size_t size : {size_t{0}, size_t{5}, size_t{40}, whole.size() / 2, whole.size() - 1}) {
+        write_text(file.state, whole.substr(0, size));
+        file.refused({"scene.nvv.state"});
+    }
+}
+
+TEST(CheckpointFile, RefusesACorruptState) {
+    const StateFile file;
+    const std::string whole = read_text(file.state);
+    for (size_t i = 1; i < 20; i++) {
+        std::string bad = whole;
+        bad[i * (whole.size() - 1) / 20] ^= 0x10;
+        write_text(file.state, bad);
+        file.refused({"scene.nvv.state"});
+    }
+}
+
+TEST(CheckpointFile, RefusesFilesOfAnotherKind) {
+    const StateFile file;
+    std::filesystem::copy_file(file.nvv, file.state, std::filesystem::copy_options::overwrite_existing);
+    file.refused({"scene.nvv.state", "run0", "--resume"});
+    write_text(file.state, "{\"step\": 3}");
+    file.refused({"scene.nvv.state"});
+}
+
+TEST(CheckpointFile, RefusesChunksThatAreMissingOrDoNotFit) {
+    for (const char* name : {"wf32", "mom1", "mom2", "row1", "row2", "rech"}) {
+        const std::vector<uint8_t> short_bytes(12);
+        const StateFile file;
+        file.rewrite(name, &short_bytes);
+        file.refused({"scene.nvv.state", name, "does not fit"});
+        file.rewrite(name, nullptr);
+        file.refused({"scene.nvv.state", name, "missing"});
+    }
+}
+
+TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
+    for (const char* name : {"wf32", "row1", "row2", "rech", "mom1", "mom2"}) {
+        const StateFile file;
+        std::vector<NvvChunk> chunks;
+        read_nvv(file.state, &chunks);
+        for (NvvChunk& chunk : chunks) {
+            if (chunk.name != name) continue;
+            std::fill_n(chunk.bytes.begin(), 4, uint8_t{0xff});  // NaN
+            file.rewrite(name, &chunk.bytes);
+        }
+        file.refused({"scene.nvv.state", name, "finite"});
+    }
+}
+
+TEST(CheckpointFile, RefusesARunOutOfRange) {
+    const nlohmann::json good = {{"seed", 1},       {"step", 1},      {"adam_step", 1},   {"stage", 0},
+                                 {"stage_rays", 0}, {"max_depth", 4}, {"elapsed_s", 1.0}, {"rays", 1.0},
+                                 {"minutes", 1.0},  {"steps", 0}};
+    const StateFile file;
+    const auto put = [&](const nlohmann::json& json) {
+        const std::string text = json.dump();
+        const std::vector<uint8_t> bytes(text.begin(), text.end());
+        file.rewrite("run0", &bytes);
+    };
+    put(good);
+    EXPECT_EQ(load_checkpoint(file.nvv).run.max_depth, 4u);
+    const std::pair<const char*, nlohmann::json> kBad[] = {
+        {"max_depth", 0},   {"max_depth", 5},  // the tree has four levels
+        {"max_depth", 999}, {"elapsed_s", -1}, {"minutes", -1},   {"step", "many"},
+        {"stage", 4},       {"rays", -1},      {"adam_step", -1}, {"seed", nullptr}};
+    for (const auto& [key, value] : kBad) {
+        SCOPED_TRACE(key);
+        nlohmann::json bad = good;
+        bad[key] = value;
+        put(bad);
+        file.refused({"scene.nvv.state", "run0"});
+        bad.erase(key);
+        put(bad);
+        file.refused({"scene.nvv.state", "run0"});
+    }
+}
+
+TEST_F(CheckpointTest, AnotherDataSetIsRefusedOnResume) {
+    const StateFile file;  // six frames
+    const Dataset dataset = sphere_dataset({.cameras = 3, .frames = 2, .size = 16});
+    TrainSettings settings;
+    settings.resume = true;
+    settings.steps = 1;
+    expect_input_error([&] { train(device(), dataset, settings, file.nvv, [](const TrainProgress&) { return true; }); },
+                       {"scene.nvv.state", "frames", "data set"});
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,176 @@
+// The tree of a run: how it begins, prunes and divides.
+#include "training/grow.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random_tree.h"
+#include "support/sphere_capture.h"
+
+namespace neuvv::test {
+namespace {
+
+const SphereCapture kCapture{.cameras = 8, .frames = 3, .size = 40};
+
+const Dataset& capture() {
+    static const Dataset dataset = sphere_dataset(kCapture);
+    return dataset;
+}
+
+VOctree first_tree() {
+    return initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
+}
+
+glm::dvec3 middle_of(const LeafPlace& place) {
+    return (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
+}
+
+glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+}
+
+// σ before relu, with as many hat bases as frames: the weight itself.
+float sigma_at(const VOctree& tree, uint32_t leaf, uint32_t frame) {
+    return tree.leaf(leaf)[frame];
+}
+
+// Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
+void expect_sound(const VOctree& tree) {
+    EXPECT_EQ(defect_of(tree), "");
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    for (uint32_t leaf = 0; leaf < places.size(); leaf++) ASSERT_EQ(find_leaf(tree, middle_of(places[leaf])), leaf);
+}
+
+TEST(Grow, DepthOfAResolution) {
+    const std::pair<uint32_t, uint32_t> kDepths[] = {{1, 1}, {2, 1}, {3, 2}, {8, 3}, {9, 4}, {512, 9}, {2048, 11}};
+    for (const auto& [resolution, depth] : kDepths) EXPECT_EQ(depth_of_resolution(resolution), depth) << resolution;
+}
+
+TEST(Grow, NaturalResolutionIsAPixelALeaf) {
+    Dataset dataset = capture();
+    const std::pair<glm::dvec3, glm::dvec3> box = {{-1, -0.5, -0.5}, {1, 0.5, 0.5}};
+    for (Camera& camera : dataset.cameras) camera.fx = 150;  // 3 m away: a pixel is 2 cm
+    EXPECT_EQ(natural_resolution(dataset, box), 100u);
+    for (Camera& camera : dataset.cameras) camera.fx = 1e-3;
+    EXPECT_EQ(natural_resolution(dataset, box), 32u);
+    for (Camera& camera : dataset.cameras) camera.fx = 1e9;
+    EXPECT_EQ(natural_resolution(dataset, box), 512u);
+}
+
+TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
+    const VOctree tree = first_tree();
+    expect_sound(tree);
+    EXPECT_EQ(tree.box_size.x, tree.box_size.y);
+    EXPECT_EQ(tree.box_size.x, tree.box_size.z);
+    EXPECT_EQ(tree.frames, 3u);
+    EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
+    EXPECT_EQ(tree.fps, 25);
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    for (const LeafPlace& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
+    EXPECT_LT(places.size(), 512u);
+    for (uint32_t frame = 0; frame < 3; frame++) {
+        const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
+        for (const glm::dvec3 off : {glm::dvec3(0), glm::dvec3(0.38, 0, 0), glm::dvec3(-0.2, 0.2, 0.2)}) {
+            const glm::dvec3 place = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
+            const uint32_t leaf = find_leaf(tree, place);
+            ASSERT_NE(leaf, UINT32_MAX);
+            EXPECT_GT(sigma_at(tree, leaf, frame), 0);
+        }
+    }
+}
+
+TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
+    const VOctree tree = first_tree();
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    size_t forbidden = 0;
+    for (uint32_t leaf = 0; leaf < places.size(); leaf++) {
+        const glm::dvec3 middle = world_of(tree, middle_of(places[leaf]));
+        bool ever = false;
+        for (uint32_t frame = 0; frame < 3; frame++) {
+            ever |= sigma_at(tree, leaf, frame) > 0;
+            const double distance = glm::length(middle - kCapture.centre(kCapture.time(frame)));
+            if (distance < kCapture.radius_m) {
+                EXPECT_GT(sigma_at(tree, leaf, frame), 0);
+            }
+            forbidden += sigma_at(tree, leaf, frame) < 0 ? 1 : 0;
+        }
+        EXPECT_TRUE(ever) << "a leaf that is never allowed";
+    }
+    EXPECT_GT(forbidden, places.size() / 10);
+}
+
+TEST(Grow, PrunesWhatIsNotReached) {
+    VOctree tree = first_tree();
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
+    std::vector<float> reach(tree.leaf_count, 0.5f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) reach[leaf] = 0.001f;
+    const VOctree grown = grow(capture(), tree, reach, {.max_depth = 5, .prune_below = 0.01f});
+    expect_sound(grown);
+    EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
+    const std::vector<LeafPlace> places = leaf_places(grown);
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+        const uint32_t before = find_leaf(tree, middle_of(places[leaf]));
+        EXPECT_NE(before % 3, 0u);
+        EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
+    }
+}
+
+TEST(Grow, NothingReachedLeavesTheTree) {
+    const VOctree tree = first_tree();
+    const VOctree grown =
+        grow(capture(), tree, std::vector<float>(tree.leaf_count), {.max_depth = 5, .prune_below = 0.01f});
+    EXPECT_EQ(grown.weights, tree.weights);
+}
+
+TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
+    VOctree tree = first_tree();
+    Random random(2);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
+    std::vector<float> reach(tree.leaf_count, 0.01f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) reach[leaf] = 0.9f;
+    const VOctree grown = grow(capture(), tree, reach, {.max_depth = 5, .divide_from = 0.5f});
+    expect_sound(grown);
+    size_t children = 0, emptied = 0;
+    const std::vector<LeafPlace> places = leaf_places(grown);
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+        const glm::dvec3 middle = middle_of(places[leaf]);
+        const uint32_t parent = find_leaf(tree, middle);
+        const bool child = places[leaf].depth == 4;
+        EXPECT_EQ(child, parent % 2 == 0);
+        children += child ? 1 : 0;
+        EXPECT_TRUE(
+            std::equal(grown.leaf(leaf) + 3, grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(parent) + 3));
+        for (uint32_t frame = 0; frame < 3; frame++) {
+            const float before = sigma_at(tree, parent, frame), now = sigma_at(grown, leaf, frame);
+            const double distance = glm::length(world_of(grown, middle) - kCapture.centre(kCapture.time(frame)));
+            if (!child || now > 0 || distance < kCapture.radius_m)
+                EXPECT_NEAR(now, before, 1e-4f * std::abs(before));
+            else
+                emptied += before > 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(children, tree.leaf_count);  // of 8 for each second leaf, those that the hull allows
+    EXPECT_GT(emptied, 0u);
+}
+
+TEST(Grow, StaysWithinDepthAndLeafLimits) {
+    const VOctree tree = first_tree();
+    std::vector<float> reach(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
+    const GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
+    EXPECT_EQ(grow(capture(), tree, reach, at_depth).leaf_count, tree.leaf_count);
+
+    const GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
+    const VOctree grown = grow(capture(), tree, reach, limited);
+    expect_sound(grown);
+    EXPECT_LE(grown.leaf_count, limited.max_leaves);
+    const std::vector<LeafPlace> places = leaf_places(grown);
+    for (const LeafPlace& place : places)  // the ten of most reach, which are the last
+        if (place.depth > 3) {
+            EXPECT_GE(find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
+        }
+    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const LeafPlace& p) { return p.depth == 4; }));
+}
+
+}  // namespace
+}  // namespace neuvv::test

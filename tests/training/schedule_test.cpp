@@ -1,0 +1,42 @@
+// The run's settings over its budget.
+#include "training/schedule.h"
+
+#include <gtest/gtest.h>
+
+namespace neuvv::test {
+namespace {
+
+std::vector<float> numbers_of(const LearningRates& r) {
+    return {r.sigma, r.gamma, r.colour, r.detail, r.sigma_rows, r.gamma_rows};
+}
+
+TEST(Schedule, RatesFallFromStartToEndAndStayThere) {
+    std::vector<float> before = numbers_of(learning_rates(0, 0.01));
+    for (int i = 1; i <= 10; i++) {
+        const std::vector<float> now = numbers_of(learning_rates(0.1 * i, 0.01));
+        for (size_t j = 0; j < now.size(); j++) {
+            EXPECT_GT(now[j], 0);
+            EXPECT_LT(now[j], before[j]);
+        }
+        before = now;
+    }
+    EXPECT_EQ(numbers_of(learning_rates(2, 0.01)), numbers_of(learning_rates(1, 0.01)));
+    EXPECT_EQ(numbers_of(learning_rates(-1, 0.01)), numbers_of(learning_rates(0, 0.01)));
+}
+
+// An optical depth of a leaf is learnt as fast in a scene of any size.
+TEST(Schedule, DensityIsMeasuredAgainstTheLeaf) {
+    const LearningRates small = learning_rates(0.3, 0.01), large = learning_rates(0.3, 1);
+    EXPECT_NEAR(small.sigma * 0.01f, large.sigma, 1e-6);
+    EXPECT_EQ(small.colour, large.colour);
+}
+
+TEST(Schedule, StagesBeginInOrder) {
+    EXPECT_EQ(kStageBegins[0], 0);
+    for (uint32_t i = 1; i < kStages; i++) EXPECT_GT(kStageBegins[i], kStageBegins[i - 1]);
+    EXPECT_LT(kStageBegins[kStages - 1], 1);
+    EXPECT_EQ(kStages, kLevelsAbove + 2);  // each level above once, and a last pruning
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,220 @@
+// A run from end to end on a capture of a moving sphere, and what is left of a run that was killed.
+#include "training/train.h"
+
+#include <gtest/gtest.h>
+
+#include "render/frame.h"
+#include "support/child_process.h"
+#include "support/gpu_test.h"
+#include "support/sphere_capture.h"
+#include "training/metrics.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+const SphereCapture kCapture;
+
+const Dataset& capture() {
+    static const Dataset dataset = sphere_dataset(kCapture);
+    return dataset;
+}
+
+TrainSettings small_run(uint64_t steps) {
+    TrainSettings settings;
+    settings.steps = steps;
+    settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
+    settings.tiles_per_step = 128;
+    return settings;
+}
+
+bool go_on(const TrainProgress&) {
+    return true;
+}
+
+Image over_white(const Image& image) {
+    const uint8_t white[3] = {255, 255, 255};
+    return composite_over(image, white);
+}
+
+// What cameras between those of the capture see of a file, every frame.
+std::vector<Image> held_out_renders(const Device& device, const std::filesystem::path& nvv) {
+    SphereCapture between = kCapture;
+    between.first_angle += std::numbers::pi / kCapture.cameras;
+    const Field field = upload_field(device, read_nvv(nvv), WeightPrecision::kHalf);
+    FrameRenderer renderer(device, field, kCapture.size, kCapture.size);
+    std::vector<Image> renders;
+    for (const uint32_t camera : {1u, 6u})
+        for (uint32_t frame = 0; frame < kCapture.frames; frame++)
+            renders.push_back(
+                renderer.render(sphere_camera(between, camera),
+                                {.frame = static_cast<float>(frame), .width = kCapture.size, .height = kCapture.size}));
+    return renders;
+}
+
+std::vector<Image> held_out_truths() {
+    SphereCapture between = kCapture;
+    between.first_angle += std::numbers::pi / kCapture.cameras;
+    std::vector<Image> truths;
+    for (const uint32_t camera : {1u, 6u})
+        for (uint32_t frame = 0; frame < kCapture.frames; frame++)
+            truths.push_back(sphere_picture(kCapture, sphere_camera(between, camera), kCapture.time(frame)));
+    return truths;
+}
+
+double mean_psnr(const std::vector<Image>& truths, const std::vector<Image>& renders) {
+    double sum = 0;
+    for (size_t i = 0; i < truths.size(); i++) sum += compare(over_white(truths[i]), over_white(renders[i])).psnr;
+    return sum / static_cast<double>(truths.size());
+}
+
+using TrainTest = GpuTest;
+
+TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    const TrainProgress last = train(device(), capture(), small_run(150), nvv, go_on);
+    EXPECT_EQ(last.step, 150u);
+    EXPECT_EQ(last.fraction, 1);
+    EXPECT_GT(last.leaves, 100u);
+    EXPECT_EQ(last.depth, 6u);
+    const std::vector<Image> truths = held_out_truths();
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), 32);  // 40.8 measured
+    EXPECT_EQ(folder.entries(), 2u);
+
+    // The comparison can fail: the sphere at the wrong time.
+    std::vector<Image> shifted(truths.begin() + 1, truths.end());
+    shifted.push_back(truths[0]);
+    EXPECT_LT(mean_psnr(truths, shifted), 25);
+}
+
+TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
+    const TemporaryFolder folder;
+    std::vector<std::vector<Image>> renders;
+    for (const uint64_t seed : {1, 1, 2}) {
+        const std::filesystem::path nvv = folder.path / (std::to_string(renders.size()) + ".nvv");
+        TrainSettings settings = small_run(25);
+        settings.seed = seed;
+        train(device(), capture(), settings, nvv, go_on);
+        renders.push_back(held_out_renders(device(), nvv));
+    }
+    const double same = mean_psnr(renders[0], renders[1]), other = mean_psnr(renders[0], renders[2]);
+    EXPECT_GT(same, 40);
+    EXPECT_GT(same, other + 3);
+}
+
+TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    uint32_t calls = 0;
+    const TrainProgress last = train(device(), capture(), small_run(10000000), nvv, [&](const TrainProgress& now) {
+        EXPECT_TRUE(std::filesystem::exists(nvv));
+        EXPECT_GT(now.rays_per_s, 0);
+        EXPECT_GT(now.eta_s, 0);
+        calls++;
+        return false;
+    });
+    EXPECT_EQ(calls, 2u);  // the one that stopped it, and the one at the end
+    EXPECT_GT(last.step, 0u);
+    EXPECT_LT(last.fraction, 1);
+    EXPECT_EQ(load_checkpoint(nvv).run.step, last.step);
+    EXPECT_EQ(read_nvv(nvv).leaf_count, last.leaves);
+}
+
+TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    train(device(), capture(), small_run(8), nvv, go_on);
+    const std::vector<Image> truths = held_out_truths();
+    const double before = mean_psnr(truths, held_out_renders(device(), nvv));
+    TrainSettings settings = small_run(70);
+    settings.resume = true;
+    settings.shape.hh_degree = 3;  // the run's own shape stays
+    const TrainProgress last = train(device(), capture(), settings, nvv, go_on);
+    EXPECT_EQ(last.step, 70u);
+    EXPECT_GT(last.epochs, 0);
+    EXPECT_EQ(read_nvv(nvv).hh_degree, 1u);
+    EXPECT_EQ(load_checkpoint(nvv).run.step, 70u);
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
+}
+
+// `neuvv train` on a small capture in a folder.
+class KilledRun : public ::testing::Test {
+  protected:
+    KilledRun() { write_capture(data_.path, sphere_dataset({.cameras = 6, .frames = 2, .size = 32})); }
+
+    std::vector<std::string> command(uint64_t steps, bool resume) const {
+        std::vector<std::string> words = {NEUVV_PROGRAM, "train", data_.path.string(), "-o", nvv_.string()};
+        words.insert(words.end(), {"--steps", std::to_string(steps), "--resolution", "32", "--hh-degree", "1"});
+        if (resume) words.push_back("--resume");
+        return words;
+    }
+    // Three more steps than the state has seen.
+    void expect_resumes() {
+        const uint64_t step = load_checkpoint(nvv_).run.step;
+        ChildProcess child(command(step + 3, true), log_);
+        ASSERT_EQ(child.wait(), 0) << read_text(log_);
+        EXPECT_EQ(load_checkpoint(nvv_).run.step, step + 3);
+        EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
+    }
+
+    TemporaryFolder data_, out_;
+    std::filesystem::path nvv_ = out_.path / "killed.nvv", log_ = data_.path / "log.txt";
+};
+
+TEST_F(KilledRun, LeavesAVolumeThatLoadsAndResumesAtAnyMoment) {
+    for (const int delay_ms : {0, 300, 1000}) {
+        SCOPED_TRACE(delay_ms);
+        std::filesystem::remove(nvv_);
+        std::filesystem::remove(state_path(nvv_));
+        ChildProcess child(command(10000000, false), log_);
+        ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
+        std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+        child.send(SIGKILL);
+        ASSERT_EQ(child.wait(), -SIGKILL);
+        EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
+        EXPECT_EQ(load_checkpoint(nvv_).run.step, 0u) << "the first checkpoint comes before the first step";
+        expect_resumes();
+    }
+}
+
+// Killed between the two files of the first checkpoint: the state is enough.
+TEST_F(KilledRun, ResumesFromTheStateAlone) {
+    ChildProcess child(command(10000000, false), log_);
+    ASSERT_TRUE(child.until([&] { return std::filesystem::exists(state_path(nvv_)); })) << read_text(log_);
+    child.send(SIGKILL);
+    child.wait();
+    std::filesystem::remove(nvv_);
+    expect_resumes();
+}
+
+// Ctrl-C saves; a kill in the midst of that saving leaves the checkpoint before or the new one.
+TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
+    ChildProcess child(command(10000000, false), log_);
+    ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
+    const auto before = std::filesystem::last_write_time(state_path(nvv_));
+    child.send(SIGINT);
+    child.until([&] { return out_.entries() > 2 || std::filesystem::last_write_time(state_path(nvv_)) != before; });
+    child.send(SIGKILL);
+    child.wait();
+    EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
+    expect_resumes();
+}
+
+TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
+    ChildProcess child(command(10000000, false), log_);
+    ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 0) << read_text(log_);
+    EXPECT_GT(load_checkpoint(nvv_).run.step, 0u);
+    expect_resumes();
+}
+
+TEST_F(KilledRun, ResumeWithoutAStateIsBadInput) {
+    ChildProcess child(command(3, true), log_);
+    EXPECT_EQ(child.wait(), 2);
+    EXPECT_NE(read_text(log_).find("killed.nvv.state"), std::string::npos) << read_text(log_);
+}
+
+}  // namespace
+}  // namespace neuvv::test
