@@ -80,9 +80,9 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->footer(
         "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n\n"
         "Examples:\n"
-        "  neuvv train captures/dance -o dance.nvv --minutes 20\n"
-        "  neuvv train captures/dance -o dance.nvv --minutes 40 --resume\n"
-        "  neuvv train captures/dance -o small.nvv --steps 500 --resolution 96 --hh-degree 1");
+        "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
+        "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
+        "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --hh-degree 1");
     verb->callback([options, &common] { run_train(*options, common); });
 }
 
