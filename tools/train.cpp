@@ -1,11 +1,12 @@
 // neuvv train: a data set in, a volumetric video out.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <memory>
 
 #include "base/platform.h"
 #include "tools/commands.h"
+#include "tools/progress.h"
+#include "tools/report.h"
 #include "training/train.h"
 
 namespace neuvv {
@@ -17,16 +18,11 @@ struct TrainOptions {
     TrainSettings settings;
 };
 
-std::string duration(double seconds) {
-    const auto whole = static_cast<int64_t>(seconds + 0.5);
-    return fmt::format("{}:{:02}", whole / 60, whole % 60);
-}
-
 void print_progress(const TrainProgress& now, bool line_ends) {
     fmt::print(stderr,
                "{}{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB{}",
-               stderr_is_terminal() ? "\r" : "", duration(now.elapsed_s), duration(now.eta_s), now.rays_per_s / 1000,
-               now.loss, now.psnr, now.leaves / 1000, now.depth,
+               stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
+               now.rays_per_s / 1000, now.loss, now.psnr, now.leaves / 1000, now.depth,
                static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
 }
 
@@ -42,14 +38,12 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
             print_progress(now, !stderr_is_terminal());
             printed = now.elapsed_s;
-            if (std::getenv("NEUVV_TRACE"))
-                for (const PassTime& pass : now.passes) fmt::print(stderr, "  {:16} {:8.2f} ms\n", pass.name, pass.milliseconds);
+            if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
         }
         return !stop_requested();
     });
-    if (std::getenv("NEUVV_TRACE")) for (const PassTime& pass : last.passes) fmt::print(stderr, "  {:16} {:8.2f} ms\n", pass.name, pass.milliseconds);
     fmt::print(stderr, "{}wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", stderr_is_terminal() ? "\n" : "",
-               options.output.string(), last.leaves, last.step, last.epochs, duration(last.elapsed_s));
+               options.output.string(), last.leaves, last.step, last.epochs, format_duration(last.elapsed_s));
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
     } catch (const nlohmann::json::exception&) {
         throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
     }
-    if (negative || run.max_depth < 1 || run.max_depth > deepest || run.stage >= kStages)
+    if (negative || run.max_depth < 1 || run.max_depth > deepest || run.stage >= kStageCount)
         throw InputError(path.string(), "chunk run0", "holds numbers out of range", "train without --resume");
     return run;
 }

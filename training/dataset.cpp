@@ -241,6 +241,11 @@ std::vector<CameraKey> load_camera_path(const std::filesystem::path& file) {
     return keys;
 }
 
+double frame_of_time(double time, uint32_t frames) {
+    const double frame = time * (frames - 1), whole = std::round(frame);
+    return std::abs(frame - whole) < 1e-3 ? whole : frame;
+}
+
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y) {
     const auto rgb = [](const uint8_t* at) {
         return glm::vec3(linear_from_srgb_byte(at[0]), linear_from_srgb_byte(at[1]), linear_from_srgb_byte(at[2]));

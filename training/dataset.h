@@ -51,6 +51,10 @@ struct CameraKey {
 };
 std::vector<CameraKey> load_camera_path(const std::filesystem::path& file);
 
+// The frame, 0..frames−1, of a time in [0,1]. Times are written with few digits: next to a whole frame is that frame,
+// else every picture would also speak for its neighbours in time.
+double frame_of_time(double time, uint32_t frames);
+
 // Premultiplied linear RGB and alpha of a view's pixel: the foreground alone, its captured background (plate) removed.
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y);
 

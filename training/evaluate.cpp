@@ -28,10 +28,6 @@ Quality divided(const Quality& sum, size_t count) {
 
 }  // namespace
 
-double frame_of_time(double time, uint32_t frames) {
-    return time * (std::max(frames, 1u) - 1);
-}
-
 Image truth_over_white(const Dataset& dataset, const View& view) {
     if (dataset.plates[view.camera].width == 0) return composite_over(view.image, kWhite);
     Image clear(view.image.width, view.image.height);

@@ -31,7 +31,4 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
 // A view's picture over white; where its camera has a clean plate, without the captured background.
 Image truth_over_white(const Dataset& dataset, const View& view);
 
-// The frame of the clip at a data set's `time`: 0 is the first, 1 the last.
-double frame_of_time(double time, uint32_t frames);
-
 }  // namespace neuvv

@@ -13,19 +13,16 @@ namespace neuvv {
 
 namespace {
 
-constexpr float kInitialOpacity = 1.0f;  // optical depth of a leaf of the first tree, in frames that the hull allows
-constexpr uint32_t kFirstDepth = 4;      // of the grid that carving starts from
+constexpr float kForbiddenOpacity = 0.1f;  // its negative stands where the hull forbids matter
+constexpr float kInitialOpacity = 2.0f;    // optical depth of a leaf of the first tree, in frames that the hull allows
+constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts from
 
-HullCell hull_cell(const VOctree& tree, const LeafPlace& place) {
-    const glm::vec3 size = tree.box_size / static_cast<float>(1u << place.depth);
-    const glm::vec3 low = tree.box_min + size * glm::vec3(place.x, place.y, place.z);
-    return {low + 0.5f * size, 0.5f * glm::length(size)};
-}
-
-std::vector<HullCell> hull_cells(const VOctree& tree, const std::vector<LeafPlace>& places) {
-    std::vector<HullCell> cells(places.size());
-    for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i]);
-    return cells;
+// Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
+// ball: matter in their corners only is worth less than a hull without a fringe, which training would have to clear.
+HullCell hull_cell(const VOctree& tree, const LeafPlace& place, uint32_t finest) {
+    const float edge = tree.box_size.x / static_cast<float>(1u << place.depth);
+    const glm::vec3 centre = tree.box_min + edge * (glm::vec3(place.x, place.y, place.z) + 0.5f);
+    return {centre, edge * (place.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
 }
 
 void append_children(std::vector<LeafPlace>& places, const LeafPlace& place) {
@@ -37,16 +34,19 @@ bool any_bit(const uint32_t* bits, size_t words) {
     return std::any_of(bits, bits + words, [](uint32_t word) { return word != 0; });
 }
 
-// Places that the hull allows in some frame, with their bits.
+// Places that the hull allows in some frame.
 struct Carved {
     std::vector<LeafPlace> places;
-    std::vector<uint32_t> bits;
+    std::vector<uint32_t> bits;     // per place, per dataset time
     std::vector<uint32_t> parents;  // index into what was given, divided by `group`
 };
 
-Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places, uint32_t group) {
+Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places, uint32_t group,
+                    uint32_t finest) {
     const size_t words = hull_words(dataset);
-    const std::vector<uint32_t> bits = carve(dataset, hull_cells(tree, places));
+    std::vector<HullCell> cells(places.size());
+    for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i], finest);
+    const std::vector<uint32_t> bits = carve(dataset, cells);
     Carved kept;
     for (size_t i = 0; i < places.size(); i++) {
         if (!any_bit(&bits[i * words], words)) continue;
@@ -55,12 +55,6 @@ Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vect
         kept.parents.push_back(static_cast<uint32_t>(i / group));
     }
     return kept;
-}
-
-// The course σ takes over the frames, with the hull's forbidden frames pushed below 0.
-void forbid(std::vector<float>& course, const uint32_t* bits, float below) {
-    for (size_t t = 0; t < course.size(); t++)
-        if (!(bits[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
 }
 
 float density_of(const VOctree& tree, uint32_t depth, float optical_depth) {
@@ -72,24 +66,32 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
     std::vector<uint32_t> result((frames + 31) / 32);
     for (size_t i = 0; i < dataset.times.size(); i++) {
         if (!(bits[i / 32] >> i % 32 & 1)) continue;
-        const double frame = dataset.times[i] * (frames - 1);
+        const double frame = frame_of_time(dataset.times[i], frames);
         for (const double near : {std::floor(frame), std::ceil(frame)})
             result[static_cast<size_t>(near) / 32] |= 1u << static_cast<uint32_t>(near) % 32;
     }
     return result;
 }
 
+// Empties a leaf's course of σ in the frames that the hull forbids.
+void fit_to_hull(const Dataset& dataset, const VOctree& tree, const Carved& carved, size_t i,
+                 std::vector<float>& course) {
+    const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
+    const float below = -density_of(tree, carved.places[i].depth, kForbiddenOpacity);
+    for (size_t t = 0; t < course.size(); t++)
+        if (!(allowed[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
+}
+
 void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& carved) {
     const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     const std::vector<float> gamma = initial_gamma_weights(tree.bases);
-    const size_t words = hull_words(dataset);
     const float sigma = density_of(tree, carved.places[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         std::vector<float> course(tree.frames);
         for (size_t i = begin; i < end; i++) {
             std::fill(course.begin(), course.end(), sigma);
-            forbid(course, frame_bits(dataset, tree.frames, &carved.bits[i * words]).data(), -0.3f * sigma);
+            fit_to_hull(dataset, tree, carved, i, course);
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
             solver.solve(course.data(), leaf);
             std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
@@ -169,11 +171,11 @@ VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_ab
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) places.push_back({x, y, z, start});
-    Carved carved = keep_allowed(dataset, tree, places, 1);
+    Carved carved = keep_allowed(dataset, tree, places, 1, depth);
     for (uint32_t at = start; at < target; at++) {
         std::vector<LeafPlace> finer;
         for (const LeafPlace& place : carved.places) append_children(finer, place);
-        carved = keep_allowed(dataset, tree, finer, 8);
+        carved = keep_allowed(dataset, tree, finer, 8, depth);
     }
     if (carved.places.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
@@ -199,8 +201,8 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<floa
             parents.push_back(i);
         }
     }
-    const size_t kept = grown.size(), words = hull_words(dataset);
-    const Carved carved = keep_allowed(dataset, tree, children, 8);
+    const size_t kept = grown.size();
+    const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth);
     grown.insert(grown.end(), carved.places.begin(), carved.places.end());
     for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
     if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
@@ -216,9 +218,8 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<floa
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
             if (i < kept) continue;
-            const float below = -density_of(tree, grown[i].depth, 0.1f);
             sigma_course(tree, parent, course);
-            forbid(course, frame_bits(dataset, tree.frames, &carved.bits[(i - kept) * words]).data(), below);
+            fit_to_hull(dataset, tree, carved, i - kept, course);
             solver.solve(course.data(), leaf);
         }
     });

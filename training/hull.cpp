@@ -50,12 +50,12 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
     const double depth = -p.z, radius = static_cast<double>(cell.radius);
     if (depth <= 2 * radius) return Verdict::kUnseen;
     const double x = camera.cx + camera.fx * p.x / depth, y = camera.cy - camera.fy * p.y / depth;
-    // The ball's picture lies inside this rectangle: its nearest point magnifies, and half a pixel for the pixel's
-    // area.
+    // The ball's picture lies inside this rectangle (its nearest point magnifies); matter in it shows in pixels whose
+    // centre is at most half a pixel further out.
     const double reach_x = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
     const double reach_y = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
-    const double left = std::floor(x - reach_x), right = std::ceil(x + reach_x);
-    const double top = std::floor(y - reach_y), bottom = std::ceil(y + reach_y);
+    const double left = std::ceil(x - reach_x - 0.5), right = std::floor(x + reach_x - 0.5) + 1;
+    const double top = std::ceil(y - reach_y - 0.5), bottom = std::floor(y + reach_y - 0.5) + 1;
     if (!(left >= 0 && top >= 0 && right <= camera.width && bottom <= camera.height)) return Verdict::kUnseen;
     const uint32_t found = silhouette.count(static_cast<uint32_t>(left), static_cast<uint32_t>(top),
                                             static_cast<uint32_t>(right), static_cast<uint32_t>(bottom));

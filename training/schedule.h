@@ -5,10 +5,17 @@
 
 namespace neuvv {
 
-// Levels that the first tree lies above the finest leaves, and when each next stage begins.
-constexpr uint32_t kStages = 4;  // the last one only prunes
-constexpr uint32_t kLevelsAbove = 2;
-constexpr double kStageBegins[kStages] = {0, 0.05, 0.18, 0.5};
+// A stage begins with a change of the tree: leaves that no ray of the stage before weighed at least `prune_below` go,
+// and the first kLevelsAbove times those that count divide.
+struct Stage {
+    double begins;  // progress
+    float prune_below;
+};
+constexpr Stage kStages[] = {{0, 0}, {0.04, 0.003f}, {0.14, 0.003f}, {0.3, 0.005f}, {0.5, 0.01f}, {0.7, 0.01f}};
+constexpr uint32_t kStageCount = sizeof(kStages) / sizeof(kStages[0]);
+constexpr uint32_t kLevelsAbove = 2;                // levels that the first tree's leaves lie above the finest
+constexpr float kDivideReach = 0.003f;              // leaves that weighed less in every pixel stay coarse
+constexpr uint32_t kMaxTrainingLeaves = 2'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
 constexpr uint32_t kStepsPerRows =
     8;  // A and B move once in so many steps: their sums cost as much as the leaves' moves

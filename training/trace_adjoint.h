@@ -12,9 +12,9 @@ struct SliceGradients {
     // Starts out clear.
     SliceGradients(const Device& device, const Field& field, const Slice& slice);
 
-    Buffer gradients;   // per slot gradient_stride floats
-    Buffer reach;       // per slot bits of the largest blending weight of the step
-    Buffer touched;     // slots that rays of the step reached
+    Buffer gradients;  // per slot gradient_stride floats
+    Buffer reach;      // per slot bits of the largest blending weight of the step
+    Buffer touched;    // slots that rays of the step reached
     Buffer touched_count;
     Buffer leaf_reach;  // per leaf the largest blending weight since it was made
     Buffer partials;    // per workgroup of slots: sums for the rows

@@ -16,8 +16,6 @@ namespace neuvv {
 
 namespace {
 
-constexpr float kPruneReach = 0.003f;  // leaves that never weigh this much in any pixel go
-constexpr float kDivideReach = 0.02f;
 constexpr double kCoverage = 0.25;  // epochs that a stage needs before "never reached" means anything
 constexpr float kTrainingStop = 1.0f / 256;
 constexpr double kCheckpointShare = 0.05;
@@ -111,7 +109,7 @@ void Run::make_step() {
 }
 
 void Run::begin_stage_if_due() {
-    if (run_.stage + 1 >= kStages || fraction() < kStageBegins[run_.stage + 1]) return;
+    if (run_.stage + 1 >= kStageCount || fraction() < kStages[run_.stage + 1].begins) return;
     run_.stage++;
     const bool covered =
         static_cast<double>(run_.stage_rays) > kCoverage * static_cast<double>(sampler_.rays_per_epoch());
@@ -120,9 +118,9 @@ void Run::begin_stage_if_due() {
     step_->download(tree_);
     GrowSettings grow_settings;
     grow_settings.max_depth = run_.max_depth;
-    grow_settings.prune_below = covered ? kPruneReach : 0;
+    grow_settings.prune_below = covered ? kStages[run_.stage].prune_below : 0;
     if (divides) grow_settings.divide_from = kDivideReach;
-    grow_settings.max_leaves = max_training_slots(device_, tree_.hh_degree);
+    grow_settings.max_leaves = kMaxTrainingLeaves;
     tree_ = grow(dataset_, tree_, step_->leaf_reach(), grow_settings);
     make_step();
     run_.adam_step = 0;
@@ -147,7 +145,7 @@ void Run::load_batch(const Batch& batch) {
 StepSettings Run::step_settings(double time) const {
     const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << run_.max_depth);
     StepSettings settings;
-    settings.frame = static_cast<float>(time * (tree_.frames - 1));
+    settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction(), leaf_size);
     settings.adam.step = run_.adam_step;
     settings.stop = kTrainingStop;

@@ -32,10 +32,10 @@ TEST(Schedule, DensityIsMeasuredAgainstTheLeaf) {
 }
 
 TEST(Schedule, StagesBeginInOrder) {
-    EXPECT_EQ(kStageBegins[0], 0);
-    for (uint32_t i = 1; i < kStages; i++) EXPECT_GT(kStageBegins[i], kStageBegins[i - 1]);
-    EXPECT_LT(kStageBegins[kStages - 1], 1);
-    EXPECT_EQ(kStages, kLevelsAbove + 2);  // each level above once, and a last pruning
+    EXPECT_EQ(kStages[0].begins, 0);
+    for (uint32_t i = 1; i < kStageCount; i++) EXPECT_GT(kStages[i].begins, kStages[i - 1].begins);
+    EXPECT_LT(kStages[kStageCount - 1].begins, 1);
+    EXPECT_GE(kStageCount, kLevelsAbove + 2);  // each level above once, and at least one pruning of the finest leaves
 }
 
 }  // namespace
