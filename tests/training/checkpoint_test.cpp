@@ -1,5 +1,6 @@
 // A run's state through the file and back; states that must be refused.
 #include "training/checkpoint.h"
+#include "training/schedule.h"
 
 #include <gtest/gtest.h>
 
@@ -221,9 +222,9 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
     put(good);
     EXPECT_EQ(load_checkpoint(file.nvv).run.max_depth, 4u);
     const std::pair<const char*, nlohmann::json> kBad[] = {
-        {"max_depth", 0},   {"max_depth", 5},  // the tree has four levels
-        {"max_depth", 999}, {"elapsed_s", -1}, {"minutes", -1},   {"step", "many"},
-        {"stage", 4},       {"rays", -1},      {"adam_step", -1}, {"seed", nullptr}};
+        {"max_depth", 0},       {"max_depth", 5},  // the tree has four levels
+        {"max_depth", 999},     {"elapsed_s", -1}, {"minutes", -1},   {"step", "many"},
+        {"stage", kStageCount}, {"rays", -1},      {"adam_step", -1}, {"seed", nullptr}};
     for (const auto& [key, value] : kBad) {
         SCOPED_TRACE(key);
         nlohmann::json bad = good;
