@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "training/bases.h"
+#include "training/first_colours.h"
 #include "training/hull.h"
 
 namespace neuvv {
@@ -14,7 +16,7 @@ namespace neuvv {
 namespace {
 
 constexpr float kForbiddenOpacity = 0.1f;  // its negative stands where the hull forbids matter
-constexpr float kInitialOpacity = 2.0f;    // optical depth of a leaf of the first tree, in frames that the hull allows
+constexpr float kInitialOpacity = 0.7f;    // optical depth of a leaf of the first tree, in frames that the hull allows
 constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts from
 
 // Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
@@ -82,11 +84,20 @@ void fit_to_hull(const Dataset& dataset, const VOctree& tree, const Carved& carv
         if (!(allowed[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
 }
 
+// The weight of the constant function H_000 = 1/(π√2) that gives this linear value after the sigmoid.
+float constant_weight(float linear) {
+    const float value = std::clamp(linear, 0.005f, 0.98f);
+    return std::numbers::pi_v<float> * std::numbers::sqrt2_v<float> * std::log(value / (1 - value));
+}
+
 void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& carved) {
     const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     const std::vector<float> gamma = initial_gamma_weights(tree.bases);
     const float sigma = density_of(tree, carved.places[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
+    std::vector<glm::vec3> centres(tree.leaf_count);
+    for (size_t i = 0; i < centres.size(); i++) centres[i] = hull_cell(tree, carved.places[i], 0).centre;
+    const std::vector<glm::vec3> colours = first_colours(dataset, centres, carved.bits);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         std::vector<float> course(tree.frames);
         for (size_t i = begin; i < end; i++) {
@@ -95,6 +106,9 @@ void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& ca
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
             solver.solve(course.data(), leaf);
             std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
+            for (uint32_t channel = 0; channel < 3; channel++)
+                leaf[2 * tree.bases + channel * hh_count(tree.hh_degree)] =
+                    constant_weight(colours[i][static_cast<int>(channel)]);
         }
     });
 }

@@ -10,9 +10,9 @@ LearningRates learning_rates(double progress, double leaf_size_m) {
         return static_cast<float>(first * std::pow(last / first, std::clamp(progress, 0.0, 1.0)));
     };
     LearningRates rates;
-    rates.sigma = decay(0.1 / leaf_size_m, 0.005 / leaf_size_m);
-    rates.colour = decay(0.3, 0.015);
-    rates.detail = decay(0.06, 0.003);
+    rates.sigma = decay(0.15 / leaf_size_m, 0.005 / leaf_size_m);
+    rates.colour = decay(0.6, 0.02);
+    rates.detail = decay(0.1, 0.004);
     rates.gamma = decay(0.01, 0.001);
     rates.sigma_rows = decay(1e-3, 1e-4);
     rates.gamma_rows = decay(1e-3, 1e-4);
