@@ -20,7 +20,7 @@ uint32_t depth_of_resolution(uint32_t resolution);
 // Leaves along the longest side such that a leaf is as large as a pixel at the scene's distance.
 uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box);
 
-// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame: grey,
+// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame, in first_colours,
 // faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws InputError as
 // hull_box does.
 VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
