@@ -10,7 +10,7 @@ LearningRates learning_rates(double progress, double leaf_size_m) {
         return static_cast<float>(first * std::pow(last / first, std::clamp(progress, 0.0, 1.0)));
     };
     LearningRates rates;
-    rates.sigma = decay(0.15 / leaf_size_m, 0.005 / leaf_size_m);
+    rates.sigma = decay(0.1 / leaf_size_m, 0.005 / leaf_size_m);
     rates.colour = decay(0.6, 0.02);
     rates.detail = decay(0.1, 0.004);
     rates.gamma = decay(0.01, 0.001);

@@ -20,7 +20,7 @@ constexpr uint32_t kMaxTrainingLeaves = 2'000'000;  // 1.3 kB each of device mem
 constexpr uint32_t kStepsPerRows =
     8;  // A and B move once in so many steps: their sums cost as much as the leaves' moves
 
-// `leaf_size_m`: edge of the finest leaves; densities are measured against it.
+// `leaf_size_m`: edge of the stage's finest leaves; densities are measured against it.
 LearningRates learning_rates(double progress, double leaf_size_m);
 
 }  // namespace neuvv

@@ -44,6 +44,7 @@ class Run {
     uint64_t sampler_seed() const { return run_.seed * 0x9e3779b97f4a7c15u + run_.step; }
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
+    uint32_t stage_depth() const;
     void make_step();
     void begin_stage_if_due();
     void save();
@@ -92,6 +93,12 @@ const Dataset& Run::begin() {
         run_.minutes = kDefaultMinutes;
     }
     return dataset_;
+}
+
+// Octree depth of the finest leaves of this stage.
+uint32_t Run::stage_depth() const {
+    const uint32_t first = run_.max_depth - std::min(kLevelsAbove, run_.max_depth - 1);
+    return std::min(first + run_.stage, run_.max_depth);
 }
 
 double Run::fraction() const {
@@ -143,7 +150,7 @@ void Run::load_batch(const Batch& batch) {
 }
 
 StepSettings Run::step_settings(double time) const {
-    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << run_.max_depth);
+    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << stage_depth());
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction(), leaf_size);
@@ -169,7 +176,7 @@ TrainProgress Run::progress() const {
     }
     now.step = run_.step;
     now.leaves = tree_.leaf_count;
-    now.depth = run_.max_depth - std::min(kLevelsAbove, run_.max_depth - 1) + std::min(run_.stage, kLevelsAbove);
+    now.depth = stage_depth();
     now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
     now.passes = step_->pass_times();
     return now;
