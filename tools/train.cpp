@@ -72,8 +72,11 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_flag("--resume", options->settings.resume,
                    "Go on from OUTPUT.state; shape and seed are the run's, --minutes or --steps its whole budget");
     verb->footer(
-        "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n\n"
-        "Examples:\n"
+        std::string(
+            "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
+            "NEUVV_TRACE=1 prints the time of each pass. ") +
+        kDeviceHelp +
+        "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --hh-degree 1");
