@@ -11,8 +11,8 @@ LearningRates learning_rates(double progress, double leaf_size_m) {
     };
     LearningRates rates;
     rates.sigma = decay(0.1 / leaf_size_m, 0.005 / leaf_size_m);
-    rates.colour = decay(0.6, 0.02);
-    rates.detail = decay(0.1, 0.004);
+    rates.colour = decay(0.4, 0.005);
+    rates.detail = decay(0.05, 0.001);
     rates.gamma = decay(0.01, 0.001);
     rates.sigma_rows = decay(1e-3, 1e-4);
     rates.gamma_rows = decay(1e-3, 1e-4);
