@@ -12,7 +12,7 @@
 namespace neuvv::test {
 
 constexpr double kGradientTolerance = 1e-3;
-constexpr double kSmall = 5e-3;
+constexpr double kSmall = 1e-3;
 
 struct GradientPair {
     double found = 0, truth = 0;
