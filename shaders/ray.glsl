@@ -18,14 +18,15 @@ Ray tile_ray() {
     const uvec4 tile = texelFetch(tiles, int(group));
     const uint lane = gl_LocalInvocationID.x;
     const vec2 pixel = vec2(tile.y + lane % kTile, tile.z + lane / kTile);
+    const vec2 at = pixel + 0.5 + unpackSnorm2x16(tile.w);
     const int camera = int(4u * tile.x);
     const vec4 right = texelFetch(cameras, camera + 1), down = texelFetch(cameras, camera + 2);
     Ray ray;
     ray.index = group * kTilePixels + lane;
     ray.inside = pixel.x < right.w && pixel.y < down.w;
     ray.origin_world = texelFetch(cameras, camera).xyz;
-    ray.direction_world = normalize(texelFetch(cameras, camera + 3).xyz + (pixel.x + 0.5) * right.xyz +
-                                    (pixel.y + 0.5) * down.xyz);
+    ray.direction_world = normalize(texelFetch(cameras, camera + 3).xyz + at.x * right.xyz +
+                                    at.y * down.xyz);
     return ray;
 }
 

@@ -1,6 +1,7 @@
 // Resolve: traced rays to a picture. Colour over a background (blended in linear light), alpha, or depth.
+// A pixel is the mean of its samples × samples rays, colour and alpha premultiplied and linear, depth by alpha.
 // Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits a channel, in rows. One thread a pixel, one
-// workgroup a tile. Bound by memory: 24 bytes a pixel.
+// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/resolve.h"
@@ -23,16 +24,31 @@ vec4 show_depth(float metres) {
     return vec4(vec3(isinf(metres) ? 0.0 : clamp(grey, 0.0, 1.0)), 1.0);
 }
 
+// Where a ray of the picture stands in the buffers.
+int ray_at(uvec2 at, uint tiles_across) {
+    const uvec2 tile = at / kTile, inner = at % kTile;
+    return int((tile.y * tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
+}
+
 void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint across = (push.width + kTile - 1u) / kTile;
     const uint lane = gl_LocalInvocationID.x;
     const uint x = group % across * kTile + lane % kTile, y = group / across * kTile + lane / kTile;
     if (x >= push.width || y >= push.height) return;
-    const int ray = int(group * kTilePixels + lane);
-    const vec4 light = texelFetch(radiance, ray);
+    const uint rays_across = (push.samples * push.width + kTile - 1u) / kTile;
+    vec4 light = vec4(0.0);
+    float metres = 0.0;
+    for (uint i = 0u; i < push.samples * push.samples; i++) {
+        const int ray = ray_at(push.samples * uvec2(x, y) + uvec2(i % push.samples, i / push.samples), rays_across);
+        const vec4 one = texelFetch(radiance, ray);
+        light += one;
+        if (one.a > 0.0) metres += one.a * texelFetch(depth, ray).x;
+    }
+    metres = light.a > 0.0 ? metres / light.a : uintBitsToFloat(0x7f800000u);
+    light /= float(push.samples * push.samples);
     vec4 shown = show_colour(light);
     if (push.show == kShowAlpha) shown = vec4(light.aaa, 1.0);
-    if (push.show == kShowDepth) shown = show_depth(texelFetch(depth, ray).x);
+    if (push.show == kShowDepth) shown = show_depth(metres);
     imageStore(picture, int(y * push.width + x), uvec4(packUnorm4x8(shown)));
 }

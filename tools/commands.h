@@ -11,6 +11,14 @@ struct CommonOptions {
     std::string device;  // index or part of a name; empty: NEUVV_DEVICE, else the best
 };
 
+// --samples, for the verbs that render: rays a pixel along each side.
+constexpr uint32_t kDefaultSamples = 2;
+inline void add_samples_option(CLI::App& verb, uint32_t& samples) {
+    verb.add_option("--samples", samples, "Rays a pixel along each side: 2 averages 4 of them, for smooth edges")
+        ->check(CLI::Range(1, 4))
+        ->capture_default_str();
+}
+
 void add_devices(CLI::App& app, CommonOptions& common);
 void add_info(CLI::App& app, CommonOptions& common);
 void add_capture(CLI::App& app, CommonOptions& common);

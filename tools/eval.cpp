@@ -23,6 +23,7 @@ constexpr uint32_t kSheetCell = 320;
 
 struct EvalOptions {
     std::string scene, dataset, split = "test", json, images;
+    uint32_t samples = kDefaultSamples;
 };
 
 nlohmann::ordered_json json_of(const Quality& quality) {
@@ -34,6 +35,7 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
     json["file"] = options.scene;
     json["dataset"] = options.dataset;
     json["split"] = options.split;
+    json["samples"] = options.samples;
     json["cameras"] = nlohmann::ordered_json::array();
     for (size_t i = 0; i < evaluation.cameras.size(); ++i) {
         nlohmann::ordered_json camera = {{"camera", i}};
@@ -113,12 +115,12 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
-    const Evaluation evaluation = evaluate(
-        device, tree, dataset, [&](size_t view, const Image& truth, const Image& render, const Quality& quality) {
-            if (pictures) pictures->add(view, dataset.views[view].name, truth, render);
-            progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
-            return !stop_requested();
-        });
+    const ViewCallback done = [&](size_t view, const Image& truth, const Image& render, const Quality& quality) {
+        if (pictures) pictures->add(view, dataset.views[view].name, truth, render);
+        progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
+        return !stop_requested();
+    };
+    const Evaluation evaluation = evaluate(device, tree, dataset, options.samples, done);
     progress.finish();
     if (evaluation.views.size() < dataset.views.size())
         throw RuntimeFailure("stopped before the end; no means are given");
@@ -143,6 +145,7 @@ void add_eval(CLI::App& app, CommonOptions& common) {
     verb->add_option("--split", options->split, "Which of its pictures")
         ->check(CLI::IsMember({"test", "train"}))
         ->capture_default_str();
+    add_samples_option(*verb, options->samples);
     verb->add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");
     verb->add_option(
         "--images", options->images,

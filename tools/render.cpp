@@ -25,6 +25,7 @@ constexpr double kMinFps = 0.01, kMaxFps = 1000;
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
     std::optional<double> fps;  // the clip's where not given
+    uint32_t samples = kDefaultSamples;
     bool orbit = false, depth = false, alpha = false, direct = false, json = false;
 };
 
@@ -104,14 +105,14 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
 
     const Device device(common.device);
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, size.width, size.height);
+    FrameRenderer renderer(device, field, size.width, size.height, options.samples);
     PictureSink sink(output, size, playback.output_fps);
     catch_stop_signals();
     Totals totals{path.size(), size, playback.output_fps, 0};
     Progress progress("render", path.size());
     for (size_t i = 0; i < path.size(); ++i) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
-        FrameSettings settings{static_cast<float>(path[i].frame), size.width, size.height, resolve};
+        FrameSettings settings{static_cast<float>(path[i].frame), size.width, size.height, options.samples, resolve};
         settings.mode = options.direct ? TraceMode::kDirect : TraceMode::kSlice;
         sink.add(renderer.render(path[i].camera, settings));
         for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
@@ -124,7 +125,8 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
 
 void run(const RenderOptions& options, const CommonOptions& common) {
     const Totals totals = render(options, common);
-    const double rays = static_cast<double>(totals.pictures) * totals.size.width * totals.size.height;
+    const double rays = static_cast<double>(totals.pictures) * totals.size.width * totals.size.height *
+                        options.samples * options.samples;
     const double mrays_per_s = totals.seconds > 0 ? rays / totals.seconds / 1e6 : 0;
     if (options.json)
         fmt::print("{}", json_text({{"output", options.output},
@@ -160,6 +162,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--size", options.size, "WIDTHxHEIGHT (default: that of --camera, else 720x720)");
     verb.add_option("--background", options.background,
                     "white, black, grey, clear or '#rrggbb' (default: white for a video, clear for pictures)");
+    add_samples_option(verb, options.samples);
     CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
     verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)");

@@ -43,14 +43,15 @@ Image truth_over_white(const Dataset& dataset, const View& view) {
     return composite_over(clear, kWhite);
 }
 
-Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, const ViewCallback& done) {
+Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done) {
     uint32_t width = 1, height = 1;
     for (const Camera& camera : dataset.cameras) {
         width = std::max(width, camera.width);
         height = std::max(height, camera.height);
     }
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, width, height);
+    FrameRenderer renderer(device, field, width, height, samples);
 
     Evaluation result;
     result.cameras.resize(dataset.cameras.size());
@@ -61,6 +62,7 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
         settings.frame = static_cast<float>(frame_of_time(view.time, tree.frames));
         settings.width = camera.width;
         settings.height = camera.height;
+        settings.samples = samples;
         const Image render = composite_over(renderer.render(camera, settings), kWhite);
         const Image truth = truth_over_white(dataset, view);
         const Quality quality = compare(truth, render);

@@ -10,9 +10,9 @@ LearningRates learning_rates(double progress, double leaf_size_m) {
         return static_cast<float>(first * std::pow(last / first, std::clamp(progress, 0.0, 1.0)));
     };
     LearningRates rates;
-    rates.sigma = decay(0.1 / leaf_size_m, 0.005 / leaf_size_m);
-    rates.colour = decay(0.4, 0.005);
-    rates.detail = decay(0.05, 0.001);
+    rates.sigma = decay(0.07 / leaf_size_m, 0.03 / leaf_size_m);
+    rates.colour = decay(0.4, 0.04);
+    rates.detail = decay(0.05, 0.005);
     rates.gamma = decay(0.01, 0.001);
     rates.sigma_rows = decay(1e-3, 1e-4);
     rates.gamma_rows = decay(1e-3, 1e-4);

@@ -9,7 +9,7 @@ void record_step(Commands& commands, TrainingStep& s, const StepSettings& settin
     record_slice(commands, s.slicer_, settings.frame);
     record_trace(commands, s.tracer_, settings.tiles, settings.stop);
     record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad);
-    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop);
+    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop, settings.lambda_point);
     record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
                          settings.learn_rows);
     copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);

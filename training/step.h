@@ -11,6 +11,7 @@ struct StepSettings {
     float frame = 0;
     uint32_t tiles = 0;
     float lambda_grad = 0.1f;
+    float lambda_point = 0.2f;
     float stop = kStopTransmittance;
     LearningRates rates;
     AdamSettings adam;

@@ -55,12 +55,16 @@ TraceAdjoint::TraceAdjoint(const Device& device, const Field& field, const Slice
                    {kTraceTiles, &rays.tiles},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceAdjoint, &batch.adjoint},
+                   {kTraceTarget, &batch.target},
                    {kTraceGradients, &gradients.gradients},
                    {kTraceReach, &gradients.reach}}) {}
 
-void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop) {
+void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
+                          float lambda_point) {
     const PassScope scope(commands, "trace adjoint");
-    dispatch(commands, adjoint.pass_, adjoint.set_, tiles, trace_push(adjoint.field_, stop));
+    const TracePush trace = trace_push(adjoint.field_, stop);
+    dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
+             TraceAdjointPush{trace.box_min, trace.box_size, trace.leaf_count, lambda_point});
     compute_barrier(commands);
 }
 

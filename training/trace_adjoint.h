@@ -32,14 +32,15 @@ class TraceAdjoint {
                  const LossBatch& batch, const SliceGradients& gradients, AtomicAdd atomics);
 
   private:
-    friend void record_trace_adjoint(Commands&, const TraceAdjoint&, uint32_t, float);
+    friend void record_trace_adjoint(Commands&, const TraceAdjoint&, uint32_t, float, float);
     const Field& field_;
     ComputePass pass_;
     BindingSet set_;
 };
 
-// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient.
-void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles,
-                          float stop = kStopTransmittance);
+// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`: weight
+// of the point loss (trace_adjoint.glsl) against L_rgb; rays without an ∂L/∂ray take no part in it.
+void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
+                          float lambda_point);
 
 }  // namespace neuvv

@@ -30,21 +30,22 @@ std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint3
 }  // namespace
 
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
-    const uint32_t tiles = tile_count(settings.width, settings.height);
+    const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
     record_slice(commands, r.slicer_, settings.frame);
     if (settings.mode == TraceMode::kSlice)
         record_trace(commands, r.tracer_, tiles, settings.stop);
     else
         record_direct(commands, r.direct_, tiles, settings.stop);
-    record_resolve(commands, r.resolver_, settings.width, settings.height, settings.resolve);
+    record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
     copy(commands, r.picture_, r.readback_, uint64_t{4} * settings.width * settings.height);
     host_barrier(commands);
 }
 
-FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height)
+FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
+                             uint32_t max_samples)
     : device_(device),
       slice_(device, field, field.leaf_count),
-      rays_(device, 1, tile_count(max_width, max_height)),
+      rays_(device, 1, tile_count(max_samples * max_width, max_samples * max_height)),
       picture_(device, "picture", uint64_t{4} * max_width * max_height, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", uint64_t{4} * max_width * max_height, MemoryKind::kReadback),
       slicer_(device, field, slice_),
@@ -54,11 +55,12 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t 
       commands_(device, "frame") {}
 
 Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
-    const std::vector<Tile> tiles = tiles_of_picture(0, settings.width, settings.height);
+    const std::vector<Tile> tiles =
+        tiles_of_picture(0, settings.samples * settings.width, settings.samples * settings.height);
     Image image(settings.width, settings.height);
     if (tiles.size() > rays_.tile_capacity || image.rgba.size() > readback_.bytes)
         throw RuntimeFailure(fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
-    *rays_.cameras.as<ShaderCamera>() = shader_camera(camera);
+    *rays_.cameras.as<ShaderCamera>() = shader_camera(enlarged(camera, settings.samples));
     std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
     commands_.begin();
     record_frame(commands_, *this, settings);

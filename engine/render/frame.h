@@ -13,6 +13,7 @@ enum class TraceMode { kSlice, kDirect };  // kDirect: the paper's path, all num
 struct FrameSettings {
     float frame = 0;  // of the clip, 0..frames−1, fractions allowed
     uint32_t width = 0, height = 0;
+    uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kSlice;
     float stop = kStopTransmittance;
@@ -21,13 +22,14 @@ struct FrameSettings {
 // Everything a frame needs on the device, made once for the largest picture.
 class FrameRenderer {
   public:
-    FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height);
+    FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
+                  uint32_t max_samples = 1);
 
-    // Renders and waits: the picture, sRGB with straight alpha. Throws RuntimeFailure for a picture larger than the
+    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure for a picture larger than the
     // renderer was made for.
     Image render(const Camera& camera, const FrameSettings& settings);
 
-    // Rays of the last picture in rows: premultiplied linear RGB and alpha; metres.
+    // Rays of the last picture in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.
     std::vector<glm::vec4> radiance(uint32_t width, uint32_t height) const;
     std::vector<float> depth(uint32_t width, uint32_t height) const;
 

@@ -21,13 +21,13 @@ class Resolver {
     Resolver(const Device& device, const RayBatch& rays, const Buffer& picture);
 
   private:
-    friend void record_resolve(Commands&, const Resolver&, uint32_t, uint32_t, const ResolveSettings&);
+    friend void record_resolve(Commands&, const Resolver&, uint32_t, uint32_t, uint32_t, const ResolveSettings&);
     ComputePass pass_;
     BindingSet set_;
 };
 
-// The rays must be tiles_of_picture(·, width, height).
+// The rays must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of them.
 void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height,
-                    const ResolveSettings& settings);
+                    uint32_t samples, const ResolveSettings& settings);
 
 }  // namespace neuvv

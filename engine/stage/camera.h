@@ -13,4 +13,12 @@ struct Camera {
     uint32_t width = 0, height = 0;
 };
 
+// The same view in `factor` times as many pixels a side.
+inline Camera enlarged(Camera camera, uint32_t factor) {
+    for (double* length : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *length *= factor;
+    camera.width *= factor;
+    camera.height *= factor;
+    return camera;
+}
+
 }  // namespace neuvv

@@ -1,4 +1,4 @@
-// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows.
+// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays.
 #ifndef NEUVV_SHARED_RESOLVE_H
 #define NEUVV_SHARED_RESOLVE_H
 #include "shared/types.h"
@@ -20,11 +20,12 @@ struct ResolvePush {
     uint show;
     float depth_near;  // metres
     float depth_far;
+    uint samples;  // rays a pixel, along each side
 };
 
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::ResolvePush) == 36);
+static_assert(sizeof(neuvv::ResolvePush) == 40);
 #endif
 #endif

@@ -33,7 +33,7 @@ struct Tile {
     uint camera;
     uint x;  // of the top left pixel
     uint y;
-    uint padding;
+    uint jitter;  // packSnorm2x16 of a shift in pixels: its rays leave from there, not from the pixels' centres
 };
 
 struct TracePush {

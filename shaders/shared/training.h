@@ -20,7 +20,16 @@ struct LossPush {
 // trace_adjoint.comp: the bindings of trace.comp up to kTraceRadiance, and
 CONSTEXPR uint kTraceAdjoint = 10u;
 CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats
+CONSTEXPR uint kTraceTarget = 13u;     // per ray, as kLossTarget
 CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step; 0: no ray came
+
+// TracePush and more; not nested, as GLSL would round the inner struct's size up to 48.
+struct TraceAdjointPush {
+    vec4 box_min;
+    vec4 box_size;
+    uint leaf_count;
+    float lambda_point;  // weight of the point loss
+};
 
 // Floats of one slot's gradient: ∂L/∂σ, then ∂L/∂k_lm (R, G, B) per SH function.
 #ifdef __cplusplus
@@ -89,6 +98,7 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
+static_assert(sizeof(neuvv::TraceAdjointPush) == 40);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 44);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "reference/camera.h"
-
 namespace neuvv::test {
 namespace {
 
@@ -48,9 +46,7 @@ Chain::Chain(const Scene& scene)
         weights_.push_back(reference::leaf_weights(scene.tree, leaf));
     for (size_t tile = 0; tile < scene.tiles.size(); tile++)
         for (uint32_t lane = 0; lane < kTilePixels; lane++) {
-            const Tile& t = scene.tiles[tile];
-            const reference::Ray ray =
-                reference::camera_ray(scene.cameras[t.camera], t.x + lane % kTile, t.y + lane / kTile);
+            const reference::Ray ray = ray_of(scene, scene.tiles[tile], lane);
             rays_.push_back({ray.direction, reference::intersect(scene.tree, ray)});
             if (scene.target[rays_.size() - 1].a < 0) continue;
             for (const reference::Segment& segment : rays_.back().segments) {
@@ -59,6 +55,7 @@ Chain::Chain(const Scene& scene)
             }
         }
     slice_rows();
+    for (const reference::LeafSlice& slice : slices_) first_sigmas_.push_back(slice.sigma);
 }
 
 void Chain::slice_leaf(uint32_t leaf) {
@@ -83,13 +80,26 @@ std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
     return result;
 }
 
+// The point loss of a ray: colours as they are now, blending weights as the densities were at first.
+double Chain::ray_point_loss(const PathRay& ray, glm::dvec4 truth) const {
+    std::vector<reference::Sample> now;
+    for (const reference::Segment& segment : ray.segments)
+        if (first_sigmas_[segment.leaf] > 0)
+            now.push_back({first_sigmas_[segment.leaf],
+                           reference::sample_colour(slices_[segment.leaf], scene_.tree.hh_degree, ray.direction),
+                           segment.t_exit - segment.t_enter, 0});
+    return reference::point_loss(now, glm::dvec3(truth), truth.a, static_cast<double>(scene_.stop));
+}
+
 double Chain::tile_loss(size_t tile) const {
     reference::Patch patch;
+    double point = 0;
     for (size_t i = 0; i < kTilePixels; i++) {
         const size_t ray = tile * kTilePixels + i;
         const glm::dvec4 truth(scene_.target[ray]);
         patch[i].inside = truth.a >= 0;
         if (!patch[i].inside) continue;
+        point += ray_point_loss(rays_[ray], truth);
         const reference::RayResult seen = reference::composite(samples(rays_[ray]), static_cast<double>(scene_.stop));
         patch[i].colour = seen.colour;
         patch[i].alpha = seen.alpha;
@@ -97,7 +107,8 @@ double Chain::tile_loss(size_t tile) const {
         patch[i].true_alpha = truth.a;
         patch[i].background = glm::dvec3(scene_.background[ray]);
     }
-    return reference::patch_loss(patch, 1).total(static_cast<double>(scene_.lambda_grad));
+    return reference::patch_loss(patch, 1).total(static_cast<double>(scene_.lambda_grad)) +
+           static_cast<double>(scene_.lambda_point) * point;
 }
 
 double Chain::loss() const {

@@ -12,7 +12,7 @@ class Chain {
   public:
     explicit Chain(const Scene& scene);
 
-    // The sum over pixels, as the device takes it.
+    // The sum over pixels, as the device takes it, and the point loss.
     double loss() const;
     // Central differences.
     double by_weight(uint32_t leaf, uint32_t weight);
@@ -30,6 +30,7 @@ class Chain {
     void slice_leaf(uint32_t leaf);
     void slice_rows();
     std::vector<reference::Sample> samples(const PathRay& ray) const;
+    double ray_point_loss(const PathRay& ray, glm::dvec4 truth) const;
     double tile_loss(size_t tile) const;
 
     const Scene& scene_;
@@ -37,6 +38,7 @@ class Chain {
     std::vector<reference::LeafWeights> weights_;  // by leaf
     std::vector<double> sigma_basis_, gamma_basis_, row_a_, row_b_;
     std::vector<reference::LeafSlice> slices_;
+    std::vector<double> first_sigmas_;  // by leaf, before any nudge
     std::vector<std::vector<size_t>> tiles_of_leaf_;
 };
 

@@ -1,8 +1,11 @@
 #include "gradient/scene.h"
 
+#include <glm/gtc/packing.hpp>
 #include <cstring>
 
 #include "support/look_at.h"
+
+#include "reference/camera.h"
 
 namespace neuvv::test {
 namespace {
@@ -25,7 +28,8 @@ Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
     scene.background.clear();
     Random random(seed);
     for (size_t i = 0; i < count; i++) {
-        const Tile tile = all[(from + i) % all.size()];
+        Tile tile = all[(from + i) % all.size()];
+        tile.jitter = glm::packSnorm2x16(glm::vec2(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)));
         scene.tiles.push_back(tile);
         for (uint32_t lane = 0; lane < kTilePixels; lane++) {
             const bool inside = tile.x + lane % kTile < kWidth && tile.y + lane / kTile < kHeight;
@@ -56,9 +60,16 @@ StepSettings settings_of(const Scene& scene) {
     settings.frame = scene.frame;
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
     settings.lambda_grad = scene.lambda_grad;
+    settings.lambda_point = scene.lambda_point;
     settings.stop = scene.stop;
     settings.learn_rows = true;
     return settings;
+}
+
+reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane) {
+    const glm::dvec2 jitter(glm::unpackSnorm2x16(tile.jitter));
+    return reference::camera_ray(scene.cameras[tile.camera], tile.x + lane % kTile + jitter.x,
+                                 tile.y + lane / kTile + jitter.y);
 }
 
 void load_scene(const TrainingStep& step, const Scene& scene) {

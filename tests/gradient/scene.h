@@ -2,6 +2,7 @@
 // gradients of it.
 #pragma once
 
+#include "reference/trace.h"
 #include "support/random_tree.h"
 #include "training/step.h"
 
@@ -14,6 +15,7 @@ struct Scene {
     std::vector<glm::vec4> target, background;  // as LossBatch holds them
     float frame = 1.3f;                         // between two rows
     float lambda_grad = 0.1f;
+    float lambda_point = 0.3f;
     float stop = 0;  // 0: rays never end early
 };
 
@@ -30,6 +32,9 @@ Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed);
 
 // Settings of a step on the scene, rows included; rates are 0.
 StepSettings settings_of(const Scene& scene);
+
+// The ray of a lane of one of its tiles, jitter included.
+reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
 
 void load_scene(const TrainingStep& step, const Scene& scene);
 

@@ -32,11 +32,12 @@ SlotSums scatter_on(const Device& device, const Scene& scene, const std::vector<
     const TraceAdjoint adjoint(device, field, slice, rays, batch, gradients, atomics);
     for (size_t i = 0; i < 2; i++) rays.cameras.as<ShaderCamera>()[i] = shader_camera(scene.cameras[i]);
     std::copy(scene.tiles.begin(), scene.tiles.end(), rays.tiles.as<Tile>());
+    upload(device, batch.target, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
     upload(device, batch.adjoint, d_rays.data(), d_rays.size() * sizeof(glm::vec4));
     run_once(device, "trace adjoint", [&](Commands& commands) {
         record_slice(commands, slicer, scene.frame);
         record_trace(commands, tracer, tiles, scene.stop);
-        record_trace_adjoint(commands, adjoint, tiles, scene.stop);
+        record_trace_adjoint(commands, adjoint, tiles, scene.stop, 0);
     });
     SlotSums sums;
     sums.head.resize(field.leaf_count);
@@ -84,8 +85,7 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
         const size_t x = tile.x + i % kTile, y = tile.y + i % kTilePixels / kTile;
         const Camera& camera = scene.cameras[tile.camera];
         if (x >= camera.width || y >= camera.height || d_rays[i] == glm::vec4(0)) continue;
-        const auto ray = reference::camera_ray(camera, static_cast<double>(x), static_cast<double>(y));
-        add_ray(scene, slices, ray, glm::dvec4(d_rays[i]), sums);
+        add_ray(scene, slices, ray_of(scene, tile, i % kTilePixels), glm::dvec4(d_rays[i]), sums);
     }
     return sums;
 }

@@ -68,6 +68,21 @@ PatchLoss patch_loss(const Patch& patch, double batch_pixels) {
     return loss;
 }
 
+double point_loss(const std::vector<Sample>& samples, glm::dvec3 true_colour, double true_alpha,
+                  double stop_transmittance) {
+    if (true_alpha <= 0) return 0;
+    const glm::dvec3 root = glm::sqrt(true_colour / true_alpha);
+    double sum = 0, transmittance = 1;
+    for (const Sample& sample : samples) {
+        const double behind = transmittance * std::exp(-sample.sigma * sample.delta_m);
+        const glm::dvec3 wrong = glm::sqrt(sample.colour) - root;
+        sum += (transmittance - behind) * true_alpha * glm::dot(wrong, wrong);
+        transmittance = behind;
+        if (transmittance < stop_transmittance) break;
+    }
+    return sum;
+}
+
 std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, double lambda_grad,
                                                            double batch_pixels) {
     const auto difference = differences(patch);

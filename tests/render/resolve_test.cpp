@@ -27,15 +27,15 @@ struct Rays {
     }
 };
 
-Image resolve(const Device& device, const Rays& rays, const ResolveSettings& settings) {
+Image resolve(const Device& device, const Rays& rays, const ResolveSettings& settings, uint32_t samples = 1) {
     const RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
-    Image image(rays.width, rays.height);
+    Image image(rays.width / samples, rays.height / samples);
     const Buffer picture(device, "picture", image.rgba.size(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
     const Resolver resolver(device, batch, picture);
     run_once(device, "resolve",
-             [&](Commands& commands) { record_resolve(commands, resolver, rays.width, rays.height, settings); });
+             [&](Commands& commands) { record_resolve(commands, resolver, rays.width / samples, rays.height / samples, samples, settings); });
     download(device, picture, image.rgba.data(), image.rgba.size());
     return image;
 }
@@ -103,8 +103,10 @@ TEST_F(ResolveTest, BackgroundsBlendInLinearLight) {
 TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
     Rays rays = random_rays();
     Random random(8);
-    for (float& depth : rays.depth) depth = static_cast<float>(random.uniform(0.5, 4.5));
-    rays.depth[rays.index(3, 2)] = std::numeric_limits<float>::infinity();
+    rays.radiance[rays.index(3, 2)] = glm::vec4(0);
+    for (size_t i = 0; i < rays.depth.size(); i++)
+        rays.depth[i] = rays.radiance[i].a > 0 ? static_cast<float>(random.uniform(0.5, 4.5))
+                                               : std::numeric_limits<float>::infinity();  // as trace leaves it
     ResolveSettings alpha, depth;
     alpha.show = Show::kAlpha;
     depth.show = Show::kDepth;
@@ -122,6 +124,36 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
             EXPECT_EQ(depth_view.at(x, y)[3], 255);
         }
     EXPECT_EQ(depth_view.at(3, 2)[0], 0);
+}
+
+TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
+    Rays rays(3 * 11, 3 * 9);
+    Random random(5);
+    for (size_t i = 0; i < rays.radiance.size(); i++) {
+        const double alpha = random.below(3) == 0 ? 0 : random.uniform();
+        rays.radiance[i] = glm::vec4(glm::vec3(static_cast<float>(alpha * random.uniform())), alpha);
+        rays.depth[i] = alpha > 0 ? static_cast<float>(random.uniform(1, 4)) : std::numeric_limits<float>::infinity();
+    }
+    ResolveSettings depth_settings;
+    depth_settings.show = Show::kDepth;
+    depth_settings.depth_near_m = 1;
+    depth_settings.depth_far_m = 4;
+    const Image colour = resolve(device(), rays, {}, 3), depth = resolve(device(), rays, depth_settings, 3);
+    for (uint32_t y = 0; y < 9; y++)
+        for (uint32_t x = 0; x < 11; x++) {
+            glm::dvec4 light(0);
+            double metres = 0;
+            for (uint32_t i = 0; i < 9; i++) {
+                const size_t ray = rays.index(3 * x + i % 3, 3 * y + i / 3);
+                light += glm::dvec4(rays.radiance[ray]) / 9.0;
+                if (rays.radiance[ray].a > 0)
+                    metres += double{rays.radiance[ray].a} * double{rays.depth[ray]} / 9.0;
+            }
+            expect_byte(colour.at(x, y)[3], light.a);
+            for (int channel = 0; channel < 3; channel++)
+                expect_byte(colour.at(x, y)[channel], srgb_from_linear(light[channel] / light.a));
+            expect_byte(depth.at(x, y)[0], (4 - metres / light.a) / 3);
+        }
 }
 
 }  // namespace

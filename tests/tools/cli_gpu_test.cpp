@@ -144,7 +144,7 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     const Dataset dataset = load_dataset(folder.path / "data", Split::kTest);
     size_t calls = 0;
     const Evaluation all =
-        evaluate(device, tree, dataset, [&](size_t view, const Image&, const Image&, const Quality&) {
+        evaluate(device, tree, dataset, 1, [&](size_t view, const Image&, const Image&, const Quality&) {
             EXPECT_EQ(view, calls++);
             return true;
         });
@@ -157,8 +157,8 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
 
     VOctree other = tree;  // the comparison must be able to fail
     for (float& weight : other.weights) weight = -weight;
-    EXPECT_LT(evaluate(device, other, dataset).mean.psnr, 30);
-    EXPECT_EQ(evaluate(device, tree, dataset, [](auto...) { return false; }).views.size(), 1u);
+    EXPECT_LT(evaluate(device, other, dataset, 1).mean.psnr, 30);
+    EXPECT_EQ(evaluate(device, tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
     EXPECT_EQ(device.drain_validation_messages(), std::vector<std::string>());
 }
 
@@ -168,7 +168,8 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
         write_own_dataset(device, tree, folder.path / "data");
     }
     const ProgramResult result =
-        run_neuvv({"eval", scene, file("data"), "--json", file("m.json"), "--images", file("pictures")});
+        run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images",
+                   file("pictures")});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_NE(result.out.find("PSNR"), std::string::npos);
     const auto json = nlohmann::json::parse(read_text(file("m.json")));
@@ -191,7 +192,7 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "pictures"), {}), 3 * 6 + 1);
 
-    const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--json", "-"});
+    const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", "-"});
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 

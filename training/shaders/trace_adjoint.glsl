@@ -1,4 +1,7 @@
 // Trace, backwards: walks each ray again and scatters what the loss says to the σ and SH of every leaf it crosses.
+// To it adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which asks each sample's colour c_i, not
+// only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
+// blending weights w_i count as constants there: it colours matter and never moves it.
 // Reads the slice as trace.comp does; adds gradient_stride floats a sample to its slot. Bound by those atomic adds.
 #include "shared/training.h"
 
@@ -13,8 +16,9 @@ layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceRadiance) uniform textureBuffer radiance;
 layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
+layout(binding = kTraceTarget) uniform textureBuffer target;
 layout(binding = kTraceReach, std430) buffer Reach { uint reach[]; };
-layout(push_constant) uniform Push { TracePush push; };
+layout(push_constant) uniform Push { TraceAdjointPush push; };
 
 #ifdef NEUVV_CAS_ATOMICS
 layout(binding = kTraceGradients, std430) buffer Gradients { uint gradients[]; };
@@ -37,6 +41,9 @@ void gradient_add(uint index, float value) { atomicAdd(gradients[index], value);
 #include "ray.glsl"
 #include "slice_sample.glsl"
 
+// ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `pull`: λ α*.
+vec3 point_adjoint(vec3 c, vec3 root, float pull) { return pull * (1.0 - root * inversesqrt(max(c, vec3(1e-6)))); }
+
 // Adds one sample's derivatives to its slot.
 void scatter(float weight, float d_sigma, vec3 d_raw) {
     atomicMax(reach[slot], max(floatBitsToUint(weight), 1u));
@@ -50,6 +57,9 @@ void main() {
     const Ray ray = tile_ray();
     const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
+    const vec4 truth = texelFetch(target, int(ray.index));
+    const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
+    const float pull = push.lambda_point * max(truth.a, 0.0);
     sh_y = sh_basis(ray.direction_world);
     Composite sum = composite_begin();
     March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
@@ -60,6 +70,7 @@ void main() {
         const float delta = part.t_out - part.t_in;
         const vec3 c = slice_colour();
         const float weight = composite_add(sum, sigma, delta, c, 0.0);
-        scatter(weight, composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a), weight * d_ray.rgb * c * (1.0 - c));
+        const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
+        scatter(weight, composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a), d_c * c * (1.0 - c));
     }
 }
