@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <charconv>
 #include <memory>
 
 #include "base/error.h"
 #include "base/platform.h"
 #include "gpu/device.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/progress.h"
 #include "training/capture.h"
 
@@ -32,19 +32,11 @@ struct Options {
     CaptureSettings settings;
 };
 
-void read_size(const std::string& text, CaptureSettings& settings) {
-    const char* end = text.data() + text.size();
-    const auto [cross, error] = std::from_chars(text.data(), end, settings.width);
-    if (error == std::errc() && cross != end && *cross == 'x') {
-        const auto [stop, second] = std::from_chars(cross + 1, end, settings.height);
-        if (second == std::errc() && stop == end) return;
-    }
-    throw InputError("capture", "--size", fmt::format("\"{}\" is not WxH", text), "write for instance 512x512");
-}
-
 void run_capture(Options& options, const CommonOptions& common) {
     CaptureSettings& settings = options.settings;
-    read_size(options.size, settings);
+    const PictureSize size = parse_size(options.size);
+    settings.width = size.width;
+    settings.height = size.height;
     if (options.background != "clear" && options.background != "checker")
         throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
                          "choose clear or checker");

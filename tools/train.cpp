@@ -79,7 +79,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
-        "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --hh-degree 1");
+        "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, &common] { run_train(*options, common); });
 }
 

@@ -91,8 +91,8 @@ void BatchSampler::append(Batch& batch, const ViewTile& tile) {
     const uint8_t random_rgb[3] = {static_cast<uint8_t>(draw), static_cast<uint8_t>(draw >> 8),
                                    static_cast<uint8_t>(draw >> 16)};
     const glm::vec4 colour = linear_rgb(random_rgb);
-    const glm::vec2 jitter(uniform() - 0.5, uniform() - 0.5);
-    batch.tiles.push_back({view.camera, tile.x * kTile, tile.y * kTile, glm::packSnorm2x16(jitter)});
+    const double right = uniform() - 0.5, down = uniform() - 0.5;
+    batch.tiles.push_back({view.camera, tile.x * kTile, tile.y * kTile, glm::packSnorm2x16(glm::vec2(right, down))});
     for (uint32_t i = 0; i < kTilePixels; i++) {
         const uint32_t x = tile.x * kTile + i % kTile, y = tile.y * kTile + i / kTile;
         glm::vec4 target(0, 0, 0, -1), background = colour;

@@ -18,8 +18,8 @@ struct Batch {
 
 // Draws batches: instants in random rounds; of an instant's pictures every tile with foreground once an epoch, and a
 // fifth of the tiles without. A tile's rays all leave from one random place inside their pixels: a pixel is a mean over
-// its area, and what the field shows at its centre must not stand for the rest. Behind the rays stands the captured plate
-// where there is one, else one random colour a tile. The same seed and data give the same batches.
+// its area, and what the field shows at its centre must not stand for the rest. Behind the rays stands the captured
+// plate where there is one, else one random colour a tile. The same seed and data give the same batches.
 class BatchSampler {
   public:
     // The data set must outlive it.

@@ -1,9 +1,13 @@
 #include "training/checkpoint.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -13,6 +17,8 @@
 namespace neuvv {
 
 namespace {
+
+constexpr uint32_t kMaxSteps = 1u << 31;
 
 // bfloat16, rounded to nearest: moments steer steps, three digits are enough.
 uint16_t bfloat_from_float(float value) {
@@ -98,6 +104,7 @@ NvvChunk run_chunk(const RunState& run) {
                                  {"adam_step", run.adam_step},
                                  {"stage", run.stage},
                                  {"stage_rays", run.stage_rays},
+                                 {"epoch_rays", run.epoch_rays},
                                  {"max_depth", run.max_depth},
                                  {"elapsed_s", run.elapsed_s},
                                  {"rays", run.rays},
@@ -107,28 +114,42 @@ NvvChunk run_chunk(const RunState& run) {
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
 
+// A whole number of 0 to `most`; JSON's own conversion would round, wrap or worse.
+template <typename T>
+void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t most = std::numeric_limits<T>::max()) {
+    const nlohmann::json& found = json.at(key);
+    if (!found.is_number_unsigned() || found.get<uint64_t>() > most) throw std::out_of_range(key);
+    value = found.get<T>();
+}
+
 // `deepest`: what the tree can hold.
 RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint32_t deepest) {
     RunState run;
-    bool negative = false;
     try {
         const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
-        for (const auto& item : json.items()) negative |= item.value().is_number() && item.value().get<double>() < 0;
-        json.at("seed").get_to(run.seed);
-        json.at("step").get_to(run.step);
-        json.at("adam_step").get_to(run.adam_step);
-        json.at("stage").get_to(run.stage);
-        json.at("stage_rays").get_to(run.stage_rays);
-        json.at("max_depth").get_to(run.max_depth);
+        read_count(json, "seed", run.seed);
+        read_count(json, "step", run.step);
+        read_count(json, "adam_step", run.adam_step, kMaxSteps);
+        read_count(json, "stage", run.stage, kStageCount - 1);
+        read_count(json, "stage_rays", run.stage_rays);
+        read_count(json, "epoch_rays", run.epoch_rays);
+        read_count(json, "max_depth", run.max_depth, deepest);
         json.at("elapsed_s").get_to(run.elapsed_s);
         json.at("rays").get_to(run.rays);
         json.at("minutes").get_to(run.minutes);
-        json.at("steps").get_to(run.steps);
+        read_count(json, "steps", run.steps);
     } catch (const nlohmann::json::exception&) {
         throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
+    } catch (const std::out_of_range& key) {
+        throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
+                         "train without --resume");
     }
-    if (negative || run.max_depth < 1 || run.max_depth > deepest || run.stage >= kStageCount)
-        throw InputError(path.string(), "chunk run0", "holds numbers out of range", "train without --resume");
+    for (const double amount : {run.elapsed_s, run.rays, run.minutes})
+        if (!(amount >= 0))
+            throw InputError(path.string(), "chunk run0", "holds a number out of range", "train without --resume");
+    if (run.max_depth < 1)
+        throw InputError(path.string(), "chunk run0", "holds a number out of range: \"max_depth\"",
+                         "train without --resume");
     return run;
 }
 

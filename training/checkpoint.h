@@ -14,6 +14,7 @@ struct RunState {
     uint32_t adam_step = 0;  // since the moments were 0
     uint32_t stage = 0;
     uint64_t stage_rays = 0;  // traced since the stage began
+    uint64_t epoch_rays = 0;  // of the data set: tells it from others
     uint32_t max_depth = 0;   // octree depth of the finest leaves
     double elapsed_s = 0;
     double rays = 0;

@@ -9,7 +9,7 @@ namespace neuvv {
 struct TreeShape {
     uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the pictures show
     uint32_t bases = 31;      // C, at most one for each frame is used
-    uint32_t hh_degree = 2;
+    uint32_t hh_degree = 1;
 };
 
 constexpr uint32_t kMaxResolution = 2048;
@@ -20,9 +20,9 @@ uint32_t depth_of_resolution(uint32_t resolution);
 // Leaves along the longest side such that a leaf is as large as a pixel at the scene's distance.
 uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box);
 
-// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame, in first_colours,
-// faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws InputError as
-// hull_box does.
+// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame, in
+// first_colours, faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws
+// InputError as hull_box does.
 VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
 
 struct GrowSettings {

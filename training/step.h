@@ -47,8 +47,6 @@ class TrainingStep {
     // Per leaf the largest blending weight that any ray saw since construction.
     std::vector<float> leaf_reach() const;
     void restore_leaf_reach(const std::vector<float>& reach) const;
-    // True where the gradients of every leaf fit the device at once.
-    bool holds_every_leaf() const { return slice_.capacity >= field_.leaf_count; }
 
   private:
     friend void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);

@@ -64,7 +64,7 @@ void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint3
     const PassScope scope(commands, "trace adjoint");
     const TracePush trace = trace_push(adjoint.field_, stop);
     dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
-             TraceAdjointPush{trace.box_min, trace.box_size, trace.leaf_count, lambda_point});
+             TraceAdjointPush{trace.box_min, trace.box_size, lambda_point});
     compute_barrier(commands);
 }
 

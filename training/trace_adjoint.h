@@ -38,8 +38,8 @@ class TraceAdjoint {
     BindingSet set_;
 };
 
-// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`: weight
-// of the point loss (trace_adjoint.glsl) against L_rgb; rays without an ∂L/∂ray take no part in it.
+// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`:
+// weight of the point loss (trace_adjoint.glsl) against L_rgb; rays without an ∂L/∂ray take no part in it.
 void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
                           float lambda_point);
 

@@ -35,7 +35,13 @@ class Run {
           output_(std::move(output)),
           began_(seconds_now()),
           // Braces: begin() sets the seed that sampler_seed() reads, so it must come first.
-          sampler_{begin(), settings.tiles_per_step, sampler_seed()} {}
+          sampler_{begin(), settings.tiles_per_step, sampler_seed()} {
+        if (settings_.resume && run_.epoch_rays != sampler_.rays_per_epoch())
+            throw InputError(state_path(output_).string(), "",
+                             fmt::format("is of a run on other pictures than those of {}", dataset_.folder.string()),
+                             "resume with the data set that the run began with");
+        run_.epoch_rays = sampler_.rays_per_epoch();
+    }
 
     TrainProgress operator()(const TrainCallback& callback);
 
@@ -44,7 +50,7 @@ class Run {
     uint64_t sampler_seed() const { return run_.seed * 0x9e3779b97f4a7c15u + run_.step; }
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
-    uint32_t stage_depth() const;
+    uint32_t max_leaves() const;
     void make_step();
     void begin_stage_if_due();
     void save();
@@ -59,6 +65,7 @@ class Run {
     double began_;
     RunState run_;
     VOctree tree_;
+    uint32_t finest_ = 0;  // octree depth of its finest leaves
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     double saved_at_ = 0, save_took_ = 0;
@@ -83,6 +90,11 @@ const Dataset& Run::begin() {
     } else {
         run_.seed = settings_.seed;
         tree_ = initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        if (tree_.leaf_count > max_leaves())
+            throw InputError("--resolution", "",
+                             fmt::format("already the first tree has {} leaves, and this device trains {}",
+                                         tree_.leaf_count, max_leaves()),
+                             "choose a lower resolution or --hh-degree");
         run_.max_depth = leaf_places(tree_)[0].depth + kLevelsAbove;
         make_step();
     }
@@ -95,10 +107,9 @@ const Dataset& Run::begin() {
     return dataset_;
 }
 
-// Octree depth of the finest leaves of this stage.
-uint32_t Run::stage_depth() const {
-    const uint32_t first = run_.max_depth - std::min(kLevelsAbove, run_.max_depth - 1);
-    return std::min(first + run_.stage, run_.max_depth);
+// So many that all of them can be live at once.
+uint32_t Run::max_leaves() const {
+    return std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
 }
 
 double Run::fraction() const {
@@ -108,6 +119,8 @@ double Run::fraction() const {
 }
 
 void Run::make_step() {
+    finest_ = 0;
+    for (const LeafPlace& place : leaf_places(tree_)) finest_ = std::max(finest_, place.depth);
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            settings_.tiles_per_step);
@@ -117,17 +130,17 @@ void Run::make_step() {
 
 void Run::begin_stage_if_due() {
     if (run_.stage + 1 >= kStageCount || fraction() < kStages[run_.stage + 1].begins) return;
+    const double epochs = static_cast<double>(run_.stage_rays) / static_cast<double>(sampler_.rays_per_epoch());
+    const bool covered = epochs > kCoverage, divides = run_.stage < kLevelsAbove;
+    if (!covered && !divides) return;  // a pruning waits until it knows
     run_.stage++;
-    const bool covered =
-        static_cast<double>(run_.stage_rays) > kCoverage * static_cast<double>(sampler_.rays_per_epoch());
-    const bool divides = run_.stage <= kLevelsAbove;
-    if (!covered && !divides) return;
     step_->download(tree_);
     GrowSettings grow_settings;
     grow_settings.max_depth = run_.max_depth;
     grow_settings.prune_below = covered ? kStages[run_.stage].prune_below : 0;
-    if (divides) grow_settings.divide_from = kDivideReach;
-    grow_settings.max_leaves = kMaxTrainingLeaves;
+    // Where few rays came yet, reach says nothing: then everything divides.
+    if (divides) grow_settings.divide_from = epochs > kDivideCoverage ? kDivideReach : 0;
+    grow_settings.max_leaves = max_leaves();
     tree_ = grow(dataset_, tree_, step_->leaf_reach(), grow_settings);
     make_step();
     run_.adam_step = 0;
@@ -150,10 +163,11 @@ void Run::load_batch(const Batch& batch) {
 }
 
 StepSettings Run::step_settings(double time) const {
-    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << stage_depth());
+    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << finest_);
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction(), leaf_size);
+    if (run_.stage < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.stop = kTrainingStop;
     // With as many bases as frames the first bases already span every course.
@@ -176,7 +190,7 @@ TrainProgress Run::progress() const {
     }
     now.step = run_.step;
     now.leaves = tree_.leaf_count;
-    now.depth = stage_depth();
+    now.depth = finest_;
     now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
     now.passes = step_->pass_times();
     return now;
@@ -199,6 +213,11 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         const StepResult result = step_->wait();
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure(fmt::format("training diverged at step {}: the loss is not a number", run_.step));
+        if (result.overflow > 0)
+            throw RuntimeFailure(
+                fmt::format("{} of {} live leaves found no slot on this device; choose a lower "
+                            "--resolution or --hh-degree",
+                            result.overflow, result.overflow + result.slots));
         rays_sum_ += static_cast<double>(result.pixels);
         run_.rays += static_cast<double>(result.pixels);
         run_.stage_rays += result.pixels;

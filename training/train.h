@@ -24,7 +24,8 @@ struct TrainProgress {
     double elapsed_s = 0, eta_s = 0;
     double fraction = 0;  // of the budget
     double rays_per_s = 0;
-    double loss = 0, psnr = 0;  // of the last second's batches; PSNR of the foreground's tiles over their backgrounds
+    double loss = 0, psnr = 0;  // of the last second's batches; PSNR of their tiles, most with foreground, over their
+                                // backgrounds; loss without the point loss
     uint64_t step = 0;
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;

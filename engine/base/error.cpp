@@ -13,7 +13,7 @@ std::string one_line(std::string text) {
 
 InputError::InputError(const std::string& file, const std::string& place, const std::string& problem,
                        const std::string& mend)
-    : std::runtime_error(one_line(file + ": " + (place.empty() ? "" : place + ": ") + problem +
-                                  (mend.empty() ? "" : "; " + mend))) {}
+    : std::runtime_error(
+          one_line(file + ": " + (place.empty() ? "" : place + ": ") + problem + (mend.empty() ? "" : "; " + mend))) {}
 
 }  // namespace neuvv

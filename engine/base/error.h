@@ -8,7 +8,8 @@ namespace neuvv {
 
 // A user's bad input: what() is one line, "file: place: what is wrong; mend". Exit code 2.
 struct InputError : std::runtime_error {
-    // `place` is where in the file (a chunk, a JSON pointer, a frame), may be empty; `mend` says what to do, may be empty.
+    // `place` is where in the file (a chunk, a JSON pointer, a frame), may be empty; `mend` says what to do, may be
+    // empty.
     InputError(const std::string& file, const std::string& place, const std::string& problem,
                const std::string& mend = "");
 };

@@ -77,7 +77,8 @@ std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit
         throw InputError(path.string(), "", "is not a regular file");
     const auto size = static_cast<uint64_t>(status.st_size);
     if (size > limit_bytes)
-        throw InputError(path.string(), "", fmt::format("is {} bytes, more than the {} allowed here", size, limit_bytes));
+        throw InputError(path.string(), "",
+                         fmt::format("is {} bytes, more than the {} allowed here", size, limit_bytes));
     std::vector<uint8_t> bytes(size);
     size_t filled = 0;
     while (filled < bytes.size()) {
@@ -102,9 +103,13 @@ void catch_stop_signals() {
     std::signal(SIGTERM, on_stop_signal);
 }
 
-bool stop_requested() { return g_stop != 0; }
+bool stop_requested() {
+    return g_stop != 0;
+}
 
-bool stderr_is_terminal() { return isatty(STDERR_FILENO) != 0; }
+bool stderr_is_terminal() {
+    return isatty(STDERR_FILENO) != 0;
+}
 
 std::filesystem::path cache_folder() {
     const char* xdg = std::getenv("XDG_CACHE_HOME");

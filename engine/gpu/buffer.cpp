@@ -12,12 +12,16 @@ namespace neuvv {
 uint32_t texel_bytes(VkFormat format) {
     switch (format) {
         case VK_FORMAT_R32_UINT:
-        case VK_FORMAT_R32_SFLOAT: return 4;
+        case VK_FORMAT_R32_SFLOAT:
+            return 4;
         case VK_FORMAT_R32G32_UINT:
-        case VK_FORMAT_R16G16B16A16_SFLOAT: return 8;
+        case VK_FORMAT_R16G16B16A16_SFLOAT:
+            return 8;
         case VK_FORMAT_R32G32B32A32_UINT:
-        case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
-        default: throw RuntimeFailure(fmt::format("texel_bytes: format {} is not in the table", static_cast<int>(format)));
+        case VK_FORMAT_R32G32B32A32_SFLOAT:
+            return 16;
+        default:
+            throw RuntimeFailure(fmt::format("texel_bytes: format {} is not in the table", static_cast<int>(format)));
     }
 }
 
@@ -30,9 +34,12 @@ struct MemoryFlags {
 MemoryFlags flags_of(MemoryKind kind) {
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     switch (kind) {
-        case MemoryKind::kDevice: return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
-        case MemoryKind::kUpload: return {kHost | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kHost};
-        case MemoryKind::kReadback: return {kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHost};
+        case MemoryKind::kDevice:
+            return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+        case MemoryKind::kUpload:
+            return {kHost | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kHost};
+        case MemoryKind::kReadback:
+            return {kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHost};
     }
     return {};
 }
@@ -40,7 +47,8 @@ MemoryFlags flags_of(MemoryKind kind) {
 }  // namespace
 
 // Delegates, so that the destructor frees what is there when a later step throws.
-Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format) : Buffer() {
+Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format)
+    : Buffer() {
     device = &owner;
     name = std::move(label);
     bytes = std::max<uint64_t>(size, 16);
@@ -50,8 +58,8 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
                                          bytes / texel_bytes(texel_format), owner.summary().name,
                                          limits.maxTexelBufferElements));
     if (bytes > owner.max_allocation_bytes())
-        throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} MiB, device \"{}\" allocates at most {} MiB at once", name,
-                                         bytes >> 20, owner.summary().name, owner.max_allocation_bytes() >> 20));
+        throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} MiB, device \"{}\" allocates at most {} MiB at once",
+                                         name, bytes >> 20, owner.summary().name, owner.max_allocation_bytes() >> 20));
 
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = bytes;
@@ -92,7 +100,9 @@ Buffer::~Buffer() {
     vkFreeMemory(device->handle(), memory, nullptr);
 }
 
-Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+Buffer::Buffer(Buffer&& other) noexcept {
+    *this = std::move(other);
+}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
     std::swap(device, other.device);

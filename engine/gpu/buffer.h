@@ -16,8 +16,9 @@ enum class MemoryKind {
 // Move-only. Usable as storage, uniform, texel, indirect, vertex and index buffer, and as source and target of copies.
 struct Buffer {
     Buffer() = default;
-    // `texel_format` other than UNDEFINED makes the view for texel bindings. Contents are undefined. Throws RuntimeFailure
-    // naming the buffer where a device limit or its memory is exceeded. `bytes` of 0 is rounded up to one texel.
+    // `texel_format` other than UNDEFINED makes the view for texel bindings. Contents are undefined. Throws
+    // RuntimeFailure naming the buffer where a device limit or its memory is exceeded. `bytes` of 0 is rounded up to
+    // one texel.
     Buffer(const Device& device, std::string name, uint64_t bytes, MemoryKind kind,
            VkFormat texel_format = VK_FORMAT_UNDEFINED);
     ~Buffer();

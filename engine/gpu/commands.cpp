@@ -92,7 +92,8 @@ PassScope::PassScope(Commands& commands, const std::string& name)
 }
 
 PassScope::~PassScope() {
-    vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_, 2 * index_ + 1);
+    vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_,
+                         2 * index_ + 1);
     if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(commands_.buffer_);
 }
 
@@ -102,7 +103,8 @@ void bind(Commands& commands, const ComputePass& pass, const BindingSet& set, co
     assert(push_bytes == pass.interface().push_bytes && "push constants differ from the shader's");
     const VkDescriptorSet handle = set.handle();
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline());
-    vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, pass.layout(), 0, 1, &handle, 0, nullptr);
+    vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, pass.layout(), 0, 1, &handle, 0,
+                            nullptr);
     if (push_bytes > 0)
         vkCmdPushConstants(commands.handle(), pass.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                            static_cast<uint32_t>(push_bytes), push);
@@ -110,8 +112,7 @@ void bind(Commands& commands, const ComputePass& pass, const BindingSet& set, co
 
 constexpr VkPipelineStageFlags2 kDeviceStages =
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-constexpr VkAccessFlags2 kDeviceWrites =
-    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags2 kDeviceWrites = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
 
 void memory_barrier(Commands& commands, VkPipelineStageFlags2 stages_after, VkAccessFlags2 access_after) {
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -147,7 +148,9 @@ void compute_barrier(Commands& commands) {
                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
-void host_barrier(Commands& commands) { memory_barrier(commands, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT); }
+void host_barrier(Commands& commands) {
+    memory_barrier(commands, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+}
 
 void fill(Commands& commands, const Buffer& buffer, uint32_t word) {
     vkCmdFillBuffer(commands.handle(), buffer.buffer, 0, VK_WHOLE_SIZE, word);

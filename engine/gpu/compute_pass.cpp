@@ -48,8 +48,13 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, std::spa
     const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(),
                                               constants.size() * 4, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module,
-                  "main", &specialisation};
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  nullptr,
+                  0,
+                  VK_SHADER_STAGE_COMPUTE_BIT,
+                  module,
+                  "main",
+                  &specialisation};
     info.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult result =
@@ -101,15 +106,15 @@ std::pair<VkDescriptorPool, VkDescriptorSet> allocate_set(const ComputePass& pas
 
 void require_fits(const ComputePass& pass, const BindingSlot& slot, const Buffer& buffer) {
     const VkPhysicalDeviceLimits& limits = pass.device().limits();
-    const bool texel = slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
-                       slot.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+    const bool texel =
+        slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || slot.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
     if (texel && !buffer.view)
         throw RuntimeFailure(fmt::format("pass \"{}\", binding {}: buffer \"{}\" has no texel format", pass.name(),
                                          slot.binding, buffer.name));
     if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.maxStorageBufferRange)
-        throw RuntimeFailure(fmt::format("pass \"{}\": storage buffer \"{}\" is {} MiB, device \"{}\" binds at most {} MiB",
-                                         pass.name(), buffer.name, buffer.bytes >> 20,
-                                         pass.device().summary().name, limits.maxStorageBufferRange >> 20));
+        throw RuntimeFailure(fmt::format(
+            "pass \"{}\": storage buffer \"{}\" is {} MiB, device \"{}\" binds at most {} MiB", pass.name(),
+            buffer.name, buffer.bytes >> 20, pass.device().summary().name, limits.maxStorageBufferRange >> 20));
 }
 
 }  // namespace
@@ -123,7 +128,8 @@ BindingSet::BindingSet(const ComputePass& pass, std::initializer_list<std::pair<
     std::vector<VkWriteDescriptorSet> writes;
     for (size_t i = 0; i < infos.size(); i++) {
         const BindingSlot& slot = pass.interface().bindings[i];
-        const auto found = std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });
+        const auto found =
+            std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });
         if (found == buffers.end() || !found->second->buffer)
             throw RuntimeFailure(fmt::format("pass \"{}\": no buffer for binding {}", pass.name(), slot.binding));
         const Buffer& buffer = *found->second;
@@ -145,7 +151,9 @@ BindingSet::~BindingSet() {
     if (device_) vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
 }
 
-BindingSet::BindingSet(BindingSet&& other) noexcept { *this = std::move(other); }
+BindingSet::BindingSet(BindingSet&& other) noexcept {
+    *this = std::move(other);
+}
 
 BindingSet& BindingSet::operator=(BindingSet&& other) noexcept {
     std::swap(device_, other.device_);

@@ -25,8 +25,8 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
 
 class ComputePass {
   public:
-    // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the device's
-    // pipeline cache.
+    // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the
+    // device's pipeline cache.
     ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                 const std::vector<uint32_t>& constants = {});
     ~ComputePass();

@@ -36,7 +36,8 @@ bool instance_has(const std::vector<VkExtensionProperties>& extensions, const ch
 }
 
 VkInstance make_instance(bool validate, bool* debug_utils) {
-    check(volkInitialize(), "volkInitialize", "Vulkan loader (install libvulkan1 and a driver such as mesa-vulkan-drivers)");
+    check(volkInitialize(), "volkInitialize",
+          "Vulkan loader (install libvulkan1 and a driver such as mesa-vulkan-drivers)");
     uint32_t count = 0;
     vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
     std::vector<VkExtensionProperties> available(count);
@@ -52,7 +53,8 @@ VkInstance make_instance(bool validate, bool* debug_utils) {
     // Core checks come by default; synchronization validation finds missing barriers between passes.
     const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
     const VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, nullptr, 1, enabled, 0, nullptr};
-    const VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "neuvv", 1, "neuvv", 1, VK_API_VERSION_1_3};
+    const VkApplicationInfo app{
+        VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "neuvv", 1, "neuvv", 1, VK_API_VERSION_1_3};
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pNext = validate ? &features : nullptr;
     info.flags = portability ? VkInstanceCreateFlags{VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR} : 0;
@@ -78,11 +80,16 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
 
 const char* kind_of(VkPhysicalDeviceType type) {
     switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-        default: return "other";
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            return "discrete";
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            return "integrated";
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+            return "virtual";
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            return "cpu";
+        default:
+            return "other";
     }
 }
 
@@ -107,7 +114,8 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
 }
 
 std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return text;
 }
 
@@ -116,7 +124,9 @@ int rank(const DeviceSummary& summary) {
     return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), summary.kind) - kOrder.begin());
 }
 
-std::string joined(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ", ")); }
+std::string joined(const std::vector<std::string>& parts) {
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
 
 // The index of the device that `choice` names, or of the best usable one where it is empty.
 size_t pick(const std::vector<DeviceSummary>& devices, const std::string& choice) {
@@ -130,11 +140,13 @@ size_t pick(const std::vector<DeviceSummary>& devices, const std::string& choice
             throw InputError("device", choice, "no Vulkan device has this index or name", "`neuvv devices` lists them");
     } else {
         for (size_t i = 0; i < devices.size(); i++)
-            if (devices[i].missing.empty() && (best == devices.size() || rank(devices[i]) < rank(devices[best]))) best = i;
+            if (devices[i].missing.empty() && (best == devices.size() || rank(devices[i]) < rank(devices[best])))
+                best = i;
     }
     if (best == devices.size())
-        throw RuntimeFailure("no usable Vulkan device; `neuvv devices` says what each lacks (mesa-vulkan-drivers brings a "
-                             "software device)");
+        throw RuntimeFailure(
+            "no usable Vulkan device; `neuvv devices` says what each lacks (mesa-vulkan-drivers brings a "
+            "software device)");
     if (!devices[best].missing.empty())
         throw RuntimeFailure(fmt::format("device \"{}\" lacks: {}", devices[best].name, joined(devices[best].missing)));
     return best;
@@ -196,7 +208,8 @@ void Device::choose_physical(const std::string& choice) {
     const char* environment = std::getenv("NEUVV_DEVICE");
     const std::vector<VkPhysicalDevice> all = physical_devices(instance_);
     std::vector<DeviceSummary> summaries;
-    for (VkPhysicalDevice physical : all) summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
+    for (VkPhysicalDevice physical : all)
+        summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
     const size_t index = pick(summaries, choice.empty() && environment ? environment : choice);
     physical_ = all[index];
     summary_ = summaries[index];
@@ -298,6 +311,8 @@ std::vector<std::string> Device::drain_validation_messages() const {
     return std::exchange(messages_->texts, {});
 }
 
-void Device::wait_idle() const { check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name); }
+void Device::wait_idle() const {
+    check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name);
+}
 
 }  // namespace neuvv

@@ -31,9 +31,9 @@ std::vector<DeviceSummary> list_devices();
 
 class Device {
   public:
-    // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the best
-    // usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none, RuntimeFailure for
-    // a device that lacks what we need.
+    // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the
+    // best usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none,
+    // RuntimeFailure for a device that lacks what we need.
     explicit Device(const std::string& choice = "", Validation validation = Validation::kOff);
     ~Device();
     Device(const Device&) = delete;

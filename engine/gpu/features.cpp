@@ -19,7 +19,9 @@ const Feature kRequired[] = {
     {"dynamicRendering", [](FeatureChain& f) -> VkBool32& { return f.v13.dynamicRendering; }},
 };
 
-VkBool32& float_atomic_add(FeatureChain& f) { return f.atomic_float.shaderBufferFloat32AtomicAdd; }
+VkBool32& float_atomic_add(FeatureChain& f) {
+    return f.atomic_float.shaderBufferFloat32AtomicAdd;
+}
 
 bool has_extension(VkPhysicalDevice physical, const char* name) {
     uint32_t count = 0;

@@ -40,7 +40,8 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
     spvc_compiler compiler = nullptr;
     spvc_resources resources = nullptr;
     expect(spvc_context_parse_spirv(context.handle, spirv.data(), spirv.size(), &ir), name);
-    expect(spvc_context_create_compiler(context.handle, SPVC_BACKEND_NONE, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP, &compiler),
+    expect(spvc_context_create_compiler(context.handle, SPVC_BACKEND_NONE, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
+                                        &compiler),
            name);
     expect(spvc_compiler_create_shader_resources(compiler, &resources), name);
 

@@ -14,6 +14,18 @@ uint32_t tile_count(uint32_t width, uint32_t height) {
     return ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile);
 }
 
+// Tiles of a picture's rays. Throws RuntimeFailure where the device cannot address so many rays.
+uint32_t checked_tiles(const Device& device, uint32_t width, uint32_t height, uint32_t samples) {
+    const uint64_t across = (uint64_t{samples} * width + kTile - 1) / kTile;
+    const uint64_t down = (uint64_t{samples} * height + kTile - 1) / kTile;
+    if (across * down * kTilePixels > device.limits().maxTexelBufferElements)
+        throw RuntimeFailure(
+            fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
+                        "or --samples",
+                        width, height, samples * samples));
+    return tile_count(samples * width, samples * height);
+}
+
 // Per-ray values from tile order into rows.
 template <typename T>
 std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint32_t height) {
@@ -45,7 +57,7 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t 
                              uint32_t max_samples)
     : device_(device),
       slice_(device, field, field.leaf_count),
-      rays_(device, 1, tile_count(max_samples * max_width, max_samples * max_height)),
+      rays_(device, 1, checked_tiles(device, max_width, max_height, max_samples)),
       picture_(device, "picture", uint64_t{4} * max_width * max_height, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", uint64_t{4} * max_width * max_height, MemoryKind::kReadback),
       slicer_(device, field, slice_),
@@ -59,7 +71,8 @@ Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings)
         tiles_of_picture(0, settings.samples * settings.width, settings.samples * settings.height);
     Image image(settings.width, settings.height);
     if (tiles.size() > rays_.tile_capacity || image.rgba.size() > readback_.bytes)
-        throw RuntimeFailure(fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
+        throw RuntimeFailure(
+            fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
     *rays_.cameras.as<ShaderCamera>() = shader_camera(enlarged(camera, settings.samples));
     std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
     commands_.begin();

@@ -25,8 +25,8 @@ class FrameRenderer {
     FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
                   uint32_t max_samples = 1);
 
-    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure for a picture larger than the
-    // renderer was made for.
+    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure
+    // for a picture larger than the renderer was made for.
     Image render(const Camera& camera, const FrameSettings& settings);
 
     // Rays of the last picture in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.

@@ -27,7 +27,7 @@ class Resolver {
 };
 
 // The rays must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of them.
-void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height,
-                    uint32_t samples, const ResolveSettings& settings);
+void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height, uint32_t samples,
+                    const ResolveSettings& settings);
 
 }  // namespace neuvv

@@ -1,6 +1,10 @@
 #include "render/slice.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "base/error.h"
 
 #include "spirv/rows.comp.h"
 #include "spirv/slice_colour.comp.h"
@@ -15,7 +19,11 @@ Slice::Slice(const Device& device, const Field& field, uint32_t slots)
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice),
       sh(device, "slice SH", uint64_t{16} * sh_count(field.hh_degree) * capacity, MemoryKind::kDevice,
-         VK_FORMAT_R32G32B32A32_SFLOAT) {}
+         VK_FORMAT_R32G32B32A32_SFLOAT) {
+    const uint32_t groups = (capacity + kSliceGroup - 1) / kSliceGroup;  // of the indirect dispatches
+    if (groups > device.limits().maxComputeWorkGroupCount[0])
+        throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));
+}
 
 Slicer::Slicer(const Device& device, const Field& field, const Slice& slice)
     : field_(field),

@@ -23,8 +23,7 @@ ShaderCamera shader_camera(const Camera& camera) {
     shader.origin = glm::vec4(glm::vec3(camera.world_from_camera[3]), 0);
     shader.right = glm::vec4(glm::vec3(rotation * glm::dvec3(1 / camera.fx, 0, 0)), static_cast<float>(camera.width));
     shader.down = glm::vec4(glm::vec3(rotation * glm::dvec3(0, -1 / camera.fy, 0)), static_cast<float>(camera.height));
-    shader.corner = glm::vec4(
-        glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)), 0);
+    shader.corner = glm::vec4(glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)), 0);
     return shader;
 }
 

@@ -13,7 +13,7 @@ namespace neuvv {
 
 // Rays on the device: tiles of 8×8 pixels of some cameras, and what tracing them gave, in tile order.
 struct RayBatch {
-    // At most `cameras` cameras and `tiles` tiles; `depth` may be left out where nobody reads it.
+    // At most `cameras` cameras and `tiles` tiles.
     RayBatch(const Device& device, uint32_t cameras, uint32_t tiles);
 
     uint32_t camera_capacity, tile_capacity;

@@ -5,7 +5,7 @@
 
 NEUVV_SHARED
 
-CONSTEXPR uint kTile = 8u;        // pixels a side
+CONSTEXPR uint kTile = 8u;  // pixels a side
 CONSTEXPR uint kTilePixels = 64u;
 
 CONSTEXPR uint kTraceNodes = 0u;
@@ -23,8 +23,8 @@ CONSTEXPR uint kTraceRows = 9u;
 // Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
 struct ShaderCamera {
     vec4 origin;
-    vec4 right;   // w: width in pixels
-    vec4 down;    // w: height in pixels
+    vec4 right;  // w: width in pixels
+    vec4 down;   // w: height in pixels
     vec4 corner;
 };
 

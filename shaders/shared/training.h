@@ -8,7 +8,7 @@ NEUVV_SHARED
 
 // loss.comp
 CONSTEXPR uint kLossRadiance = 0u;
-CONSTEXPR uint kLossTarget = 1u;      // per ray: premultiplied linear RGB and alpha of the foreground; alpha −1: no pixel
+CONSTEXPR uint kLossTarget = 1u;  // per ray: premultiplied linear RGB and alpha of the foreground; alpha −1: no pixel
 CONSTEXPR uint kLossBackground = 2u;  // per ray: linear RGB
 CONSTEXPR uint kLossAdjoint = 3u;     // per ray: ∂L/∂(R, G, B, alpha)
 CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unused)
@@ -23,11 +23,9 @@ CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats
 CONSTEXPR uint kTraceTarget = 13u;     // per ray, as kLossTarget
 CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step; 0: no ray came
 
-// TracePush and more; not nested, as GLSL would round the inner struct's size up to 48.
 struct TraceAdjointPush {
-    vec4 box_min;
+    vec4 box_min;  // as in TracePush
     vec4 box_size;
-    uint leaf_count;
     float lambda_point;  // weight of the point loss
 };
 
@@ -48,12 +46,12 @@ CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
 // slice_adjoint.comp
 CONSTEXPR uint kAdjointWeights = 0u;
-CONSTEXPR uint kAdjointFirst = 1u;      // first moments, laid out as the weights
-CONSTEXPR uint kAdjointSecond = 2u;     // second moments
+CONSTEXPR uint kAdjointFirst = 1u;   // first moments, laid out as the weights
+CONSTEXPR uint kAdjointSecond = 2u;  // second moments
 CONSTEXPR uint kAdjointRows = 3u;
 CONSTEXPR uint kAdjointLeaves = 4u;     // per slot: its leaf
-CONSTEXPR uint kAdjointTouched = 5u;      // slots to run over
-CONSTEXPR uint kAdjointCount = 10u;       // how many
+CONSTEXPR uint kAdjointTouched = 5u;    // slots to run over
+CONSTEXPR uint kAdjointCount = 10u;     // how many
 CONSTEXPR uint kAdjointGradients = 6u;  // read and cleared
 CONSTEXPR uint kAdjointReach = 7u;      // read and cleared
 CONSTEXPR uint kAdjointLeafReach = 8u;  // per leaf: the largest blending weight since the tree last changed
@@ -62,9 +60,9 @@ CONSTEXPR uint kAdjointPartials = 9u;   // per workgroup: 2·kMaxBases sums of �
 // rows_adjoint.comp
 CONSTEXPR uint kRowsAdjointPartials = 0u;
 CONSTEXPR uint kRowsAdjointCount = 1u;
-CONSTEXPR uint kRowsAdjointSigma = 2u;   // A, frames × bases
-CONSTEXPR uint kRowsAdjointGamma = 3u;   // B
-CONSTEXPR uint kRowsAdjointFirst = 4u;   // moments: those of A, then those of B
+CONSTEXPR uint kRowsAdjointSigma = 2u;  // A, frames × bases
+CONSTEXPR uint kRowsAdjointGamma = 3u;  // B
+CONSTEXPR uint kRowsAdjointFirst = 4u;  // moments: those of A, then those of B
 CONSTEXPR uint kRowsAdjointSecond = 5u;
 
 // How the optimiser moves (Adam). `emit`: moments take no part; the first moment receives the gradient itself.
@@ -98,7 +96,7 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::TraceAdjointPush) == 40);
+static_assert(sizeof(neuvv::TraceAdjointPush) == 36);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 44);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

@@ -1,10 +1,10 @@
 // The VOctree's topology as CPU and GPU both see it.
 //
-// A node covers two octree levels: 4×4×4 cells, numbered in Morton order (z1 y1 x1 z0 y0 x0; the high three bits name the
-// 2×2×2 octant). mask_lo/mask_hi hold one bit per occupied cell; its entry in the child array is
-// first_child + popcount(mask bits below it). An entry with kLeafBit set names a leaf, else a node. A leaf of the node's
-// upper level (twice the cell's edge) fills all eight cells of its octant with the same entry; the device's copy of the
-// child array marks those with kWideLeafBit.
+// A node covers two octree levels: 4×4×4 cells, numbered in Morton order (z1 y1 x1 z0 y0 x0; the high three bits name
+// the 2×2×2 octant). mask_lo/mask_hi hold one bit per occupied cell; its entry in the child array is first_child +
+// popcount(mask bits below it). An entry with kLeafBit set names a leaf, else a node. A leaf of the node's upper level
+// (twice the cell's edge) fills all eight cells of its octant with the same entry; the device's copy of the child array
+// marks those with kWideLeafBit.
 #ifndef NEUVV_SHARED_TREE_H
 #define NEUVV_SHARED_TREE_H
 #include "shared/types.h"

@@ -1,4 +1,4 @@
-// How gradients are compared: each number relative to its own size, numbers smaller than a two-hundredth of the group's
+// How gradients are compared: each number relative to its own size, numbers smaller than a thousandth of the group's
 // largest relative to that. Single precision sums of hundreds of rays do not allow for less there.
 #pragma once
 

@@ -1,7 +1,7 @@
 #include "gradient/scene.h"
 
-#include <glm/gtc/packing.hpp>
 #include <cstring>
+#include <glm/gtc/packing.hpp>
 
 #include "support/look_at.h"
 
@@ -29,7 +29,8 @@ Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
     Random random(seed);
     for (size_t i = 0; i < count; i++) {
         Tile tile = all[(from + i) % all.size()];
-        tile.jitter = glm::packSnorm2x16(glm::vec2(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)));
+        const double right = random.uniform(-0.5, 0.5), down = random.uniform(-0.5, 0.5);
+        tile.jitter = glm::packSnorm2x16(glm::vec2(right, down));
         scene.tiles.push_back(tile);
         for (uint32_t lane = 0; lane < kTilePixels; lane++) {
             const bool inside = tile.x + lane % kTile < kWidth && tile.y + lane / kTile < kHeight;

@@ -40,7 +40,8 @@ struct PatchLoss {
 // This patch's share of the batch's loss.
 PatchLoss patch_loss(const Patch& patch, double batch_pixels);
 
-// Σ_i w_i α* |√c_i − √c*|² of one ray: w_i its samples' blending weights, c* = C*/α*; 0 where α* is. The samples end at the stop as in composite().
+// Σ_i w_i α* |√c_i − √c*|² of one ray: w_i its samples' blending weights, c* = C*/α*; 0 where α* is. The samples end at
+// the stop as in composite().
 double point_loss(const std::vector<Sample>& samples, glm::dvec3 true_colour, double true_alpha,
                   double stop_transmittance = 0);
 

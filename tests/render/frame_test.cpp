@@ -143,6 +143,45 @@ void expect_agreement(const VOctree& tree, const View& view, FrameRenderer& rend
 
 using FrameTest = GpuTest;
 
+// Rays of a pixel stand on a grid inside it, and the picture is their mean.
+TEST_F(FrameTest, SeveralRaysAPixel) {
+    constexpr uint32_t kSamples = 3;
+    const VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
+    Camera camera = look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 1.1);
+    camera.cx += 3.25;
+    camera.cy -= 2.5;
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    FrameRenderer renderer(device(), field, kWidth, kHeight, kSamples);
+    FrameSettings settings;
+    settings.frame = 1.5f;
+    settings.width = kWidth;
+    settings.height = kHeight;
+    settings.samples = kSamples;
+    settings.stop = 0;
+    const Image picture = renderer.render(camera, settings);
+    const std::vector<glm::vec4> rays = renderer.radiance(kSamples * kWidth, kSamples * kHeight);
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
+    double alpha_mean = 0;
+    for (uint32_t y = 0; y < kHeight; y++)
+        for (uint32_t x = 0; x < kWidth; x++) {
+            glm::dvec4 mean(0);
+            for (uint32_t i = 0; i < kSamples * kSamples; i++) {
+                const uint32_t column = kSamples * x + i % kSamples, row = kSamples * y + i / kSamples;
+                const reference::RayResult truth = reference::trace(
+                    tree, slices,
+                    reference::camera_ray(camera, (column + 0.5) / kSamples - 0.5, (row + 0.5) / kSamples - 0.5));
+                mean += glm::dvec4(truth.colour, truth.alpha) / double{kSamples * kSamples};
+                ASSERT_NEAR(rays[size_t{row} * kSamples * kWidth + column].a, truth.alpha, kSteps / 255);
+            }
+            alpha_mean += mean.a / (kWidth * kHeight);
+            ASSERT_NEAR(picture.at(x, y)[3], 255 * mean.a, 0.6);
+            if (mean.a < 0.1) continue;  // straight colour of a nearly clear pixel says little
+            for (int channel = 0; channel < 3; channel++)
+                ASSERT_NEAR(picture.at(x, y)[channel], 255 * reference::display_value(mean[channel] / mean.a), 0.6);
+        }
+    EXPECT_GT(alpha_mean, 0.02);
+}
+
 TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     const RandomTreeOptions kTrees[] = {
         {.seed = 1, .node_levels = 1, .leaves = 15, .bases = 1, .hh_degree = 0},

@@ -34,8 +34,9 @@ Image resolve(const Device& device, const Rays& rays, const ResolveSettings& set
     upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
     const Resolver resolver(device, batch, picture);
-    run_once(device, "resolve",
-             [&](Commands& commands) { record_resolve(commands, resolver, rays.width / samples, rays.height / samples, samples, settings); });
+    run_once(device, "resolve", [&](Commands& commands) {
+        record_resolve(commands, resolver, rays.width / samples, rays.height / samples, samples, settings);
+    });
     download(device, picture, image.rgba.data(), image.rgba.size());
     return image;
 }
@@ -146,8 +147,7 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
             for (uint32_t i = 0; i < 9; i++) {
                 const size_t ray = rays.index(3 * x + i % 3, 3 * y + i / 3);
                 light += glm::dvec4(rays.radiance[ray]) / 9.0;
-                if (rays.radiance[ray].a > 0)
-                    metres += double{rays.radiance[ray].a} * double{rays.depth[ray]} / 9.0;
+                if (rays.radiance[ray].a > 0) metres += double{rays.radiance[ray].a} * double{rays.depth[ray]} / 9.0;
             }
             expect_byte(colour.at(x, y)[3], light.a);
             for (int channel = 0; channel < 3; channel++)

@@ -167,9 +167,8 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
         const Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
-    const ProgramResult result =
-        run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images",
-                   file("pictures")});
+    const ProgramResult result = run_neuvv(
+        {"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images", file("pictures")});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_NE(result.out.find("PSNR"), std::string::npos);
     const auto json = nlohmann::json::parse(read_text(file("m.json")));

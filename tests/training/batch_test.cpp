@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+
 #include <map>
 
 #include "support/sphere_capture.h"
@@ -99,10 +102,30 @@ TEST(Batch, TheSameSeedGivesTheSameBatches) {
         const Batch from_a = a.next(), from_b = b.next(), from_other = other.next();
         EXPECT_EQ(from_a.time, from_b.time);
         EXPECT_EQ(from_a.target, from_b.target);
+        ASSERT_EQ(from_a.tiles.size(), from_b.tiles.size());
+        for (size_t k = 0; k < from_a.tiles.size(); k++) EXPECT_EQ(from_a.tiles[k].jitter, from_b.tiles[k].jitter);
         EXPECT_EQ(from_a.background, from_b.background);
         differs |= from_a.target != from_other.target;
     }
     EXPECT_TRUE(differs);
+}
+
+TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
+    BatchSampler sampler(capture(), 100, 8);
+    glm::dvec2 sum(0), squares(0);
+    double count = 0;
+    while (count < 4000)
+        for (const Tile& tile : sampler.next().tiles) {
+            const glm::dvec2 jitter(glm::unpackSnorm2x16(tile.jitter));
+            EXPECT_LE(std::max(std::abs(jitter.x), std::abs(jitter.y)), 0.5001);
+            sum += jitter;
+            squares += jitter * jitter;
+            count++;
+        }
+    for (int axis = 0; axis < 2; axis++) {
+        EXPECT_NEAR(sum[axis] / count, 0, 0.03);  // 6 standard deviations
+        EXPECT_NEAR(squares[axis] / count, 1.0 / 12, 0.008);
+    }
 }
 
 TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "render/frame.h"
 #include "support/child_process.h"
 #include "support/gpu_test.h"
@@ -138,6 +139,23 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
 }
 
+TEST_F(TrainTest, AnotherDataSetIsRefused) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    train(device(), capture(), small_run(2), nvv, go_on);
+    Dataset other = capture();
+    for (View& view : other.views)
+        for (size_t i = 3; i < view.image.rgba.size() / 2; i += 4) view.image.rgba[i] = 0;  // half the matte is gone
+    TrainSettings settings = small_run(4);
+    settings.resume = true;
+    try {
+        train(device(), other, settings, nvv, go_on);
+        FAIL() << "resumed with other pictures";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("other pictures"), std::string::npos) << error.what();
+    }
+}
+
 // `neuvv train` on a small capture in a folder.
 class KilledRun : public ::testing::Test {
   protected:
@@ -194,7 +212,8 @@ TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
     const auto before = std::filesystem::last_write_time(state_path(nvv_));
     child.send(SIGINT);
-    child.until([&] { return out_.entries() > 2 || std::filesystem::last_write_time(state_path(nvv_)) != before; });
+    ASSERT_TRUE(child.until(
+        [&] { return out_.entries() > 2 || std::filesystem::last_write_time(state_path(nvv_)) != before; }));
     child.send(SIGKILL);
     child.wait();
     EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
