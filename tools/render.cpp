@@ -96,7 +96,10 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Playback playback{parse_frame_range(options.frames, tree.frames), double{tree.fps},
                             options.fps.value_or(double{tree.fps})};
-    const std::vector<ViewStep> path = view_path(options, tree, playback, wanted);
+    std::vector<ViewStep> path = view_path(options, tree, playback, wanted);
+    const bool instant = playback.range.first == playback.range.last;
+    if (instant && output.kind == PictureOutput::Kind::kPicture && options.camera.empty())
+        path.resize(1);  // a still: the orbit's first view
     expect_fitting_output(output, path.size());
     const auto [near, far] = depth_range(path, occupied_box(tree));
     resolve.depth_near_m = static_cast<float>(near);
@@ -144,10 +147,12 @@ void run(const RenderOptions& options, const CommonOptions& common) {
 
 void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("scene", options.scene, "The .nvv file")->required();
-    verb.add_option("-o,--output", options.output, "out.mp4, or out_%04d.png, or out.png for a single picture")
+    verb.add_option("-o,--output", options.output,
+                    "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first")
         ->required();
     CLI::Option* orbit =
-        verb.add_flag("--orbit", options.orbit, "Turn around the scene while the clip plays (default)");
+        verb.add_flag("--orbit", options.orbit,
+                      "Turn around the scene while the clip plays, which repeats until 4 s have passed (default)");
     verb.add_option("--camera", options.camera,
                     "A transforms.json: one picture a key, at its time, else as the clip plays. One key without a time "
                     "is a fixed camera")
@@ -177,7 +182,7 @@ void add_render(CLI::App& app, CommonOptions& common) {
     add_options(*verb, *options);
     verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass.\n") + kDeviceHelp + kExamplesHead +
                  "  neuvv render build/performer.nvv -o build/turn.mp4\n"
-                 "  neuvv render build/performer.nvv -o build/slow_%04d.png --frames 3:5.5 --fps 200 --size 1280x720\n"
+                 "  neuvv render build/performer.nvv -o build/still.png --frames 1.5 --size 1280x720\n"
                  "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
                  "--size 480x480\n"
                  "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0");

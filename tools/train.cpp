@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/progress.h"
@@ -26,7 +27,19 @@ void print_progress(const TrainProgress& now, bool line_ends) {
                static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
 }
 
+// Fails before any work is done where the result could not be written.
+void prepare_output(const std::filesystem::path& output) {
+    if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
+        throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
+    std::error_code error;
+    if (output.has_parent_path()) std::filesystem::create_directories(output.parent_path(), error);
+    if (error)
+        throw InputError("--output", output.string(), fmt::format("its folder cannot be made: {}", error.message()),
+                         "choose another");
+}
+
 void run_train(const TrainOptions& options, const CommonOptions& common) {
+    prepare_output(options.output);
     catch_stop_signals();
     const Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
@@ -42,8 +55,9 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         }
         return !stop_requested();
     });
-    fmt::print(stderr, "{}wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", stderr_is_terminal() ? "\n" : "",
-               options.output.string(), last.leaves, last.step, last.epochs, format_duration(last.elapsed_s));
+    if (stderr_is_terminal()) fmt::print(stderr, "\n");
+    fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
+               last.step, last.epochs, format_duration(last.elapsed_s));
 }
 
 }  // namespace
@@ -53,7 +67,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("train", "Train a volumetric video from a calibrated multi-view video");
     verb->add_option("dataset", options->dataset, "Folder with transforms_train.json (see training/README.md)")
         ->required();
-    verb->add_option("-o,--output", options->output, "The .nvv to write")->required();
+    verb->add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced")->required();
     CLI::Option* minutes = verb->add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
                                ->check(CLI::Range(0.01, 1e5));
     verb->add_option("--steps", options->settings.steps, "Budget in steps")

@@ -104,7 +104,7 @@ NvvChunk run_chunk(const RunState& run) {
                                  {"adam_step", run.adam_step},
                                  {"stage", run.stage},
                                  {"stage_rays", run.stage_rays},
-                                 {"epoch_rays", run.epoch_rays},
+                                 {"dataset_hash", run.dataset_hash},
                                  {"max_depth", run.max_depth},
                                  {"elapsed_s", run.elapsed_s},
                                  {"rays", run.rays},
@@ -132,7 +132,7 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
         read_count(json, "adam_step", run.adam_step, kMaxSteps);
         read_count(json, "stage", run.stage, kStageCount - 1);
         read_count(json, "stage_rays", run.stage_rays);
-        read_count(json, "epoch_rays", run.epoch_rays);
+        read_count(json, "dataset_hash", run.dataset_hash);
         read_count(json, "max_depth", run.max_depth, deepest);
         json.at("elapsed_s").get_to(run.elapsed_s);
         json.at("rays").get_to(run.rays);

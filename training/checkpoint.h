@@ -13,9 +13,9 @@ struct RunState {
     uint64_t step = 0;
     uint32_t adam_step = 0;  // since the moments were 0
     uint32_t stage = 0;
-    uint64_t stage_rays = 0;  // traced since the stage began
-    uint64_t epoch_rays = 0;  // of the data set: tells it from others
-    uint32_t max_depth = 0;   // octree depth of the finest leaves
+    uint64_t stage_rays = 0;    // traced since the stage began
+    uint64_t dataset_hash = 0;  // tells the data set from others
+    uint32_t max_depth = 0;     // octree depth of the finest leaves
     double elapsed_s = 0;
     double rays = 0;
     double minutes = 0;  // the run's budget; one of the two is 0

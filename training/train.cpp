@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -25,6 +26,24 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// FNV-1a over sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
+uint64_t hash_of(const Dataset& dataset) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    const auto add = [&](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
+    const auto add_image = [&](const Image& image) {
+        add(image.width);
+        add(image.height);
+        for (size_t i = 0; i < image.rgba.size(); i += 101) add(image.rgba[i]);
+    };
+    for (const View& view : dataset.views) {
+        add(view.camera);
+        add(std::bit_cast<uint64_t>(view.time));
+        add_image(view.image);
+    }
+    for (const Image& plate : dataset.plates) add_image(plate);
+    return hash;
+}
+
 // One run: the tree on the host (its topology), the step on the device, and where they stand.
 class Run {
   public:
@@ -36,11 +55,11 @@ class Run {
           began_(seconds_now()),
           // Braces: begin() sets the seed that sampler_seed() reads, so it must come first.
           sampler_{begin(), settings.tiles_per_step, sampler_seed()} {
-        if (settings_.resume && run_.epoch_rays != sampler_.rays_per_epoch())
+        if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other pictures than those of {}", dataset_.folder.string()),
                              "resume with the data set that the run began with");
-        run_.epoch_rays = sampler_.rays_per_epoch();
+        run_.dataset_hash = hash_of(dataset);
     }
 
     TrainProgress operator()(const TrainCallback& callback);

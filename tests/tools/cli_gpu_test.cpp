@@ -162,6 +162,13 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     EXPECT_EQ(device.drain_validation_messages(), std::vector<std::string>());
 }
 
+TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(read_png(file("still.png")).width, 40u);
+}
+
 TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     {
         const Device device;

@@ -32,7 +32,7 @@ RunState some_run() {
             .adam_step = 77,
             .stage = 2,
             .stage_rays = 1u << 31,
-            .epoch_rays = 987654321,
+            .dataset_hash = 987654321,
             .max_depth = 4,
             .elapsed_s = 12.5,
             .rays = 3e12,
@@ -89,7 +89,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.adam_step, run.adam_step);
     EXPECT_EQ(loaded.run.stage, run.stage);
     EXPECT_EQ(loaded.run.stage_rays, run.stage_rays);
-    EXPECT_EQ(loaded.run.epoch_rays, run.epoch_rays);
+    EXPECT_EQ(loaded.run.dataset_hash, run.dataset_hash);
     EXPECT_EQ(loaded.run.max_depth, run.max_depth);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
     EXPECT_EQ(loaded.run.rays, run.rays);
@@ -212,9 +212,9 @@ TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(CheckpointFile, RefusesARunOutOfRange) {
-    const nlohmann::json good = {{"seed", 1},       {"step", 1},       {"adam_step", 1}, {"stage", 0},
-                                 {"stage_rays", 0}, {"epoch_rays", 1}, {"max_depth", 4}, {"elapsed_s", 1.0},
-                                 {"rays", 1.0},     {"minutes", 1.0},  {"steps", 0}};
+    const nlohmann::json good = {{"seed", 1},       {"step", 1},         {"adam_step", 1}, {"stage", 0},
+                                 {"stage_rays", 0}, {"dataset_hash", 1}, {"max_depth", 4}, {"elapsed_s", 1.0},
+                                 {"rays", 1.0},     {"minutes", 1.0},    {"steps", 0}};
     const StateFile file;
     const auto put = [&](const nlohmann::json& json) {
         const std::string text = json.dump();
