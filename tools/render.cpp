@@ -147,8 +147,9 @@ void run(const RenderOptions& options, const CommonOptions& common) {
 
 void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("scene", options.scene, "The .nvv file")->required();
-    verb.add_option("-o,--output", options.output,
-                    "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first")
+    verb.add_option(
+            "-o,--output", options.output,
+            "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first")
         ->required();
     CLI::Option* orbit =
         verb.add_flag("--orbit", options.orbit,
