@@ -87,9 +87,10 @@ class Run {
     uint32_t finest_ = 0;  // octree depth of its finest leaves
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
+    uint64_t began_at_step_ = 0;
     double saved_at_ = 0, save_took_ = 0;
     // Sums since the last report.
-    double loss_sum_ = 0, rgb_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
+    double loss_sum_ = 0, rgb_sum_ = 0, grad_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
     TrainProgress reported_;
 };
 
@@ -202,20 +203,27 @@ TrainProgress Run::progress() const {
     now.rays_per_s = reported_.rays_per_s;
     now.loss = reported_.loss;
     now.psnr = reported_.psnr;
+    now.rgb_loss = reported_.rgb_loss;
+    now.grad_loss = reported_.grad_loss;
     if (steps_sum_ > 0) {
         now.rays_per_s = rays_sum_ / std::max(seconds_now() - reported_at_, 1e-3);
         now.loss = loss_sum_ / steps_sum_;
+        now.rgb_loss = rgb_sum_ / steps_sum_;
+        now.grad_loss = grad_sum_ / steps_sum_;
         now.psnr = -10 * std::log10(std::max(rgb_sum_ / steps_sum_ / 3, 1e-10));
     }
     now.step = run_.step;
+    now.began_at_step = began_at_step_;
     now.leaves = tree_.leaf_count;
     now.depth = finest_;
     now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
     now.passes = step_->pass_times();
+    now.field = &step_->field();
     return now;
 }
 
 TrainProgress Run::operator()(const TrainCallback& callback) {
+    began_at_step_ = run_.step;
     save();
     bool go_on = true, first_saved = false;
     Batch batch = sampler_.next();
@@ -241,12 +249,13 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         run_.rays += static_cast<double>(result.pixels);
         run_.stage_rays += result.pixels;
         rgb_sum_ += result.rgb_loss;
+        grad_sum_ += result.grad_loss;
         loss_sum_ += result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
         steps_sum_++;
         if (seconds_now() - reported_at_ >= 1) {
             reported_ = progress();
             go_on = callback(reported_);
-            loss_sum_ = rgb_sum_ = rays_sum_ = steps_sum_ = 0;
+            loss_sum_ = rgb_sum_ = grad_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }
         const double wait = std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_took_ / kCheckpointShare);
@@ -258,6 +267,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     save();
     TrainProgress last = progress();
     callback(last);
+    last.field = nullptr;
     return last;
 }
 

@@ -26,10 +26,13 @@ struct TrainProgress {
     double rays_per_s = 0;
     double loss = 0, psnr = 0;  // of the last second's batches; PSNR of their tiles, most with foreground, over their
                                 // backgrounds; loss without the point loss
+    double rgb_loss = 0, grad_loss = 0;  // the loss's terms, before their weights
     uint64_t step = 0;
+    uint64_t began_at_step = 0;  // 0, or the step that --resume went on from
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
     std::vector<PassTime> passes;  // of the last step
+    const Field* field = nullptr;  // the model as it is now; idle and alive while the callback runs, not longer
 };
 
 // Called about once a second, and once at the end; false stops the run after a checkpoint.

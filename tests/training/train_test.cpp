@@ -38,11 +38,10 @@ Image over_white(const Image& image) {
     return composite_over(image, white);
 }
 
-// What cameras between those of the capture see of a file, every frame.
-std::vector<Image> held_out_renders(const Device& device, const std::filesystem::path& nvv) {
+// What cameras between those of the capture see of a field, every frame.
+std::vector<Image> held_out_renders(const Device& device, const Field& field) {
     SphereCapture between = kCapture;
     between.first_angle += std::numbers::pi / kCapture.cameras;
-    const Field field = upload_field(device, read_nvv(nvv), WeightPrecision::kHalf);
     FrameRenderer renderer(device, field, kCapture.size, kCapture.size);
     std::vector<Image> renders;
     for (const uint32_t camera : {1u, 6u})
@@ -51,6 +50,10 @@ std::vector<Image> held_out_renders(const Device& device, const std::filesystem:
                 renderer.render(sphere_camera(between, camera),
                                 {.frame = static_cast<float>(frame), .width = kCapture.size, .height = kCapture.size}));
     return renders;
+}
+
+std::vector<Image> held_out_renders(const Device& device, const std::filesystem::path& nvv) {
+    return held_out_renders(device, upload_field(device, read_nvv(nvv), WeightPrecision::kHalf));
 }
 
 std::vector<Image> held_out_truths() {
@@ -131,9 +134,17 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     TrainSettings settings = small_run(70);
     settings.resume = true;
     settings.shape.hh_degree = 3;  // the run's own shape stays
-    const TrainProgress last = train(device(), capture(), settings, nvv, go_on);
+    std::vector<Image> seen_in_callback;
+    const TrainProgress last = train(device(), capture(), settings, nvv, [&](const TrainProgress& now) {
+        EXPECT_EQ(now.began_at_step, 8u);
+        seen_in_callback = held_out_renders(device(), *now.field);
+        return true;
+    });
     EXPECT_EQ(last.step, 70u);
+    EXPECT_EQ(last.field, nullptr);
     EXPECT_GT(last.epochs, 0);
+    // The last call came after the last step: what it saw is what the file holds, up to rounding to half precision.
+    EXPECT_GT(mean_psnr(held_out_renders(device(), nvv), seen_in_callback), 50);
     EXPECT_EQ(read_nvv(nvv).hh_degree, 1u);
     EXPECT_EQ(load_checkpoint(nvv).run.step, 70u);
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
