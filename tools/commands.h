@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "training/formats.h"
+
 namespace neuvv {
 
 // Options that every verb shares.
@@ -16,6 +18,13 @@ constexpr uint32_t kDefaultSamples = 2;
 inline void add_samples_option(CLI::App& verb, uint32_t& samples) {
     verb.add_option("--samples", samples, "Rays a pixel along each side: 2 averages 4 of them, for smooth edges")
         ->check(CLI::Range(1, 4))
+        ->capture_default_str();
+}
+
+// --format, for the verbs that read data sets.
+inline void add_format_option(CLI::App& verb, std::string& format) {
+    verb.add_option("--format", format, "The data set's layout; auto: by the files in it")
+        ->check(CLI::IsMember(format_names()))
         ->capture_default_str();
 }
 

@@ -22,7 +22,7 @@ constexpr size_t kSheetRows = 8;
 constexpr uint32_t kSheetCell = 320;
 
 struct EvalOptions {
-    std::string scene, dataset, split = "test", json, images;
+    std::string scene, dataset, format = kAnyFormat, split = "test", json, images;
     uint32_t samples = kDefaultSamples;
 };
 
@@ -51,15 +51,6 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
         json["images"].push_back(image);
     }
     return json;
-}
-
-// A clash of names would overwrite pictures.
-void expect_distinct_names(const Dataset& dataset, const std::string& folder) {
-    std::set<std::string> names;
-    for (const View& view : dataset.views)
-        if (!names.insert(view.name).second)
-            throw InputError(folder, view.name, "two pictures bear this name, and --images names its files by it",
-                             "give the pictures distinct names, or leave --images out");
 }
 
 // Views for the contact sheet: spread over the data set, first and last included.
@@ -105,10 +96,10 @@ void make_folder(const std::string& folder) {
 
 void run(const EvalOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
-    const Dataset dataset = load_dataset(options.dataset, options.split == "train" ? Split::kTrain : Split::kTest);
+    const Dataset dataset = load_dataset(options.dataset, options.split == "train" ? Split::kTrain : Split::kTest,
+                                         {.format = options.format});
     std::unique_ptr<PictureFolder> pictures;
     if (!options.images.empty()) {
-        expect_distinct_names(dataset, options.dataset);
         make_folder(options.images);
         pictures.reset(new PictureFolder{options.images, sheet_views(dataset.views.size())});
     }
@@ -142,6 +133,7 @@ void add_eval(CLI::App& app, CommonOptions& common) {
     const auto options = std::make_shared<EvalOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("dataset", options->dataset, "The data set's folder")->required();
+    add_format_option(*verb, options->format);
     verb->add_option("--split", options->split, "Which of its pictures")
         ->check(CLI::IsMember({"test", "train"}))
         ->capture_default_str();

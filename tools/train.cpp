@@ -16,6 +16,7 @@ namespace {
 
 struct TrainOptions {
     std::filesystem::path dataset, output;
+    std::string format = kAnyFormat;
     TrainSettings settings;
 };
 
@@ -43,7 +44,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     const Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    const Dataset dataset = load_dataset(options.dataset, Split::kTrain);
+    const Dataset dataset = load_dataset(options.dataset, Split::kTrain, {.format = options.format});
     fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures\n", options.dataset.string(), dataset.cameras.size(),
                dataset.times.size(), dataset.views.size());
     double printed = -1e9;
@@ -65,8 +66,8 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
 void add_train(CLI::App& app, CommonOptions& common) {
     auto options = std::make_shared<TrainOptions>();
     CLI::App* verb = app.add_subcommand("train", "Train a volumetric video from a calibrated multi-view video");
-    verb->add_option("dataset", options->dataset, "Folder with transforms_train.json (see training/README.md)")
-        ->required();
+    verb->add_option("dataset", options->dataset, "The data set's folder (see training/README.md)")->required();
+    add_format_option(*verb, options->format);
     verb->add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced")->required();
     CLI::Option* minutes = verb->add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
                                ->check(CLI::Range(0.01, 1e5));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/options.h"
-#include "training/dataset.h"
+#include "training/nerf.h"
 #include "voctree/voctree.h"
 
 namespace neuvv {

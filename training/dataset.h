@@ -15,7 +15,7 @@ namespace neuvv {
 
 // One picture of one camera at one instant.
 struct View {
-    std::string name;     // `file_path`'s file name without extension ("c00_f003")
+    std::string name;     // distinct within the data set ("c00_f003")
     uint32_t camera = 0;  // index into Dataset::cameras
     double time = 0;      // [0,1] over the clip
     Image image;          // straight alpha = the matte. See Dataset::plates for what RGB means
@@ -28,28 +28,22 @@ struct Dataset {
     // Clean plates by camera (empty image: none). Where a camera has one, its views' RGB is the captured picture,
     // background included; elsewhere RGB is the foreground's own colour under straight alpha.
     std::vector<Image> plates;
-    std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // `aabb`: min, max in metres, where the file gives one
-    double fps = 0;                                        // `fps`, 0 where the file gives none
+    std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
+    double fps = 0;                                        // 0 where the files give none
     std::vector<double> times;                             // distinct, ascending
 };
 
 enum class Split { kTrain, kTest };
 
-// Reads `folder`/transforms_train.json or _test.json, or one transforms.json of which every 8th camera (the first, the
-// 9th, …) is held out for the test split. Fields: those of the NeRF family, see training/README.md. Throws InputError
-// naming file, JSON place and mend for anything missing, mistyped, non-finite, not a rigid pose, of zero size, or
-// without alpha.
-Dataset load_dataset(const std::filesystem::path& folder, Split split);
-
-// Cameras of a path for `neuvv render --camera`: the frames of a transforms.json without its images, in file order,
-// with `time` where given. A file without w and h leaves the size to the caller: width, height, cx and cy are then 0,
-// and fx and fy are the focal length in picture widths (multiply by the width chosen; the principal point is the
-// centre).
-struct CameraKey {
-    Camera camera;
-    std::optional<double> time;
+struct LoadOptions {
+    std::string format = "auto";  // one of format_names()
+    bool mattes_needed = true;    // false: pictures without a matte are taken as they are
 };
-std::vector<CameraKey> load_camera_path(const std::filesystem::path& file);
+
+// Recognises the folder's layout (training/README.md), and reads the cameras and pictures of a split. Throws
+// InputError naming file, place and mend for anything missing, mistyped, non-finite, not a rigid pose, of zero size, or
+// without a matte.
+Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options = {});
 
 // The frame, 0..frames−1, of a time in [0,1]. Times are written with few digits: next to a whole frame is that frame,
 // else every picture would also speak for its neighbours in time.

@@ -10,10 +10,10 @@ namespace neuvv {
 // In camera coordinates of OpenCV axes (x right, y down, z forward); x = X/Z, y = Y/Z, r² = x² + y², θ = atan r.
 enum class LensModel : uint8_t {
     kPinhole,
-    kBrown,    // OpenCV: radial (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶), tangential p1, p2
+    kBrown,  // OpenCV: radial (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶), tangential p1, p2
     kFisheye,  // OpenCV's fisheye: θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸); with tangential p1, p2 and thin prism
                // s1, s2 after it COLMAP's THIN_PRISM_FISHEYE
-    kFov,      // COLMAP's FOV: r_d = atan(2 r tan(ω/2)) / ω, k[0] = ω
+    kFov,  // COLMAP's FOV: r_d = atan(2 r tan(ω/2)) / ω, k[0] = ω
 };
 
 struct Lens {
@@ -25,6 +25,9 @@ struct Lens {
 
     bool distorts() const;  // false: straight lines stay straight
 };
+
+// The same lens for pictures scaled to this size.
+Lens scaled(Lens lens, uint32_t width, uint32_t height);
 
 // Where the lens puts the direction (x, y, 1), in pixels.
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy);

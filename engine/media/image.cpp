@@ -8,10 +8,12 @@
 
 #include <array>
 #include <cassert>
+#include <cerrno>
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -24,6 +26,9 @@ constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 31;
 constexpr uint64_t kMaxDeflateRatio = 1032;  // of zlib's format: no stream grows by more
 constexpr int kMaxJpegScans = 200;           // a progressive file of more scans is built to waste time
 constexpr int kPngCompression = 4;  // with one filter: several times faster than the default, files little larger
+
+constexpr uint8_t kPng[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr uint8_t kJpeg[3] = {0xff, 0xd8, 0xff};
 
 // libpng and libjpeg leave by longjmp, which skips destructors: every function below that calls setjmp holds plain data
 // only, and its callers own what needs freeing.
@@ -189,6 +194,19 @@ bool begin_jpeg(JpegReader& reader, const uint8_t* bytes, size_t size) {
     return true;
 }
 
+// The size in a JPEG's header; false where it has none.
+bool read_jpeg_size(JpegReader& reader, std::FILE* file) {
+    reader.info.err = jpeg_std_error(&reader.errors);
+    reader.errors.error_exit = on_jpeg_error;
+    reader.errors.emit_message = on_jpeg_message;
+    reader.info.client_data = &reader;
+    if (setjmp(reader.jump)) return false;
+    jpeg_create_decompress(&reader.info);
+    jpeg_stdio_src(&reader.info, file);
+    jpeg_read_header(&reader.info, TRUE);
+    return true;
+}
+
 bool finish_jpeg(JpegReader& reader, uint8_t* rgba) {
     if (setjmp(reader.jump)) return false;
     jpeg_start_decompress(&reader.info);
@@ -252,12 +270,34 @@ float linear_from_srgb_byte(uint8_t srgb) {
 }
 
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
-    constexpr uint8_t kPng[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    constexpr uint8_t kJpeg[3] = {0xff, 0xd8, 0xff};
     if (size >= sizeof(kPng) && std::memcmp(bytes, kPng, sizeof(kPng)) == 0) return decode_png(bytes, size, name);
     if (size >= sizeof(kJpeg) && std::memcmp(bytes, kJpeg, sizeof(kJpeg)) == 0) return decode_jpeg(bytes, size, name);
     throw InputError(name, "", size == 0 ? "the file is empty" : "is neither a PNG nor a JPEG",
                      "convert the picture to PNG");
+}
+
+ImageSize image_size(const std::filesystem::path& path) {
+    const std::string name = path.string();
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+    if (!file) throw InputError(name, "", fmt::format("cannot open: {}", std::strerror(errno)));
+    uint8_t head[24] = {};
+    const size_t got = std::fread(head, 1, sizeof(head), file.get());
+    ImageSize size;
+    if (got == sizeof(head) && std::memcmp(head, kPng, sizeof(kPng)) == 0) {
+        size = {big_endian_32(head + 16), big_endian_32(head + 20)};
+    } else if (got == sizeof(head) && std::memcmp(head, kJpeg, sizeof(kJpeg)) == 0) {
+        std::rewind(file.get());
+        JpegReader reader;
+        if (!read_jpeg_size(reader, file.get()))
+            throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
+                             "export the picture again, as RGB or grey");
+        size = {reader.info.image_width, reader.info.image_height};
+    } else {
+        throw InputError(name, "", got == 0 ? "the file is empty or no file" : "is neither a PNG nor a JPEG",
+                         "convert the picture to PNG");
+    }
+    check_size(size.width, size.height, name);
+    return size;
 }
 
 Image read_png(const std::filesystem::path& path) {

@@ -33,6 +33,13 @@ Image read_png(const std::filesystem::path& path);
 // The same for PNG or JPEG bytes in memory; `name` stands for the file in errors.
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name);
 
+// Size of a PNG or JPEG file by its header alone: the rest may still be damaged.
+struct ImageSize {
+    uint32_t width = 0, height = 0;
+    bool operator==(const ImageSize&) const = default;
+};
+ImageSize image_size(const std::filesystem::path& path);
+
 // Writes RGBA (or RGB where every pixel is opaque), atomically.
 void write_png(const std::filesystem::path& path, const Image& image);
 

@@ -10,6 +10,8 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "training/evaluate.h"
+#include "training/formats.h"
+#include "training/nerf.h"
 
 namespace neuvv {
 namespace {
@@ -116,6 +118,16 @@ TEST_F(DatasetTest, PathsMayNameTheirEnding) {
     EXPECT_EQ(load(document).views[0].name, "c0_f2");
 }
 
+TEST_F(DatasetTest, FoldersTellPicturesOfOneNameApart) {
+    json document = good;
+    std::filesystem::create_directories(folder.path / "b");
+    std::filesystem::copy_file(folder.path / "train" / "c0_f2.png", folder.path / "b" / "c0_f2.png");
+    document["frames"][1]["file_path"] = "./b/c0_f2";
+    const Dataset data = load(document);
+    EXPECT_EQ(data.views[0].name, "train_c0_f2");
+    EXPECT_EQ(data.views[1].name, "b_c0_f2");
+}
+
 TEST_F(DatasetTest, OneFileHoldsOutEveryEighthCamera) {
     json document = {{"camera_angle_x", 0.8}};
     for (int camera = 0; camera < 10; ++camera) {
@@ -140,6 +152,16 @@ TEST_F(DatasetTest, MissingFilesAreNamed) {
     expect_input_error([&] { load_dataset(folder.path, Split::kTest); }, {"transforms_test.json"});
     std::filesystem::remove(folder.path / "train" / "c1_f0.png");
     expect_input_error([&] { load(good); }, {"transforms_train.json", "frames[3].file_path", "c1_f0.png"});
+}
+
+TEST_F(DatasetTest, TheLayoutIsRecognisedOrForced) {
+    load(good);
+    EXPECT_EQ(read_rig(folder.path, Split::kTrain).format, "nerf");
+    EXPECT_EQ(load_dataset(folder.path, Split::kTrain, {.format = "nerf"}).views.size(), 6u);
+    expect_input_error([&] { load_dataset(folder.path, Split::kTrain, {.format = "nrf"}); }, {"--format", "nerf"});
+    const TemporaryFolder empty;
+    expect_input_error([&] { load_dataset(empty.path, Split::kTrain); }, {"transforms.json", "(nerf)"});
+    expect_input_error([&] { load_dataset(empty.path, Split::kTrain, {.format = "nerf"}); }, {"transforms.json"});
 }
 
 TEST_F(DatasetTest, TruncatedJsonAtEveryLength) {

@@ -1,0 +1,78 @@
+#include "training/formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "base/error.h"
+#include "training/nerf.h"
+
+namespace neuvv {
+
+namespace {
+
+struct Format {
+    const char* name;
+    const char* files;  // by which it is known, for errors
+    bool (*detects)(const std::filesystem::path& folder);
+    Rig (*read)(const std::filesystem::path& folder, Split split);
+};
+
+// In the order in which they are tried: a folder often holds what other programs left there, too.
+constexpr Format kFormats[] = {
+    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig},
+};
+
+const Format& find_format(const std::filesystem::path& folder, const std::string& name) {
+    std::string known;
+    for (const Format& format : kFormats) {
+        if (name == kAnyFormat ? format.detects(folder) : name == format.name) return format;
+        known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", format.files, format.name);
+    }
+    if (name == kAnyFormat)
+        throw InputError(folder.string(), "", "is no data set of a known layout", "name a folder that holds " + known);
+    throw InputError("--format", name, "is not a known layout", "give one of " + known);
+}
+
+// What every layout must keep, told in the words of its own file.
+void expect_sound(const Rig& rig) {
+    if (rig.shots.empty())
+        throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no picture of this split");
+    std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> pictures;
+    std::map<std::pair<uint32_t, double>, const Shot*> instants;
+    std::map<std::string, const Shot*> names;
+    for (const Shot& shot : rig.shots) {
+        const auto fail = [&](const std::string& problem, const std::string& mend) {
+            throw InputError(rig.file, shot.place, problem, mend);
+        };
+        if (!(shot.time >= 0 && shot.time <= 1)) fail(fmt::format("has the time {}, outside [0,1]", shot.time), "");
+        const auto picture = std::pair(shot.picture.path.lexically_normal(), shot.picture.video_frame);
+        if (const auto [same, fresh] = pictures.try_emplace(picture, &shot); !fresh)
+            fail("is the picture of " + same->second->place + " again", "give each frame its own picture");
+        if (const auto [twin, alone] = instants.try_emplace({shot.camera, shot.time}, &shot); !alone)
+            fail("has the camera and the time of " + twin->second->place,
+                 "remove the duplicate, or give each frame its time");
+        if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)
+            fail(fmt::format("bears the name {} of {}", shot.name, twin->second->place), "rename its picture");
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names = {kAnyFormat};
+    for (const Format& format : kFormats) names.push_back(format.name);
+    return names;
+}
+
+Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format) {
+    const Rig rig = find_format(folder, format).read(folder, split);
+    expect_sound(rig);
+    return rig;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,73 @@
+#include "training/lens.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kTiny = 1e-9;  // radii and angles below it: the limit instead of 0/0
+
+// Radial factor about the axis at the distance (Brown) or angle (fisheye) whose square is given.
+double radial_factor(const Lens& lens, double squared) {
+    const auto& k = lens.k;
+    const double s = squared;
+    if (lens.model == LensModel::kBrown)
+        return (1 + s * (k[0] + s * (k[1] + s * k[2]))) / (1 + s * (k[3] + s * (k[4] + s * k[5])));
+    return 1 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3])));
+}
+
+glm::dvec2 distort(const Lens& lens, glm::dvec2 p) {
+    const double squared = glm::dot(p, p), product = 2 * p.x * p.y;
+    return radial_factor(lens, squared) * p +
+           glm::dvec2(lens.p1 * product + lens.p2 * (squared + 2 * p.x * p.x) + lens.s1 * squared,
+                      lens.p2 * product + lens.p1 * (squared + 2 * p.y * p.y) + lens.s2 * squared);
+}
+
+// atan(2 r tan(ω/2)) / (ω r)
+double fov_factor(double omega, double r) {
+    if (std::abs(omega) < kTiny) return 1;
+    const double slope = 2 * std::tan(0.5 * omega);
+    return r < kTiny ? slope / omega : std::atan(slope * r) / (omega * r);
+}
+
+glm::dvec2 bend(const Lens& lens, glm::dvec2 xy) {
+    const double r = glm::length(xy);
+    switch (lens.model) {
+        case LensModel::kPinhole:
+            return xy;
+        case LensModel::kBrown:
+            return distort(lens, xy);
+        case LensModel::kFisheye:
+            return distort(lens, r < kTiny ? xy : xy * (std::atan(r) / r));
+        case LensModel::kFov:
+            return xy * fov_factor(lens.k[0], r);
+    }
+    return xy;
+}
+
+}  // namespace
+
+bool Lens::distorts() const {
+    if (model == LensModel::kPinhole) return false;
+    if (model == LensModel::kFisheye) return true;  // even with no coefficient
+    return p1 != 0 || p2 != 0 || s1 != 0 || s2 != 0 || std::any_of(k.begin(), k.end(), [](double c) { return c != 0; });
+}
+
+Lens scaled(Lens lens, uint32_t width, uint32_t height) {
+    const double across = static_cast<double>(width) / lens.width, down = static_cast<double>(height) / lens.height;
+    lens.fx *= across;
+    lens.cx *= across;
+    lens.fy *= down;
+    lens.cy *= down;
+    lens.width = width;
+    lens.height = height;
+    return lens;
+}
+
+glm::dvec2 project(const Lens& lens, glm::dvec2 xy) {
+    return glm::dvec2(lens.cx, lens.cy) + glm::dvec2(lens.fx, lens.fy) * bend(lens, xy);
+}
+
+}  // namespace neuvv
