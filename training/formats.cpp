@@ -9,6 +9,8 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "training/colmap.h"
+#include "training/easymocap.h"
 #include "training/nerf.h"
 
 namespace neuvv {
@@ -25,6 +27,8 @@ struct Format {
 // In the order in which they are tried: a folder often holds what other programs left there, too.
 constexpr Format kFormats[] = {
     {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig},
+    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig},
+    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig},
 };
 
 const Format& find_format(const std::filesystem::path& folder, const std::string& name) {

@@ -1,0 +1,167 @@
+#include "training/camera_folders.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "base/error.h"
+#include "media/video.h"
+#include "training/calibration.h"
+
+namespace neuvv {
+
+namespace {
+
+bool is_digit(char c) {
+    return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+// The digits at `at` without leading zeros; moves behind them.
+std::string_view take_digits(const std::string& text, size_t& at) {
+    const size_t begin = at;
+    while (at < text.size() && is_digit(text[at])) ++at;
+    std::string_view digits = std::string_view(text).substr(begin, at - begin);
+    digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
+    return digits;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+    std::string text = path.extension().string();
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+Frames frames_of_video(const std::filesystem::path& path, double& fps) {
+    const VideoSummary video = summarise_video(path);
+    fps = video.fps;
+    Frames frames;
+    for (uint32_t i = 0; i < video.frames; ++i) frames[fmt::format("{:06}", i)] = {path, i};
+    return frames;
+}
+
+std::filesystem::path find_video(const std::filesystem::path& folder, const std::string& camera) {
+    std::error_code ignored;
+    for (const char* ending : {".mp4", ".mkv", ".mov", ".avi", ".webm"})
+        if (auto path = folder / (camera + ending); std::filesystem::is_regular_file(path, ignored)) return path;
+    return {};
+}
+
+// Of each frame's name.
+std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFrames>& cameras) {
+    std::map<std::string, double, NaturalOrder> times;
+    for (const CameraFrames& from : cameras)
+        for (const auto& [name, picture] : from.frames) times.try_emplace(name, 0);
+    const double last = std::max(1.0, static_cast<double>(times.size()) - 1);
+    double next = 0;
+    for (auto& [name, time] : times) time = next++ / last;
+    return times;
+}
+
+}  // namespace
+
+bool NaturalOrder::operator()(const std::string& a, const std::string& b) const {
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (is_digit(a[i]) && is_digit(b[j])) {
+            const std::string_view x = take_digits(a, i), y = take_digits(b, j);
+            if (x.size() != y.size()) return x.size() < y.size();
+            if (x != y) return x < y;
+        } else {
+            if (a[i] != b[j]) return a[i] < b[j];
+            ++i, ++j;
+        }
+    }
+    const size_t a_left = a.size() - i, b_left = b.size() - j;
+    return a_left != b_left ? a_left < b_left : a < b;  // "1" and "01" differ, too
+}
+
+Frames pictures_in(const std::filesystem::path& folder) {
+    Frames frames;
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const std::string extension = lower_extension(entry->path());
+        if (extension != ".png" && extension != ".jpg" && extension != ".jpeg") continue;
+        const auto [same, fresh] = frames.try_emplace(entry->path().stem().string(), PictureSource{entry->path(), -1});
+        if (!fresh)
+            throw InputError(entry->path().string(), "",
+                             fmt::format("is named like {}", same->second.path.filename().string()),
+                             "keep one picture a frame");
+    }
+    return frames;
+}
+
+Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps) {
+    for (const auto& place : {folder / "images" / camera, folder / camera})
+        if (Frames frames = pictures_in(place); !frames.empty()) return frames;
+    for (const auto& place : {folder / "videos", folder})
+        if (const auto video = find_video(place, camera); !video.empty()) return frames_of_video(video, fps);
+    return {};
+}
+
+std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
+    std::error_code ignored;
+    for (const char* name : names)
+        if (std::filesystem::is_directory(folder / name, ignored)) return folder / name;
+    return {};
+}
+
+Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
+    Frames found = pictures_in(masks / camera);
+    if (found.empty()) {
+        double ignored = 0;
+        const auto video = find_video(masks, camera);
+        if (video.empty())
+            throw InputError((masks / camera).string(), "", "holds no masks",
+                             "give every camera masks, or take the masks' folder away");
+        Frames in_order;
+        const Frames of_video = frames_of_video(video, ignored);
+        if (of_video.size() != frames.size())
+            throw InputError(video.string(), "",
+                             fmt::format("has {} frames, but its camera {}", of_video.size(), frames.size()),
+                             "give every frame its mask");
+        auto mask = of_video.begin();
+        for (const auto& [name, picture] : frames) in_order[name] = (mask++)->second;
+        return in_order;
+    }
+    for (const auto& [name, picture] : frames)
+        if (!found.contains(name))
+            throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
+                             "give every frame its mask, named as the picture");
+    return found;
+}
+
+void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& cameras) {
+    size_t frames = 0;
+    for (const CameraFrames& from : cameras) frames += from.frames.size();
+    if (cameras.size() > 1 && times_of(cameras).size() == frames)
+        throw InputError(rig.folder.string(), "", "no picture of one camera is named as one of another",
+                         "name the pictures of an instant alike: images/<camera>/000000.jpg");
+}
+
+void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split) {
+    const std::map<std::string, double, NaturalOrder> times = times_of(cameras);
+    if (std::all_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.group == cameras[0].group; }))
+        throw InputError(rig.file, "", "has one camera with pictures, and one must be held out for the test",
+                         "give two cameras or more");
+    for (const CameraFrames& from : cameras) {
+        if ((from.group % kHoldOut == 0) != (split == Split::kTest)) continue;
+        const auto camera = static_cast<uint32_t>(rig.cameras.size());
+        rig.cameras.push_back(from.camera);
+        for (const auto& [name, picture] : from.frames) {
+            Shot shot{camera,
+                      times.at(name),
+                      from.camera.name + "_" + name,
+                      fmt::format("{}, frame {}", from.place, name),
+                      picture,
+                      {}};
+            std::replace(shot.name.begin(), shot.name.end(), '/', '_');
+            if (!from.masks.empty()) shot.mask = from.masks.at(name);
+            rig.shots.push_back(std::move(shot));
+        }
+    }
+}
+
+}  // namespace neuvv

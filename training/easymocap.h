@@ -1,0 +1,16 @@
+// Data sets of EasyMocap, and ZJU-MoCap in its layout: intri.yml, extri.yml and a folder of pictures a camera.
+#pragma once
+
+#include <filesystem>
+
+#include "training/rig.h"
+
+namespace neuvv {
+
+bool has_easymocap_files(const std::filesystem::path& folder);
+
+// Cameras without pictures are left out; of the others every 8th (the first, the 9th, … in the order of `names`) is
+// held out for the test split. Throws InputError naming file, place and mend.
+Rig read_easymocap_rig(const std::filesystem::path& folder, Split split);
+
+}  // namespace neuvv
