@@ -42,19 +42,23 @@ void TrainingStep::submit(const StepSettings& settings) {
     commands_.submit();
 }
 
-StepResult TrainingStep::wait() {
-    commands_.wait();
+StepResult summed_losses(const glm::vec4* sums, uint32_t tiles) {
     StepResult result;
     double pixels = 0;
-    for (uint32_t i = 0; i < tiles_; i++) {
-        const glm::vec4 sum = sums_.as<glm::vec4>()[i];
-        result.rgb_loss += static_cast<double>(sum.x);
-        result.grad_loss += static_cast<double>(sum.y);
-        pixels += static_cast<double>(sum.z);
+    for (uint32_t i = 0; i < tiles; i++) {
+        result.rgb_loss += static_cast<double>(sums[i].x);
+        result.grad_loss += static_cast<double>(sums[i].y);
+        pixels += static_cast<double>(sums[i].z);
     }
     result.rgb_loss /= std::max(pixels, 1.0);
     result.grad_loss /= std::max(pixels, 1.0);
     result.pixels = static_cast<uint64_t>(pixels);
+    return result;
+}
+
+StepResult TrainingStep::wait() {
+    commands_.wait();
+    StepResult result = summed_losses(sums_.as<glm::vec4>(), tiles_);
     const LiveCount& live = *live_.as<LiveCount>();
     result.slots = std::min(live.slots, slice_.capacity);
     result.overflow = live.overflow;

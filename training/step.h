@@ -26,6 +26,9 @@ struct StepResult {
     uint32_t overflow = 0;  // live leaves that found no slot
 };
 
+// What loss.comp left for each tile (LossBatch::sums), as one; no slots.
+StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
+
 // The device's memory of a training run: field, slice, rays, gradients, moments. Fill rays() and batch() with the next
 // tiles, submit(), prepare the following ones meanwhile, wait().
 class TrainingStep {

@@ -1,6 +1,5 @@
 #include "gradient/scene.h"
 
-#include <cstring>
 #include <glm/gtc/packing.hpp>
 
 #include "support/look_at.h"
@@ -71,14 +70,6 @@ reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane) {
     const glm::dvec2 jitter(glm::unpackSnorm2x16(tile.jitter));
     return reference::camera_ray(scene.cameras[tile.camera], tile.x + lane % kTile + jitter.x,
                                  tile.y + lane / kTile + jitter.y);
-}
-
-void load_scene(const TrainingStep& step, const Scene& scene) {
-    for (size_t i = 0; i < scene.cameras.size(); i++)
-        step.rays().cameras.as<ShaderCamera>()[i] = shader_camera(scene.cameras[i]);
-    std::memcpy(step.rays().tiles.mapped, scene.tiles.data(), scene.tiles.size() * sizeof(Tile));
-    std::memcpy(step.batch().target.mapped, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
-    std::memcpy(step.batch().background.mapped, scene.background.data(), scene.background.size() * sizeof(glm::vec4));
 }
 
 std::vector<float> download_floats(const Device& device, const Buffer& buffer, size_t count) {

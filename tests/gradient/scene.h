@@ -2,6 +2,8 @@
 // gradients of it.
 #pragma once
 
+#include <cstring>
+
 #include "reference/trace.h"
 #include "support/random_tree.h"
 #include "training/step.h"
@@ -36,7 +38,15 @@ StepSettings settings_of(const Scene& scene);
 // The ray of a lane of one of its tiles, jitter included.
 reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
 
-void load_scene(const TrainingStep& step, const Scene& scene);
+// Into the rays() and batch() of any step.
+template <typename Step>
+void load_scene(const Step& step, const Scene& scene) {
+    for (size_t i = 0; i < scene.cameras.size(); i++)
+        step.rays().cameras.template as<ShaderCamera>()[i] = shader_camera(scene.cameras[i]);
+    std::memcpy(step.rays().tiles.mapped, scene.tiles.data(), scene.tiles.size() * sizeof(Tile));
+    std::memcpy(step.batch().target.mapped, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
+    std::memcpy(step.batch().background.mapped, scene.background.data(), scene.background.size() * sizeof(glm::vec4));
+}
 
 struct Gradients {
     std::vector<float> weights;  // in planes

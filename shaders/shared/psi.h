@@ -1,0 +1,164 @@
+// The neural mapping module Ψ (paper eq. Ψ(x,y,z) = w^σ, w^γ, w^HH) as the passes of training and conversion bind it.
+//
+// Samples come in blocks of 64: block tile·n + i holds the i-th of the n samples of the 64 rays of a tile, in lanes.
+// What a network knows of a block is rows of 64 floats, 16 texels each; a layer's rows follow those of the layer before
+// it.
+//
+// Parameters are one array of floats, in this order:
+//   hidden layers: matrices (inputs + 1) × width, row k all that input k says, the last row the bias
+//   head:          (width + 1) × heads, not learnt: the output layer folded with the rows A_t and B_t of one instant,
+//                  columns σ, γ, then w^HH as in the output layer, then zeros
+//   output layer:  (width + 1) × outputs, columns in the order of a leaf's weights (voctree.h)
+//   A, B:          frames × bases each
+// As w^σ and w^γ enter σ and γ only by A_t·w^σ and B_t·w^γ, the fold is exact; a sample then costs 2 + 3 N columns in
+// place of 2 C + 3 N, and ∂A, ∂B need no pass over the samples.
+#ifndef NEUVV_SHARED_PSI_H
+#define NEUVV_SHARED_PSI_H
+#include "shared/hh_counts.h"
+#include "shared/trace.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kPsiBlock = 64u;  // samples and threads of a workgroup
+CONSTEXPR uint kPsiBlockTexels = 16u;
+
+// Bindings; every pass has those that it needs.
+CONSTEXPR uint kPsiPoints = 0u;  // per sample: place in [−1, 1]³ of the box's longest side, segment's length in m
+CONSTEXPR uint kPsiDirections = 1u;  // per ray: unit direction, unused
+CONSTEXPR uint kPsiRanges = 2u;      // per ray: metres along it where it enters and leaves the box, unused × 2
+CONSTEXPR uint kPsiParameters = 3u;
+CONSTEXPR uint kPsiActivations = 4u;  // per block psi_rows rows
+CONSTEXPR uint kPsiAdjoints = 5u;     // per block psi_adjoint_rows rows: ∂L by what enters each activation function
+CONSTEXPR uint kPsiValues = 6u;       // per sample: σ in 1/m, linear RGB
+CONSTEXPR uint kPsiValueAdjoints = 7u;
+CONSTEXPR uint kPsiPartials = 8u;   // per split of the samples: gradients of hidden layers and head
+CONSTEXPR uint kPsiGradients = 9u;  // as the parameters
+CONSTEXPR uint kPsiFirst = 10u;     // moments, as the parameters
+CONSTEXPR uint kPsiSecond = 11u;
+CONSTEXPR uint kPsiCameras = 12u;
+CONSTEXPR uint kPsiTiles = 13u;
+CONSTEXPR uint kPsiRadiance = 14u;
+CONSTEXPR uint kPsiRayAdjoints = 15u;
+
+// What a forward pass leaves in the activations.
+CONSTEXPR uint kPsiKeepNothing = 0u;
+CONSTEXPR uint kPsiKeepAll = 1u;     // all rows, for the adjoint; and values
+CONSTEXPR uint kPsiKeepHidden = 2u;  // the last hidden layer's rows alone, block after block; no values
+
+// Features of the encoding: x and sin, cos of 2^k π x for k < frequencies, filled up to whole texels.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    psi_inputs(uint frequencies) {
+    return (3u + 6u * frequencies + 3u) / 4u * 4u;
+}
+
+// Columns of the head.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    psi_heads(uint degree) {
+    return (2u + 3u * hh_count(degree) + 31u) / 32u * 32u;
+}
+
+// Rows of a block: encoding, hidden layers, head.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    psi_rows(uint inputs, uint width, uint layers, uint heads) {
+    return inputs + layers * width + heads;
+}
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    psi_adjoint_rows(uint width, uint layers, uint heads) {
+    return layers * width + heads;
+}
+
+// Where a hidden layer's matrix begins among the parameters, in floats; that of number `layers` is the head.
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    psi_layer_first(uint layer, uint inputs, uint width) {
+    return layer == 0u ? 0u : (inputs + 1u + (layer - 1u) * (width + 1u)) * width;
+}
+
+// psi_sample.comp, psi_resample.comp
+struct PsiRayPush {
+    vec4 box_min;   // metres
+    vec4 box_size;  // metres
+    vec4 centre;    // metres; w: 2 / the box's longest side
+    uint tiles;
+    uint coarse;  // samples a ray of the first pass
+    uint fine;    // of the second
+    uint seed;
+};
+
+// psi_forward.comp, psi_adjoint.comp, psi_composite.comp, psi_composite_adjoint.comp
+struct PsiBlockPush {
+    uint blocks;
+    uint per_ray;  // samples a ray
+    uint keep;     // kPsiKeep…
+};
+
+// psi_weights_adjoint.comp, once a layer
+struct PsiWeightsPush {
+    uint blocks;
+    uint splits;      // workgroups that share the samples
+    uint inputs;      // rows of the matrix but the bias
+    uint outputs;     // its columns
+    uint input_row;   // first among the block's rows
+    uint output_row;  // first among its adjoint rows
+    uint first;       // of the matrix among the parameters, in floats
+    uint stride;      // floats of one split's partial sums
+};
+
+// psi_reduce.comp
+struct PsiReducePush {
+    uint count;  // parameters with partial sums
+    uint splits;
+};
+
+// psi_fold.comp, psi_fold_adjoint.comp
+struct PsiFoldPush {
+    float frame;  // 0..frames−1
+    uint frames;
+    uint bases;
+    uint outputs;
+    uint head_first;  // all in floats
+    uint output_first;
+    uint sigma_first;  // of A; B follows
+    float density;     // 1/m: what one unit of the network's w^σ means
+};
+
+// psi_adam.comp. `emit`: nothing moves, the gradients alone are of interest.
+struct PsiAdamPush {
+    float beta1;
+    float beta2;
+    float epsilon;
+    float bias1;  // 1 − β1^step
+    float bias2;
+    uint emit;
+    uint head_first;  // the head, which is not learnt, is passed over
+    uint output_first;
+    uint sigma_first;  // from here on rows_rate
+    uint count;
+    float rate;
+    float rows_rate;
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::PsiRayPush) == 64);
+static_assert(sizeof(neuvv::PsiBlockPush) == 12);
+static_assert(sizeof(neuvv::PsiWeightsPush) == 32);
+static_assert(sizeof(neuvv::PsiFoldPush) == 32);
+static_assert(sizeof(neuvv::PsiAdamPush) == 48);
+#endif
+#endif

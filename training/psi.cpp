@@ -1,0 +1,308 @@
+#include "training/psi.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <random>
+
+#include "spirv/psi_adam.comp.h"
+#include "spirv/psi_adjoint.comp.h"
+#include "spirv/psi_composite.comp.h"
+#include "spirv/psi_composite_adjoint.comp.h"
+#include "spirv/psi_fold.comp.h"
+#include "spirv/psi_fold_adjoint.comp.h"
+#include "spirv/psi_forward.comp.h"
+#include "spirv/psi_reduce.comp.h"
+#include "spirv/psi_resample.comp.h"
+#include "spirv/psi_sample.comp.h"
+#include "spirv/psi_weights_adjoint.comp.h"
+#include "training/bases.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint32_t kGroup = 64;
+constexpr uint32_t kMostSplits = 64;
+// A unit of the network's w^σ stands for this optical depth through the box's longest side, and fog starts at kFirstFog
+// units: half of a ray's light gets through.
+constexpr float kUnitDepth = 30;
+constexpr float kFirstFog = 0.025f;
+
+constexpr VkFormat kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
+
+uint32_t groups_of(uint32_t threads) {
+    return (threads + kGroup - 1) / kGroup;
+}
+
+uint64_t parameter_bytes(const PsiShape& shape) {
+    return uint64_t{16} * ((shape.count() + 3) / 4);
+}
+
+std::vector<uint32_t> network_constants(const PsiShape& shape) {
+    return {shape.frequencies, shape.inputs(), shape.width, shape.layers, shape.hh_degree, shape.heads()};
+}
+
+// Rounds: uniform in ±√(6 / inputs), He's variance.
+void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t outputs, double gain,
+                std::mt19937_64& random) {
+    const double reach = gain * std::sqrt(6.0 / real_inputs);
+    for (uint32_t k = 0; k < inputs; k++)
+        for (uint32_t o = 0; o < outputs; o++) {
+            const double uniform = static_cast<double>(random() >> 11) * 0x1p-53;
+            matrix[size_t{k} * outputs + o] = static_cast<float>(reach * (2 * uniform - 1));
+        }
+}
+
+}  // namespace
+
+PsiNetwork initial_psi(const PsiShape& shape, glm::vec3 box_min, glm::vec3 box_size, uint64_t seed) {
+    PsiNetwork network{shape, box_min, box_size, 1, {}};
+    network.density = 0.5f * kUnitDepth * network.scale();
+    network.parameters.assign(shape.count(), 0);
+    std::mt19937_64 random(seed);
+    for (uint32_t layer = 0; layer < shape.layers; layer++)
+        fill_layer(&network.parameters[psi_layer_first(layer, shape.inputs(), shape.width)],
+                   layer == 0 ? shape.inputs() : shape.width, layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
+                   shape.width, 1, random);
+    float* output = &network.parameters[shape.output_first()];
+    fill_layer(output, shape.width, shape.width, shape.outputs(), 0.02, random);
+    float* bias = output + size_t{shape.width} * shape.outputs();
+    const std::vector<float> gamma = initial_gamma_weights(shape.bases), hats = hat_basis(shape.frames, shape.bases);
+    std::fill(bias, bias + shape.bases, kFirstFog);
+    std::copy(gamma.begin(), gamma.end(), bias + shape.bases);
+    std::copy(hats.begin(), hats.end(), &network.parameters[shape.sigma_first()]);
+    std::copy(hats.begin(), hats.end(), &network.parameters[shape.gamma_first()]);
+    return network;
+}
+
+PsiStep::PsiStep(const Device& device, const PsiNetwork& network, const PsiSampling& sampling, uint32_t cameras,
+                 uint32_t tiles)
+    : device_(device),
+      network_(network),
+      sampling_(sampling),
+      splits_(std::min(kMostSplits, tiles * sampling.fine)),
+      rays_(device, cameras, tiles),
+      batch_(device, tiles),
+      points_(device, "psi points", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
+      directions_(device, "psi directions", uint64_t{16} * kTilePixels * tiles, MemoryKind::kDevice, kVec4),
+      ranges_(device, "psi ranges", uint64_t{16} * kTilePixels * tiles, MemoryKind::kDevice, kVec4),
+      values_(device, "psi values", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
+      value_adjoints_(device, "psi value adjoints", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
+      parameters_(device, "psi parameters", parameter_bytes(network.shape), MemoryKind::kDevice, kVec4),
+      gradients_(device, "psi gradients", parameter_bytes(network.shape), MemoryKind::kDevice),
+      first_(device, "psi first moments", parameter_bytes(network.shape), MemoryKind::kDevice),
+      second_(device, "psi second moments", parameter_bytes(network.shape), MemoryKind::kDevice),
+      activations_(device, "psi activations", uint64_t{4} * network.shape.rows() * samples(), MemoryKind::kDevice,
+                   kVec4),
+      adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples(), MemoryKind::kDevice,
+                kVec4),
+      partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_first(), MemoryKind::kDevice),
+      sums_(device, "psi loss sums", uint64_t{16} * tiles, MemoryKind::kReadback),
+      fold_(device, "psi fold", psi_fold_comp, {network.shape.width, network.shape.heads()}),
+      sample_(device, "psi sample", psi_sample_comp),
+      forward_(device, "psi forward", psi_forward_comp, network_constants(network.shape)),
+      resample_(device, "psi resample", psi_resample_comp),
+      composite_(device, "psi composite", psi_composite_comp),
+      composite_adjoint_(device, "psi composite adjoint", psi_composite_adjoint_comp),
+      adjoint_(device, "psi adjoint", psi_adjoint_comp, network_constants(network.shape)),
+      weights_(device, "psi weights adjoint", psi_weights_adjoint_comp,
+               {network.shape.rows(), network.shape.adjoint_rows()}),
+      reduce_(device, "psi reduce", psi_reduce_comp),
+      fold_adjoint_(device, "psi fold adjoint", psi_fold_adjoint_comp, {network.shape.width, network.shape.heads()}),
+      adam_(device, "psi adam", psi_adam_comp),
+      loss_(device, rays_, batch_),
+      commands_(device, "psi step") {
+    assert(network.parameters.size() == network.shape.count() && network.shape.width % 32 == 0);
+    const auto bind = [&](const ComputePass& pass) {
+        return BindingSet(pass, {{kPsiPoints, &points_},
+                                 {kPsiDirections, &directions_},
+                                 {kPsiRanges, &ranges_},
+                                 {kPsiParameters, &parameters_},
+                                 {kPsiActivations, &activations_},
+                                 {kPsiAdjoints, &adjoints_},
+                                 {kPsiValues, &values_},
+                                 {kPsiValueAdjoints, &value_adjoints_},
+                                 {kPsiPartials, &partials_},
+                                 {kPsiGradients, &gradients_},
+                                 {kPsiFirst, &first_},
+                                 {kPsiSecond, &second_},
+                                 {kPsiCameras, &rays_.cameras},
+                                 {kPsiTiles, &rays_.tiles},
+                                 {kPsiRadiance, &rays_.radiance},
+                                 {kPsiRayAdjoints, &batch_.adjoint}});
+    };
+    fold_set_ = bind(fold_);
+    sample_set_ = bind(sample_);
+    forward_set_ = bind(forward_);
+    resample_set_ = bind(resample_);
+    composite_set_ = bind(composite_);
+    composite_adjoint_set_ = bind(composite_adjoint_);
+    adjoint_set_ = bind(adjoint_);
+    weights_set_ = bind(weights_);
+    reduce_set_ = bind(reduce_);
+    fold_adjoint_set_ = bind(fold_adjoint_);
+    adam_set_ = bind(adam_);
+    upload(device, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
+    run_once(device, "clear psi moments", [&](Commands& commands) {
+        for (const Buffer* buffer : {&gradients_, &first_, &second_}) fill(commands, *buffer, 0);
+        compute_barrier(commands);
+    });
+    network_.parameters.clear();
+}
+
+PsiFoldPush PsiStep::fold_push(float frame) const {
+    const PsiShape& shape = network_.shape;
+    return {frame,
+            shape.frames,
+            shape.bases,
+            shape.outputs(),
+            shape.head_first(),
+            shape.output_first(),
+            shape.sigma_first(),
+            network_.density};
+}
+
+namespace {
+
+template <typename Push>
+void record_pass(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
+                 const Push& push) {
+    const PassScope scope(commands, pass.name());
+    dispatch(commands, pass, set, groups, push);
+    compute_barrier(commands);
+}
+
+PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
+    const AdamSettings& adam = settings.adam;
+    const auto bias = [&](float beta) {
+        return static_cast<float>(1 - std::pow(static_cast<double>(beta), adam.step));
+    };
+    return {adam.beta1,         adam.beta2,           adam.epsilon,
+            bias(adam.beta1),   bias(adam.beta2),     adam.emit_only ? 1u : 0u,
+            shape.head_first(), shape.output_first(), shape.sigma_first(),
+            shape.count(),      settings.rate,        settings.rows_rate};
+}
+
+}  // namespace
+
+// From activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
+void record_psi_weights(Commands& commands, PsiStep& s, uint32_t blocks) {
+    const PsiShape& shape = s.network_.shape;
+    {
+        const PassScope scope(commands, s.weights_.name());
+        for (uint32_t layer = 0; layer <= shape.layers; layer++) {
+            PsiWeightsPush push{};
+            push.blocks = blocks;
+            push.splits = s.splits_;
+            push.inputs = layer == 0 ? shape.inputs() : shape.width;
+            push.outputs = layer == shape.layers ? shape.heads() : shape.width;
+            push.input_row = layer == 0 ? 0 : shape.inputs() + (layer - 1) * shape.width;
+            push.output_row = layer * shape.width;
+            push.first = psi_layer_first(layer, shape.inputs(), shape.width);
+            push.stride = shape.output_first();
+            const uint32_t matrix_tiles = (push.inputs + 63) / 64 * (push.outputs / 32);
+            dispatch(commands, s.weights_, s.weights_set_, s.splits_ * matrix_tiles, push);
+        }
+        compute_barrier(commands);
+    }
+    record_pass(commands, s.reduce_, s.reduce_set_, groups_of(shape.output_first()),
+                PsiReducePush{shape.output_first(), s.splits_});
+}
+
+void record_psi_step(Commands& commands, PsiStep& s, const PsiStepSettings& settings) {
+    const PsiNetwork& network = s.network_;
+    const PsiShape& shape = network.shape;
+    const uint32_t coarse = settings.tiles * s.sampling_.coarse, fine = settings.tiles * s.sampling_.fine;
+    const PsiBlockPush coarse_push{coarse, s.sampling_.coarse, kPsiKeepNothing};
+    const PsiBlockPush fine_push{fine, s.sampling_.fine, kPsiKeepAll};
+    const PsiRayPush ray_push{glm::vec4(network.box_min, 0),
+                              glm::vec4(network.box_size, 0),
+                              glm::vec4(network.centre(), network.scale()),
+                              settings.tiles,
+                              s.sampling_.coarse,
+                              s.sampling_.fine,
+                              settings.seed};
+    const PsiFoldPush fold_push = s.fold_push(settings.frame);
+
+    record_pass(commands, s.fold_, s.fold_set_, groups_of((shape.width + 1) * shape.heads()), fold_push);
+    record_pass(commands, s.sample_, s.sample_set_, settings.tiles, ray_push);
+    record_pass(commands, s.forward_, s.forward_set_, coarse, coarse_push);
+    record_pass(commands, s.resample_, s.resample_set_, settings.tiles, ray_push);
+    record_pass(commands, s.forward_, s.forward_set_, fine, fine_push);
+    record_pass(commands, s.composite_, s.composite_set_, settings.tiles, fine_push);
+    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad);
+    record_pass(commands, s.composite_adjoint_, s.composite_adjoint_set_, settings.tiles, fine_push);
+    record_pass(commands, s.adjoint_, s.adjoint_set_, fine, fine_push);
+    record_psi_weights(commands, s, fine);
+    record_pass(commands, s.fold_adjoint_, s.fold_adjoint_set_, groups_of(shape.count() - shape.output_first()),
+                fold_push);
+    record_pass(commands, s.adam_, s.adam_set_, groups_of(shape.count()), adam_push(shape, settings));
+    copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
+    host_barrier(commands);
+}
+
+void PsiStep::submit(const PsiStepSettings& settings) {
+    assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
+    tiles_ = settings.tiles;
+    commands_.begin();
+    record_psi_step(commands_, *this, settings);
+    commands_.submit();
+}
+
+StepResult PsiStep::wait() {
+    commands_.wait();
+    return summed_losses(sums_.as<glm::vec4>(), tiles_);
+}
+
+PsiNetwork PsiStep::network() const {
+    PsiNetwork network = network_;
+    network.parameters.resize(network.shape.count());
+    download(device_, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
+    return network;
+}
+
+std::vector<float> PsiStep::gradients() const {
+    std::vector<float> gradients(network_.shape.count());
+    download(device_, gradients_, gradients.data(), gradients.size() * sizeof(float));
+    return gradients;
+}
+
+std::vector<glm::vec4> PsiStep::points() const {
+    std::vector<glm::vec4> points(size_t{kPsiBlock} * tiles_ * sampling_.fine);
+    download(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
+    return points;
+}
+
+std::vector<glm::vec4> PsiStep::values() const {
+    std::vector<glm::vec4> values(size_t{kPsiBlock} * tiles_ * sampling_.fine);
+    download(device_, values_, values.data(), values.size() * sizeof(glm::vec4));
+    return values;
+}
+
+std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world) {
+    const uint32_t width = network_.shape.width;
+    std::vector<float> result(places_world.size() * width);
+    std::vector<glm::vec4> points;
+    std::vector<float> rows;
+    for (size_t first = 0; first < places_world.size(); first += samples()) {
+        const size_t count = std::min<size_t>(samples(), places_world.size() - first);
+        const auto blocks = static_cast<uint32_t>((count + kPsiBlock - 1) / kPsiBlock);
+        points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
+        for (size_t i = 0; i < count; i++)
+            points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
+        upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
+        run_once(device_, "psi hidden layer", [&](Commands& commands) {
+            dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden});
+            compute_barrier(commands);
+        });
+        rows.resize(size_t{blocks} * kPsiBlock * width);
+        download(device_, activations_, rows.data(), rows.size() * sizeof(float));
+        for (size_t i = 0; i < count; i++)
+            for (uint32_t row = 0; row < width; row++)
+                result[(first + i) * width + row] = rows[(i / kPsiBlock * width + row) * kPsiBlock + i % kPsiBlock];
+    }
+    return result;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,60 @@
+// Ψ, backwards, at a block of 64 samples: ∂L/∂(σ, c) → head → hidden layers; leaves ∂L/∂z of every layer for
+// psi_weights_adjoint.comp. One workgroup a block, in shared memory. Reads and writes 4 bytes a row and sample
+// (1.7 KiB at 64 × 3); bound by arithmetic, 2·((layers−1)·width² + width·heads) FLOP a sample.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/psi.h"
+
+layout(local_size_x = kPsiBlock) in;
+layout(constant_id = 0) const uint kFrequencies = 8u;
+layout(constant_id = 1) const uint kInputs = 52u;
+layout(constant_id = 2) const uint kWidth = 64u;
+layout(constant_id = 3) const uint kLayers = 3u;
+layout(constant_id = 4) const uint kHhDegree = 1u;
+layout(constant_id = 5) const uint kHeads = 32u;
+layout(binding = kPsiDirections) uniform textureBuffer directions;
+layout(binding = kPsiParameters) uniform textureBuffer parameters;
+layout(binding = kPsiActivations) uniform textureBuffer activations;
+layout(binding = kPsiAdjoints, rgba32f) writeonly uniform imageBuffer adjoints;
+layout(binding = kPsiValues) uniform textureBuffer values;
+layout(binding = kPsiValueAdjoints) uniform textureBuffer value_adjoints;
+layout(push_constant) uniform Push { PsiBlockPush push; };
+#include "psi_layer.glsl"
+#include "psi_head.glsl"
+
+void leave_rows(uint rows, uint first_row) {
+    for (uint i = gl_LocalInvocationID.x; i < rows * kPsiBlockTexels; i += kPsiBlock)
+        imageStore(adjoints, int(first_row * kPsiBlockTexels + i), act[i]);
+}
+
+// relu, backwards: ∂z = ∂h where h > 0, else 0; `first_row` of h.
+void relu_adjoint(uint first_row) {
+    for (uint i = gl_LocalInvocationID.x; i < kWidth * kPsiBlockTexels; i += kPsiBlock) {
+        const vec4 h = texelFetch(activations, int(first_row * kPsiBlockTexels + i));
+        act[i] = mix(vec4(0.0), act[i], greaterThan(h, vec4(0.0)));
+    }
+    barrier();
+}
+
+void main() {
+    const uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    if (block >= push.blocks) return;
+    const uint base = block * psi_rows(kInputs, kWidth, kLayers, kHeads);
+    const uint out_base = block * psi_adjoint_rows(kWidth, kLayers, kHeads);
+    const uint head_row = base + kInputs + kLayers * kWidth;
+    for (uint i = lane; i < kHeads * kPsiBlockTexels; i += kPsiBlock)
+        act[i] = texelFetch(activations, int(head_row * kPsiBlockTexels + i));
+    barrier();
+    const int at = int(block * kPsiBlock + lane);
+    const vec4 d_value = texelFetch(value_adjoints, at);
+    head_adjoint(texelFetch(directions, int(block / push.per_ray * kPsiBlock + lane)).xyz, texelFetch(values, at).yzw,
+                 d_value.x, d_value.yzw);
+    barrier();
+    leave_rows(kHeads, out_base + kLayers * kWidth);
+    layer_adjoint(psi_layer_first(kLayers, kInputs, kWidth) / 4u, kHeads / 4u);
+    for (uint layer = kLayers; layer-- > 0u;) {
+        relu_adjoint(base + kInputs + layer * kWidth);
+        leave_rows(kWidth, out_base + layer * kWidth);
+        if (layer > 0u) layer_adjoint(psi_layer_first(layer, kInputs, kWidth) / 4u, kWidth / 4u);
+    }
+}

@@ -1,0 +1,24 @@
+// Samples of Ψ to rays: emission and absorption, front to back, over the segments of psi_resample.comp.
+// One workgroup a tile, one thread a ray. Reads 32 bytes a sample: bound by memory.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/psi.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kPsiPoints) uniform textureBuffer points;
+layout(binding = kPsiValues) uniform textureBuffer values;
+layout(binding = kPsiRadiance, rgba32f) writeonly uniform imageBuffer radiance;
+layout(push_constant) uniform Push { PsiBlockPush push; };
+#include "composite.glsl"
+
+void main() {
+    const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
+    if (tile * push.per_ray >= push.blocks) return;
+    Composite sum = composite_begin();
+    for (uint i = 0u; i < push.per_ray; i++) {
+        const int at = int((tile * push.per_ray + i) * kPsiBlock + lane);
+        const vec4 value = texelFetch(values, at);
+        composite_add(sum, value.x, texelFetch(points, at).w, value.yzw, 0.0);
+    }
+    imageStore(radiance, int(tile * kTilePixels + lane), vec4(sum.colour, 1.0 - sum.transmittance));
+}

@@ -1,0 +1,53 @@
+// What the head says of a sample: σ = relu(z_0), γ = π·sigmoid(z_1), c = sigmoid(Σ w_nlm R_nl(γ) Y_lm(d)) (errata 7–9).
+// Expects kHhDegree, act_of_sample and set_act_of_sample.
+#ifndef NEUVV_PSI_HEAD_GLSL
+#define NEUVV_PSI_HEAD_GLSL
+#include "hh.glsl"
+#include "sh.glsl"
+
+float head_gamma() { return kPi / (1.0 + exp(-act_of_sample(1u))); }
+
+uint head_column(uint channel, uint n, uint j) { return 2u + channel * hh_count(kHhDegree) + kHhBase[n] + j; }
+
+// Row l of R_nl
+vec4 radial_row(HhRadial radial, uint l) {
+    return l == 0u ? radial.l0 : l == 1u ? radial.l1 : l == 2u ? radial.l2 : radial.l3;
+}
+
+vec3 head_colour(float gamma, vec3 direction) {
+    const HhRadial radial = hh_radial(gamma);
+    const float y[kMaxShCount] = sh_basis(direction);
+    vec3 raw = vec3(0.0);
+    for (uint l = 0u; l <= kHhDegree; l++) {
+        const vec4 row = radial_row(radial, l);
+        for (uint n = l; n <= kHhDegree; n++)
+            for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
+                for (uint channel = 0u; channel < 3u; channel++)
+                    raw[channel] += row[n] * y[j] * act_of_sample(head_column(channel, n, j));
+    }
+    return 1.0 / (1.0 + exp(-raw));
+}
+
+// Puts ∂L/∂z in the place of z, given ∂L/∂σ and ∂L/∂c of this sample and its colour c.
+void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour) {
+    const float gamma = head_gamma();
+    const HhRadial radial = hh_radial(gamma), slope = hh_radial_adjoint(gamma);
+    const float y[kMaxShCount] = sh_basis(direction);
+    const vec3 d_raw = d_colour * colour * (1.0 - colour);
+    float d_gamma = 0.0;
+    for (uint l = 0u; l <= kHhDegree; l++) {
+        const vec4 row = radial_row(radial, l), slope_row = radial_row(slope, l);
+        for (uint n = l; n <= kHhDegree; n++)
+            for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
+                for (uint channel = 0u; channel < 3u; channel++) {
+                    const uint column = head_column(channel, n, j);
+                    d_gamma += slope_row[n] * y[j] * act_of_sample(column) * d_raw[channel];
+                    set_act_of_sample(column, row[n] * y[j] * d_raw[channel]);
+                }
+    }
+    set_act_of_sample(0u, act_of_sample(0u) > 0.0 ? d_sigma : 0.0);
+    set_act_of_sample(1u, d_gamma * gamma * (1.0 - gamma / kPi));
+    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeads; column++) set_act_of_sample(column, 0.0);
+}
+
+#endif

@@ -1,0 +1,57 @@
+// The second samples of each ray, where the first found matter: importance sampling as in NeRF, by the blending weights
+// that the same network gave in the first pass. The segments are those between n + 1 quantiles of that distribution (with
+// kFloor of it spread evenly), so they fill the ray's whole way through the box; one sample anywhere in each.
+// One workgroup a tile, one thread a ray. Reads 16 bytes a first sample, writes as many a second: bound by memory.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/psi.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kPsiCameras) uniform textureBuffer cameras;
+layout(binding = kPsiTiles) uniform utextureBuffer tiles;
+layout(binding = kPsiValues) uniform textureBuffer values;
+layout(binding = kPsiRanges) uniform textureBuffer ranges;
+layout(binding = kPsiPoints, rgba32f) writeonly uniform imageBuffer points;
+layout(push_constant) uniform Push { PsiRayPush push; };
+#include "composite.glsl"
+#include "psi_random.glsl"
+#include "ray.glsl"
+
+const float kFloor = 0.2;  // share of the samples that goes anywhere
+
+float sigma_of(uint i) {
+    return texelFetch(values, int((tile_group() * push.coarse + i) * kPsiBlock + gl_LocalInvocationID.x)).x;
+}
+
+void main() {
+    if (tile_group() >= push.tiles) return;
+    const Ray ray = tile_ray();
+    const vec2 range = texelFetch(ranges, int(ray.index)).xy;
+    const float step = (range.y - range.x) / float(push.coarse);
+    Composite whole = composite_begin();
+    for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(i), step, vec3(0.0), 0.0);
+    const float alpha = 1.0 - whole.transmittance;
+    // Where nothing is to be found all of it is spread evenly.
+    const float found = alpha > 1e-4 ? (1.0 - kFloor) / alpha : 0.0;
+    const float even = (1.0 - found * alpha) / float(push.coarse);
+
+    Composite sum = composite_begin();
+    uint bin = 0u;
+    float below = 0.0, share = even + found * composite_add(sum, sigma_of(0u), step, vec3(0.0), 0.0);
+    float edge = range.x;
+    for (uint i = 0u; i < push.fine; i++) {
+        const float goal = float(i + 1u) / float(push.fine);
+        while (below + share < goal && bin + 1u < push.coarse) {
+            below += share;
+            bin++;
+            share = even + found * composite_add(sum, sigma_of(bin), step, vec3(0.0), 0.0);
+        }
+        const float inside = clamp((goal - below) / share, 0.0, 1.0);
+        const float next = i + 1u == push.fine ? range.y : max(range.x + (float(bin) + inside) * step, edge);
+        const float t = mix(edge, next, random_at(push.seed, ray.index, push.coarse + i));
+        const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
+        imageStore(points, int((tile_group() * push.fine + i) * kPsiBlock + gl_LocalInvocationID.x),
+                   vec4(at, next - edge));
+        edge = next;
+    }
+}

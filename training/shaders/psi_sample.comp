@@ -1,0 +1,39 @@
+// The first samples of each ray, stratified as in NeRF: the part of the ray inside the box in equal segments, one sample
+// anywhere in each. Rays that miss the box get segments of length 0.
+// One workgroup a tile, one thread a ray. Writes 16 bytes a sample: bound by memory.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/psi.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kPsiCameras) uniform textureBuffer cameras;
+layout(binding = kPsiTiles) uniform utextureBuffer tiles;
+layout(binding = kPsiPoints, rgba32f) writeonly uniform imageBuffer points;
+layout(binding = kPsiDirections, rgba32f) writeonly uniform imageBuffer directions;
+layout(binding = kPsiRanges, rgba32f) writeonly uniform imageBuffer ranges;
+layout(push_constant) uniform Push { PsiRayPush push; };
+#include "psi_random.glsl"
+#include "ray.glsl"
+
+vec2 box_range(Ray ray) {
+    const vec3 safe = mix(ray.direction_world, vec3(1e-20), lessThan(abs(ray.direction_world), vec3(1e-20)));
+    const vec3 a = (push.box_min.xyz - ray.origin_world) / safe;
+    const vec3 b = (push.box_min.xyz + push.box_size.xyz - ray.origin_world) / safe;
+    const vec3 near = min(a, b), far = max(a, b);
+    const vec2 range = vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
+    return range.x < range.y && ray.inside ? range : vec2(0.0);
+}
+
+void main() {
+    if (tile_group() >= push.tiles) return;
+    const Ray ray = tile_ray();
+    const vec2 range = box_range(ray);
+    imageStore(directions, int(ray.index), vec4(ray.direction_world, 0.0));
+    imageStore(ranges, int(ray.index), vec4(range, 0.0, 0.0));
+    const float step = (range.y - range.x) / float(push.coarse);
+    for (uint i = 0u; i < push.coarse; i++) {
+        const float t = range.x + (float(i) + random_at(push.seed, ray.index, i)) * step;
+        const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
+        imageStore(points, int((tile_group() * push.coarse + i) * kPsiBlock + gl_LocalInvocationID.x), vec4(at, step));
+    }
+}
