@@ -96,7 +96,7 @@ void BatchSampler::append(Batch& batch, const ViewTile& tile) {
     for (uint32_t i = 0; i < kTilePixels; i++) {
         const uint32_t x = tile.x * kTile + i % kTile, y = tile.y * kTile + i / kTile;
         glm::vec4 target(0, 0, 0, -1), background = colour;
-        if (x < view.image.width && y < view.image.height) {
+        if (x < view.image.width && y < view.image.height && !view.ignores(x, y)) {
             target = foreground(dataset_, view, x, y);
             if (plate.width > 0) background = linear_rgb(plate.at(x, y));
         }

@@ -12,7 +12,8 @@ namespace neuvv {
 struct Batch {
     double time = 0;  // [0,1]
     std::vector<Tile> tiles;
-    std::vector<glm::vec4> target;      // per ray premultiplied linear foreground and alpha; alpha −1 off the picture
+    std::vector<glm::vec4>
+        target;  // per ray premultiplied linear foreground and alpha; alpha −1 off the picture or ignored
     std::vector<glm::vec4> background;  // per ray linear RGB
 };
 

@@ -19,6 +19,11 @@ struct View {
     uint32_t camera = 0;  // index into Dataset::cameras
     double time = 0;      // [0,1] over the clip
     Image image;          // straight alpha = the matte. See Dataset::plates for what RGB means
+    // Pixels of which nothing is known, row-major (empty: none): masked out, or outside what the lens saw. They are
+    // 0 0 0 0 in `image`, but that says nothing: no lesson, no carving, no measure.
+    std::vector<bool> ignored = {};
+
+    bool ignores(uint32_t x, uint32_t y) const { return !ignored.empty() && ignored[size_t{y} * image.width + x]; }
 };
 
 struct Dataset {

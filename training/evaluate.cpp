@@ -26,6 +26,13 @@ Quality divided(const Quality& sum, size_t count) {
     return {sum.psnr / n, sum.ssim / n, sum.mae / n};
 }
 
+// Nothing is known of ignored pixels: white in both pictures.
+void whiten_ignored(const View& view, Image& picture) {
+    for (uint32_t y = 0; y < picture.height && !view.ignored.empty(); ++y)
+        for (uint32_t x = 0; x < picture.width; ++x)
+            if (view.ignores(x, y)) std::copy(kWhite, kWhite + 3, picture.at(x, y));
+}
+
 }  // namespace
 
 Image truth_over_white(const Dataset& dataset, const View& view) {
@@ -63,7 +70,8 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
         settings.width = camera.width;
         settings.height = camera.height;
         settings.samples = samples;
-        const Image render = composite_over(renderer.render(camera, settings), kWhite);
+        Image render = composite_over(renderer.render(camera, settings), kWhite);
+        whiten_ignored(view, render);
         const Image truth = truth_over_white(dataset, view);
         const Quality quality = compare(truth, render);
         result.views.push_back(quality);

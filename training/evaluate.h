@@ -24,7 +24,8 @@ struct Evaluation {
 // Called after each view with what was compared, both opaque; false ends the evaluation early.
 using ViewCallback = std::function<bool(size_t view, const Image& truth, const Image& render, const Quality& quality)>;
 
-// Renders every view with samples² rays a pixel and compares, both over white (see Quality). Where it ended early,
+// Renders every view with samples² rays a pixel and compares, both over white (see Quality), ignored
+// pixels white in both. Where it ended early,
 // means are over what was done. The tree must be sound (defect_of). Throws RuntimeFailure.
 Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});

@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <set>
-#include <tuple>
 
 #include "base/error.h"
 #include "training/colmap.h"
@@ -65,6 +61,18 @@ void expect_sound(const Rig& rig) {
     }
 }
 
+// Some layouts calibrate cameras that this split does not use.
+void drop_cameras_without_shots(Rig& rig) {
+    std::vector<RigCamera> kept;
+    std::map<uint32_t, uint32_t> numbers;
+    for (Shot& shot : rig.shots) {
+        const auto [number, fresh] = numbers.try_emplace(shot.camera, static_cast<uint32_t>(kept.size()));
+        if (fresh) kept.push_back(rig.cameras.at(shot.camera));
+        shot.camera = number->second;
+    }
+    rig.cameras = std::move(kept);
+}
+
 }  // namespace
 
 std::vector<std::string> format_names() {
@@ -74,7 +82,8 @@ std::vector<std::string> format_names() {
 }
 
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format) {
-    const Rig rig = find_format(folder, format).read(folder, split);
+    Rig rig = find_format(folder, format).read(folder, split);
+    drop_cameras_without_shots(rig);
     expect_sound(rig);
     return rig;
 }

@@ -13,16 +13,34 @@ namespace {
 
 constexpr uint8_t kMatteThreshold = 32;
 
-// Foreground pixels of a view, summed from the top left corner: any rectangle's count is four reads.
+// Pixels of a kind, summed from the top left corner: any rectangle's count is four reads.
+struct PixelSums {
+    size_t stride = 0;
+    std::vector<uint32_t> sums;  // (width+1) × (height+1); empty: there are none of the kind
+
+    template <typename IsOfKind>
+    PixelSums(uint32_t width, uint32_t height, const IsOfKind& is_of_kind) : stride(size_t{width} + 1) {
+        sums.resize(stride * (size_t{height} + 1));
+        for (uint32_t y = 0; y < height; y++) {
+            uint32_t row = 0;
+            for (uint32_t x = 0; x < width; x++) {
+                row += is_of_kind(x, y) ? 1 : 0;
+                sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+            }
+        }
+    }
+    PixelSums() = default;
+
+    uint32_t count(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) const {
+        if (sums.empty()) return 0;
+        return sums[y1 * stride + x1] - sums[y0 * stride + x1] - sums[y1 * stride + x0] + sums[y0 * stride + x0];
+    }
+};
+
 struct Silhouette {
     glm::dmat4 camera_from_world;
     const Camera* camera;
-    std::vector<uint32_t> sums;  // (width+1) × (height+1)
-
-    uint32_t count(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) const {
-        const size_t stride = size_t{camera->width} + 1;
-        return sums[y1 * stride + x1] - sums[y0 * stride + x1] - sums[y1 * stride + x0] + sums[y0 * stride + x0];
-    }
+    PixelSums foreground, ignored;
 };
 
 Silhouette make_silhouette(const Dataset& dataset, const View& view) {
@@ -30,15 +48,10 @@ Silhouette make_silhouette(const Dataset& dataset, const View& view) {
     silhouette.camera = &dataset.cameras[view.camera];
     silhouette.camera_from_world = glm::inverse(silhouette.camera->world_from_camera);
     const uint32_t width = silhouette.camera->width, height = silhouette.camera->height;
-    const size_t stride = size_t{width} + 1;
-    silhouette.sums.resize(stride * (size_t{height} + 1));
-    for (uint32_t y = 0; y < height; y++) {
-        uint32_t row = 0;
-        for (uint32_t x = 0; x < width; x++) {
-            row += view.image.at(x, y)[3] >= kMatteThreshold ? 1 : 0;
-            silhouette.sums[(y + 1) * stride + x + 1] = silhouette.sums[y * stride + x + 1] + row;
-        }
-    }
+    silhouette.foreground =
+        PixelSums(width, height, [&](uint32_t x, uint32_t y) { return view.image.at(x, y)[3] >= kMatteThreshold; });
+    if (!view.ignored.empty())
+        silhouette.ignored = PixelSums(width, height, [&](uint32_t x, uint32_t y) { return view.ignores(x, y); });
     return silhouette;
 }
 
@@ -57,9 +70,10 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
     const double left = std::ceil(x - reach_x - 0.5), right = std::floor(x + reach_x - 0.5) + 1;
     const double top = std::ceil(y - reach_y - 0.5), bottom = std::floor(y + reach_y - 0.5) + 1;
     if (!(left >= 0 && top >= 0 && right <= camera.width && bottom <= camera.height)) return Verdict::kUnseen;
-    const uint32_t found = silhouette.count(static_cast<uint32_t>(left), static_cast<uint32_t>(top),
-                                            static_cast<uint32_t>(right), static_cast<uint32_t>(bottom));
-    return found > 0 ? Verdict::kMatter : Verdict::kBackground;
+    const auto x0 = static_cast<uint32_t>(left), x1 = static_cast<uint32_t>(right);
+    const auto y0 = static_cast<uint32_t>(top), y1 = static_cast<uint32_t>(bottom);
+    if (silhouette.foreground.count(x0, y0, x1, y1) > 0) return Verdict::kMatter;
+    return silhouette.ignored.count(x0, y0, x1, y1) > 0 ? Verdict::kUnseen : Verdict::kBackground;
 }
 
 bool may_hold_matter(const std::vector<Silhouette>& silhouettes, const HullCell& cell) {

@@ -32,6 +32,22 @@ double fov_factor(double omega, double r) {
     return r < kTiny ? slope / omega : std::atan(slope * r) / (omega * r);
 }
 
+// Where along its spoke a direction at r ends up, tangential terms aside.
+struct Spoke {
+    double undistorted, distorted;
+};
+Spoke spoke_at(const Lens& lens, double r) {
+    const double rho = lens.model == LensModel::kFisheye ? std::atan(r) : r;
+    switch (lens.model) {
+        case LensModel::kPinhole:
+            return {rho, rho};
+        case LensModel::kFov:
+            return {rho, rho * fov_factor(lens.k[0], rho)};
+        default:
+            return {rho, rho * radial_factor(lens, rho * rho)};
+    }
+}
+
 glm::dvec2 bend(const Lens& lens, glm::dvec2 xy) {
     const double r = glm::length(xy);
     switch (lens.model) {
@@ -64,6 +80,22 @@ Lens scaled(Lens lens, uint32_t width, uint32_t height) {
     lens.width = width;
     lens.height = height;
     return lens;
+}
+
+// The map keeps its orientation while the radial part's stretch, along a spoke and across it, exceeds what the
+// tangential and prism terms can take away: their Jacobian is at most 6 (|p1| + |p2|) ρ + 2 (|s1| + |s2|) ρ.
+double fold_radius(const Lens& lens, double limit) {
+    constexpr int kSteps = 4096;
+    const double tilt = 6 * (std::abs(lens.p1) + std::abs(lens.p2)) + 2 * (std::abs(lens.s1) + std::abs(lens.s2));
+    Spoke before = spoke_at(lens, 0);
+    for (int i = 1; i <= kSteps; ++i) {
+        const Spoke now = spoke_at(lens, limit * i / kSteps);
+        const double taken = tilt * now.undistorted;
+        const double along = (now.distorted - before.distorted) / (now.undistorted - before.undistorted);
+        if (!(along > taken && now.distorted / now.undistorted > taken)) return limit * (i - 1) / kSteps;
+        before = now;
+    }
+    return limit;
 }
 
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy) {

@@ -32,4 +32,8 @@ Lens scaled(Lens lens, uint32_t width, uint32_t height);
 // Where the lens puts the direction (x, y, 1), in pixels.
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy);
 
+// Smallest distance from the axis (of the direction (x, y, 1)), up to `limit`, at which the lens folds over: directions
+// further out come back towards the middle of the picture. `limit` where there is none.
+double fold_radius(const Lens& lens, double limit);
+
 }  // namespace neuvv

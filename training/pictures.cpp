@@ -7,74 +7,171 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/platform.h"
+#include "training/picture_reader.h"
+#include "training/undistort.h"
 
 namespace neuvv {
 
 namespace {
 
-constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
+constexpr double kLeastSeen = 0.5;  // of a pinhole picture: where the lens shows less, its numbers are wrong
 
-Image read_picture(const PictureSource& source) {
-    const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
-    return decode_image(bytes.data(), bytes.size(), source.path.string());
+void expect_size(const Image& image, const PictureSource& source, ImageSize size, const std::string& whose) {
+    if (image.width == size.width && image.height == size.height) return;
+    throw InputError(source.path.string(), "",
+                     fmt::format("is {}×{}, but {} {}×{}", image.width, image.height, whose, size.width, size.height),
+                     "give all pictures and masks of a camera the size that its calibration is for");
 }
 
-void expect_size(const Image& image, const PictureSource& source, const Camera& camera, const std::string& whose) {
-    if (image.width == camera.width && image.height == camera.height) return;
-    throw InputError(
-        source.path.string(), "",
-        fmt::format("is {}×{}, but {} {}×{}", image.width, image.height, whose, camera.width, camera.height),
-        "give all pictures of a camera the size that its calibration is for");
-}
-
-Camera make_camera(const RigCamera& from, const PictureSource& first_picture) {
+Camera make_camera(const RigCamera& from, ImageSize size) {
     Camera camera;
     camera.world_from_camera = from.world_from_camera;
     camera.fx = from.lens.fx;
     camera.fy = from.lens.fy;
     camera.cx = from.lens.cx;
     camera.cy = from.lens.cy;
-    const ImageSize size =
-        from.lens.width ? ImageSize{from.lens.width, from.lens.height} : image_size(first_picture.path);
     camera.width = size.width;
     camera.height = size.height;
     return camera;
 }
 
-// Shots of each camera, in their order.
-std::vector<std::vector<uint32_t>> shots_by_camera(const Rig& rig) {
-    std::vector<std::vector<uint32_t>> result(rig.cameras.size());
-    for (uint32_t i = 0; i < rig.shots.size(); ++i) result[rig.shots[i].camera].push_back(i);
-    return result;
+// A mask's values: its alpha where it has one, else its brightness.
+class MaskValues {
+  public:
+    explicit MaskValues(const Image& mask) : mask_(mask) {
+        for (size_t i = 3; i < mask.rgba.size() && !by_alpha_; i += 4) by_alpha_ = mask.rgba[i] != 255;
+    }
+    uint8_t operator[](size_t pixel) const {
+        const uint8_t* at = &mask_.rgba[4 * pixel];
+        return by_alpha_ ? at[3] : std::max({at[0], at[1], at[2]});
+    }
+
+  private:
+    const Image& mask_;
+    bool by_alpha_ = false;
+};
+
+void put_matte(Image& image, const Image& matte) {
+    const MaskValues values(matte);
+    for (size_t i = 0; i < image.rgba.size() / 4; ++i) image.rgba[4 * i + 3] = values[i];
 }
 
-// One camera's plate and pictures.
-void read_camera(const Rig& rig, uint32_t camera, const std::vector<uint32_t>& shots, Dataset& dataset) {
-    const std::string whose = fmt::format("its camera {} in {} says", rig.cameras[camera].name, rig.file);
-    const Camera& pinhole = dataset.cameras[camera];
-    if (const PictureSource& plate = rig.cameras[camera].plate; !plate.path.empty()) {
-        dataset.plates[camera] = read_picture(plate);
-        expect_size(dataset.plates[camera], plate, pinhole, whose);
-    }
-    for (const uint32_t i : shots) {
-        dataset.views[i].image = read_picture(rig.shots[i].picture);
-        expect_size(dataset.views[i].image, rig.shots[i].picture, pinhole, whose);
-    }
+// Any value but 0 counts as white, as in the programs whose masks these are.
+std::vector<bool> ignored_by(const Image& mask, MaskMeaning meaning) {
+    const MaskValues values(mask);
+    std::vector<bool> ignored(mask.rgba.size() / 4);
+    for (size_t i = 0; i < ignored.size(); ++i) ignored[i] = (values[i] != 0) == (meaning == MaskMeaning::kIgnore);
+    return ignored;
 }
+
+// Mattes that `neuvv matte` or a person laid beside the data set.
+std::filesystem::path mattes_folder(const Rig& rig) {
+    return rig.folder / "mattes";
+}
+
+bool all_opaque(const Image& image) {
+    for (size_t i = 3; i < image.rgba.size(); i += 4)
+        if (image.rgba[i] != 255) return false;
+    return true;
+}
+
+// Reads one camera's plate and shots.
+class CameraLoader {
+  public:
+    CameraLoader(const Rig& rig, uint32_t camera, Dataset& dataset)
+        : rig_(rig),
+          from_(rig.cameras[camera]),
+          camera_(camera),
+          dataset_(dataset),
+          size_{dataset.cameras[camera].width, dataset.cameras[camera].height},
+          whose_(fmt::format("its camera {} in {} says", from_.name, rig.file)) {}
+
+    void load(const std::vector<uint32_t>& shots) {
+        if (from_.lens.distorts()) map_ = undistortion();
+        if (!from_.plate.path.empty()) {
+            Image& plate = dataset_.plates[camera_];
+            plate = read(pictures_, from_.plate);
+            if (map_) plate = undistort(plate, *map_, ColourOf::kCapture);
+        }
+        for (const uint32_t shot : shots) load_view(rig_.shots[shot], dataset_.views[shot]);
+    }
+
+  private:
+    Undistortion undistortion() const {
+        Lens lens = from_.lens;
+        lens.width = size_.width;
+        lens.height = size_.height;
+        Undistortion map = make_undistortion(lens);
+        if (map.seen >= kLeastSeen) return map;
+        const std::string fold =
+            map.fold_degrees > 0 ? fmt::format(" (it folds over {:.1f}° off the axis)", map.fold_degrees) : "";
+        throw InputError(rig_.file, "camera " + from_.name,
+                         fmt::format("its lens distortion{} leaves only {:.0f} % of the picture", fold, 100 * map.seen),
+                         "check the coefficients, and that focal length and size are of the same picture");
+    }
+
+    Image read(PictureReader& reader, const PictureSource& source) const {
+        Image image = reader.read(source);
+        expect_size(image, source, size_, whose_);
+        return image;
+    }
+
+    void load_view(const Shot& shot, View& view) {
+        view.image = read(pictures_, shot.picture);
+        if (!shot.mask.path.empty()) {
+            const Image mask = read(masks_, shot.mask);
+            if (rig_.masks == MaskMeaning::kMatte)
+                put_matte(view.image, mask);
+            else
+                view.ignored = ignored_by(mask, rig_.masks);
+        }
+        put_matte_beside(shot, view.image);
+        if (map_) {
+            const bool captured = dataset_.plates[camera_].width > 0;
+            view.image = undistort(view.image, *map_, captured ? ColourOf::kCapture : ColourOf::kForeground);
+            view.ignored = undistort_ignored(view.ignored, *map_);
+        }
+        for (size_t i = 0; i < view.ignored.size(); ++i)
+            if (view.ignored[i]) std::fill_n(&view.image.rgba[4 * i], 4, uint8_t{0});
+    }
+
+    // Where some pictures got mattes and one did not, the whole of that would pass for the performer.
+    void put_matte_beside(const Shot& shot, Image& image) {
+        std::error_code ignored;
+        const std::filesystem::path folder = mattes_folder(rig_), file = folder / (shot.name + ".png");
+        if (std::filesystem::is_regular_file(file, ignored))
+            put_matte(image, read(mattes_, {file, -1}));
+        else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
+            throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
+                             fmt::format("run `neuvv matte {}`", rig_.folder.string()));
+    }
+
+    const Rig& rig_;
+    const RigCamera& from_;
+    const uint32_t camera_;
+    Dataset& dataset_;
+    const ImageSize size_;
+    const std::string whose_;
+    std::optional<Undistortion> map_;
+    PictureReader pictures_, masks_, mattes_;
+};
 
 void expect_matte(const Rig& rig, const Dataset& dataset) {
     bool clear = false, solid = false;
     for (const View& view : dataset.views)
-        for (size_t i = 3; i < view.image.rgba.size() && !(clear && solid); i += 4) {
-            clear |= view.image.rgba[i] != 255;
-            solid |= view.image.rgba[i] != 0;
+        for (size_t i = 0; i < view.image.rgba.size() / 4 && !(clear && solid); ++i) {
+            if (!view.ignored.empty() && view.ignored[i]) continue;
+            clear |= view.image.rgba[4 * i + 3] != 255;
+            solid |= view.image.rgba[4 * i + 3] != 0;
         }
+    const std::string folder = rig.folder.string();
     if (!clear)
-        throw InputError(rig.folder.string(), "", "no picture has a matte: every alpha is 255",
-                         "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");
+        throw InputError(folder, "", "no picture has a matte: every alpha is 255",
+                         fmt::format("run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and "
+                                     "0 elsewhere",
+                                     folder));
     if (!solid)
-        throw InputError(rig.folder.string(), "", "every alpha of every picture is 0",
+        throw InputError(folder, "", "every alpha of every picture is 0",
                          "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");
 }
 
@@ -85,18 +182,22 @@ Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
     dataset.folder = rig.folder;
     dataset.box = rig.box;
     dataset.fps = rig.fps;
-    const std::vector<std::vector<uint32_t>> shots = shots_by_camera(rig);
     std::set<double> times;
+    std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // by camera, in their order
     for (const Shot& shot : rig.shots) {
+        shots[shot.camera].push_back(static_cast<uint32_t>(dataset.views.size()));
         dataset.views.push_back({shot.name, shot.camera, shot.time, {}});
         times.insert(shot.time);
     }
     dataset.times.assign(times.begin(), times.end());
-    for (size_t c = 0; c < rig.cameras.size(); ++c)
-        dataset.cameras.push_back(make_camera(rig.cameras[c], rig.shots[shots[c].at(0)].picture));
+    for (size_t c = 0; c < rig.cameras.size(); ++c) {
+        const Lens& lens = rig.cameras[c].lens;
+        dataset.cameras.push_back(make_camera(rig.cameras[c], lens.width ? ImageSize{lens.width, lens.height}
+                                                                         : size_of(rig.shots[shots[c].at(0)].picture)));
+    }
     dataset.plates.resize(rig.cameras.size());
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t c = begin; c < end; ++c) read_camera(rig, static_cast<uint32_t>(c), shots[c], dataset);
+        for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);
     });
     if (options.mattes_needed) expect_matte(rig, dataset);
     return dataset;

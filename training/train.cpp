@@ -39,6 +39,7 @@ uint64_t hash_of(const Dataset& dataset) {
         add(view.camera);
         add(std::bit_cast<uint64_t>(view.time));
         add_image(view.image);
+        for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
     }
     for (const Image& plate : dataset.plates) add_image(plate);
     return hash;

@@ -6,6 +6,7 @@
 #include <jerror.h>
 #include <png.h>
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cerrno>
@@ -267,6 +268,17 @@ float linear_from_srgb_byte(uint8_t srgb) {
         return linear;
     }();
     return table[srgb];
+}
+
+uint8_t srgb_byte_from_linear(float linear) {
+    // The largest linear value of each byte: half-way to the next one in encoded values.
+    static const std::array<float, 255> edges = [] {
+        std::array<float, 255> highest{};
+        for (size_t i = 0; i < 255; i++)
+            highest[i] = static_cast<float>(linear_from_srgb((static_cast<double>(i) + 0.5) / 255));
+        return highest;
+    }();
+    return static_cast<uint8_t>(std::lower_bound(edges.begin(), edges.end(), linear) - edges.begin());
 }
 
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {

@@ -23,7 +23,8 @@ struct Image {
 // The sRGB transfer function (IEC 61966-2-1) and its inverse, on values in [0,1].
 double srgb_from_linear(double linear);
 double linear_from_srgb(double srgb);
-float linear_from_srgb_byte(uint8_t srgb);  // by table
+float linear_from_srgb_byte(uint8_t srgb);    // by table
+uint8_t srgb_byte_from_linear(float linear);  // the nearest, of [0,1] clamped; by table
 
 constexpr uint32_t kMaxImageSide = 16384;
 

@@ -20,6 +20,7 @@ namespace {
 
 constexpr char kCrf[] = "18";        // visually lossless
 constexpr int kMpeg4Quantiser = 3;   // the fallback's counterpart
+constexpr uint32_t kHdLines = 720;   // from here on video is BT.709 unless it says otherwise
 constexpr int kMaxTimeBase = 65535;  // MPEG-4 part 2 stores no finer one
 
 std::string error_text(int code) {
@@ -242,11 +243,33 @@ void VideoWriter::finish() {
     state.temporary.clear();
 }
 
-VideoSummary summarise_video(const std::filesystem::path& path) {
-    av_log_set_level(AV_LOG_QUIET);
-    const auto check = [&](int code, const char* what) {
-        if (code < 0) throw InputError(path.string(), "", fmt::format("{}: {}", what, error_text(code)));
-    };
+struct VideoReader::State {
+    std::filesystem::path path;
+    Owned<AVFormatContext, close_input> input;
+    OwnedCodec codec;
+    OwnedFrame frame, rgba;
+    OwnedPacket packet;
+    Owned<SwsContext, sws_freeContext> to_rgba;
+    int index = 0;  // of the stream
+    ImageSize size;
+    uint32_t frames = 0, decoded = 0;
+    double fps = 0;
+    bool drained = false;  // the decoder has been told that there is no more
+
+    [[noreturn]] void fail(const std::string& problem, const std::string& mend = "") const {
+        throw InputError(path.string(), decoded ? fmt::format("frame {}", decoded) : "", problem, mend);
+    }
+    void check(int code, const char* what) const {
+        if (code < 0) fail(fmt::format("{}: {}", what, error_text(code)));
+    }
+    void open();
+    void open_decoder();
+    uint32_t count_packets();
+    bool decode();
+    void convert(Image& image);
+};
+
+void VideoReader::State::open() {
     AVDictionary* options = nullptr;  // a file must not make us open another one, or the network
     av_dict_set(&options, "protocol_whitelist", "file", 0);
     av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
@@ -254,44 +277,141 @@ VideoSummary summarise_video(const std::filesystem::path& path) {
     const int opening = avformat_open_input(&opened, file_url(path).c_str(), nullptr, &options);
     av_dict_free(&options);
     check(opening, "cannot open as a video");
-    const Owned<AVFormatContext, close_input> input(opened);
+    input.reset(opened);
     check(avformat_find_stream_info(opened, nullptr), "cannot find its streams");
+}
+
+void VideoReader::State::open_decoder() {
     const AVCodec* decoder = nullptr;
-    const int index = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+    index = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
     check(index, "no video stream");
-    const AVStream& stream = *opened->streams[index];
-    const OwnedCodec codec(avcodec_alloc_context3(decoder));
-    const OwnedFrame frame(av_frame_alloc());
-    const OwnedPacket packet(av_packet_alloc());
+    const AVStream& stream = *input->streams[index];
+    codec.reset(avcodec_alloc_context3(decoder));
+    frame.reset(av_frame_alloc());
+    packet.reset(av_packet_alloc());
     if (!codec || !frame || !packet) throw RuntimeFailure("out of memory while decoding a video");
     check(avcodec_parameters_to_context(codec.get(), stream.codecpar), "cannot decode");
     codec->max_pixels = int64_t{kMaxImageSide} * kMaxImageSide;
+    codec->thread_count = 1;  // many videos are read at once
     check(avcodec_open2(codec.get(), decoder, nullptr), "cannot decode");
-
-    VideoSummary summary;
-    for (bool more = true; more;) {
-        const int read = av_read_frame(opened, packet.get());
-        more = read != AVERROR_EOF;
-        if (more) check(read, "cannot read");
-        if (more && packet->stream_index != index) {
-            av_packet_unref(packet.get());
-            continue;
-        }
-        check(avcodec_send_packet(codec.get(), more ? packet.get() : nullptr), "damaged frame");
-        av_packet_unref(packet.get());
-        int got = 0;
-        while ((got = avcodec_receive_frame(codec.get(), frame.get())) >= 0) {
-            if (summary.frames++ > 0) continue;
-            summary.width = static_cast<uint32_t>(frame->width);
-            summary.height = static_cast<uint32_t>(frame->height);
-        }
-        if (got != AVERROR(EAGAIN) && got != AVERROR_EOF) check(got, "damaged frame");
-    }
-    if (summary.frames == 0 || summary.frames < stream.nb_frames)
-        throw InputError(path.string(), "", fmt::format("holds {} of {} frames", summary.frames, stream.nb_frames),
-                         "the file was cut short: write it again");
+    const int width = stream.codecpar->width, height = stream.codecpar->height;
+    if (width <= 0 || height <= 0 || width > static_cast<int>(kMaxImageSide) ||
+        height > static_cast<int>(kMaxImageSide))
+        fail(fmt::format("is {}×{}, not a picture size of 1 to {}", width, height, kMaxImageSide));
+    size = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
     const AVRational rate = stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
-    summary.fps = rate.den > 0 ? av_q2d(rate) : 0;
+    fps = rate.den > 0 ? av_q2d(rate) : 0;
+}
+
+uint32_t VideoReader::State::count_packets() {
+    uint32_t count = 0;
+    for (int read = 0; (read = av_read_frame(input.get(), packet.get())) != AVERROR_EOF;) {
+        check(read, "cannot read");
+        count += packet->stream_index == index && packet->size > 0;
+        av_packet_unref(packet.get());
+    }
+    return count;
+}
+
+// The next frame into `frame`; false at the end.
+bool VideoReader::State::decode() {
+    for (;;) {
+        const int got = avcodec_receive_frame(codec.get(), frame.get());
+        if (got == AVERROR_EOF) break;
+        if (got != AVERROR(EAGAIN)) {
+            check(got, "damaged frame");
+            if (frame->width != static_cast<int>(size.width) || frame->height != static_cast<int>(size.height))
+                fail(fmt::format("the picture's size changes from {}×{} to {}×{}", size.width, size.height,
+                                 frame->width, frame->height));
+            ++decoded;
+            return true;
+        }
+        if (drained) break;
+        const int read = av_read_frame(input.get(), packet.get());
+        drained = read == AVERROR_EOF;
+        if (!drained) check(read, "cannot read");
+        if (drained || packet->stream_index == index)
+            check(avcodec_send_packet(codec.get(), drained ? nullptr : packet.get()), "damaged frame");
+        av_packet_unref(packet.get());
+    }
+    if (decoded == 0 || decoded < frames)
+        fail(fmt::format("holds {} of {} frames", decoded, frames), "the file was cut short: write it again");
+    return false;
+}
+
+void VideoReader::State::convert(Image& image) {
+    if (!rgba) {
+        rgba.reset(av_frame_alloc());
+        if (!rgba) throw RuntimeFailure("out of memory while decoding a video");
+        rgba->width = static_cast<int>(size.width);
+        rgba->height = static_cast<int>(size.height);
+        rgba->format = AV_PIX_FMT_RGBA;
+        check(av_frame_get_buffer(rgba.get(), 0), "cannot allocate a frame");
+    }
+    to_rgba.reset(sws_getCachedContext(
+        to_rgba.release(), frame->width, frame->height, static_cast<AVPixelFormat>(frame->format), rgba->width,
+        rgba->height, AV_PIX_FMT_RGBA, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT, nullptr, nullptr, nullptr));
+    if (!to_rgba) fail("its pixel format cannot be converted to RGB");
+    const bool named = frame->colorspace != AVCOL_SPC_UNSPECIFIED && frame->colorspace != AVCOL_SPC_RGB;
+    const int matrix = named ? frame->colorspace : size.height >= kHdLines ? SWS_CS_ITU709 : SWS_CS_ITU601;
+    const int full_range = frame->color_range == AVCOL_RANGE_JPEG;
+    // Refused for what is RGB already, which then needs no matrix.
+    sws_setColorspaceDetails(to_rgba.get(), sws_getCoefficients(matrix), full_range,
+                             sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, 1 << 16, 1 << 16);
+    check(sws_scale(to_rgba.get(), frame->data, frame->linesize, 0, frame->height, rgba->data, rgba->linesize),
+          "cannot convert a frame");
+    image = Image(size.width, size.height);
+    for (uint32_t y = 0; y < size.height; ++y)
+        std::memcpy(image.at(0, y), rgba->data[0] + static_cast<ptrdiff_t>(y) * rgba->linesize[0],
+                    size_t{4} * size.width);
+}
+
+VideoReader::VideoReader(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
+    av_log_set_level(AV_LOG_QUIET);  // only tools print
+    State& state = *state_;
+    state.path = path;
+    state.open();
+    state.open_decoder();
+    const int64_t indexed = state.input->streams[state.index]->nb_frames;
+    if (indexed > UINT32_MAX) state.fail(fmt::format("claims {} frames", indexed));
+    if (indexed > 0) {
+        state.frames = static_cast<uint32_t>(indexed);
+        return;
+    }
+    state.frames = state.count_packets();
+    if (state.frames == 0) state.fail("holds no frame");
+    state.open();
+    state.open_decoder();
+}
+
+VideoReader::~VideoReader() = default;
+VideoReader::VideoReader(VideoReader&&) noexcept = default;
+VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;
+
+ImageSize VideoReader::size() const {
+    return state_->size;
+}
+uint32_t VideoReader::frames() const {
+    return state_->frames;
+}
+double VideoReader::fps() const {
+    return state_->fps;
+}
+
+bool VideoReader::next(Image& frame) {
+    if (!state_->decode()) return false;
+    state_->convert(frame);
+    return true;
+}
+
+bool VideoReader::skip() {
+    return state_->decode();
+}
+
+VideoSummary summarise_video(const std::filesystem::path& path) {
+    VideoReader reader(path);
+    VideoSummary summary{reader.size().width, reader.size().height, 0, reader.fps()};
+    while (reader.skip()) ++summary.frames;
     return summary;
 }
 

@@ -143,5 +143,72 @@ TEST(Video, WhatCannotBeReadIsNamed) {
     }
 }
 
+TEST(VideoReader, FramesAreThoseWritten) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "a.mp4";
+    write_video(path, 66, 34, 12.5, 20);
+    VideoReader reader(path);
+    EXPECT_EQ(reader.size(), (ImageSize{66, 34}));
+    EXPECT_EQ(reader.frames(), 20u);
+    EXPECT_NEAR(reader.fps(), 12.5, 1e-6);
+    Image frame;
+    for (int i = 0; i < 20; ++i) {
+        if (i % 3 == 2) {
+            ASSERT_TRUE(reader.skip());
+            continue;
+        }
+        ASSERT_TRUE(reader.next(frame));
+        ASSERT_EQ(frame.width, 66u);
+        ASSERT_EQ(frame.height, 34u);
+        for (const uint32_t x : {0u, 33u, 65u}) {
+            EXPECT_NEAR(frame.at(x, 17)[0], 9 * i, 4) << i;
+            EXPECT_NEAR(frame.at(x, 17)[1], 80, 4);
+            EXPECT_NEAR(frame.at(x, 17)[2], 160, 4);
+            EXPECT_EQ(frame.at(x, 17)[3], 255);
+        }
+    }
+    EXPECT_FALSE(reader.next(frame));
+    EXPECT_FALSE(reader.skip());
+}
+
+TEST(VideoReader, AShortFileIsNoticedAtItsEnd) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "a.mp4", 64, 64, 25, 24);
+    const std::string bytes = read_text(folder.path / "a.mp4");
+    write_text(folder.path / "cut.mp4", bytes.substr(0, bytes.size() * 9 / 10));
+    expect_input_error(
+        [&] {
+            VideoReader reader(folder.path / "cut.mp4");
+            Image frame;
+            while (reader.next(frame)) {
+            }
+        },
+        {"cut.mp4"});
+    expect_input_error([&] { VideoReader reader(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
+}
+
+// Any bytes may be damaged: an InputError or frames of the right size, nothing else.
+TEST(VideoReader, DamagedBytesDoNoHarm) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "a.mp4", 64, 48, 25, 12);
+    const std::string whole = read_text(folder.path / "a.mp4");
+    uint32_t state = 11;
+    for (int round = 0; round < 60; ++round) {
+        std::string bytes = whole;
+        for (int i = 0; i < 8; ++i) {
+            state = state * 1664525 + 1013904223;
+            bytes[(state >> 8) % bytes.size()] = static_cast<char>(state);
+        }
+        write_text(folder.path / "bad.mp4", bytes);
+        try {
+            VideoReader reader(folder.path / "bad.mp4");
+            Image frame;
+            while (reader.next(frame)) ASSERT_EQ(frame.rgba.size(), size_t{4} * frame.width * frame.height);
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("bad.mp4"), std::string::npos);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace neuvv

@@ -173,6 +173,25 @@ TEST(Batch, ACapturedPlateStandsBehindTheRays) {
     }
 }
 
+TEST(Batch, IgnoredPixelsTeachNothing) {
+    Dataset dataset = capture();
+    for (View& view : dataset.views) {
+        view.ignored.resize(kSize * kSize);
+        for (uint32_t i = 0; i < kSize * kSize; i++) view.ignored[i] = i % kSize < kSize / 2;
+    }
+    BatchSampler sampler(dataset, 100000, 8);
+    const Batch batch = sampler.next();
+    size_t known = 0;
+    for (size_t i = 0; i < batch.target.size(); i++) {
+        const Tile& tile = batch.tiles[i / kTilePixels];
+        const auto x = static_cast<uint32_t>(tile.x + i % kTile), y = static_cast<uint32_t>(tile.y + i % 64 / kTile);
+        const bool lesson = x >= kSize / 2 && x < kSize && y < kSize;
+        ASSERT_EQ(batch.target[i].a >= 0, lesson) << x << " " << y;
+        known += lesson;
+    }
+    EXPECT_GT(known, 100u);
+}
+
 TEST(Batch, AnInstantWithoutMatterStillGivesABatch) {
     Dataset dataset = capture();
     for (View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
@@ -150,6 +152,25 @@ TEST(Hull, RefusesCamerasThatAllLookTheSameWay) {
         dataset.cameras[i].world_from_camera[3].y += 0.1 * static_cast<double>(i);
     }
     expect_input_error([&] { hull_box(dataset); }, {"sphere", "aabb"});
+}
+
+// One camera's picture is empty, but that is not to be believed: matter must stay. Believed, all would go.
+TEST(Hull, IgnoredPixelsDoNotCarve) {
+    const SphereCapture capture{.frames = 1};
+    const Dataset truth = sphere_dataset(capture);
+    Dataset dataset = truth;
+    View& view = dataset.views[2];
+    std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    const std::vector<HullCell> cells = grid(16);
+    const auto count = [](const std::vector<uint32_t>& bits) {
+        return std::count_if(bits.begin(), bits.end(), [](uint32_t word) { return word != 0; });
+    };
+    EXPECT_EQ(count(carve(dataset, cells)), 0);
+    view.ignored.resize(size_t{capture.size} * capture.size, true);
+    const std::vector<uint32_t> believed = carve(truth, cells), kept = carve(dataset, cells);
+    EXPECT_GT(count(believed), 0);
+    for (size_t i = 0; i < cells.size(); i++) EXPECT_TRUE(kept[i] || !believed[i]) << i;
+    EXPECT_LT(count(kept), static_cast<ptrdiff_t>(cells.size()) / 4) << "the others still carve";
 }
 
 }  // namespace

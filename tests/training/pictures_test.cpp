@@ -1,0 +1,170 @@
+// What read_pictures makes of masks, mattes, plates, videos and lenses, on rigs by hand.
+#include "training/pictures.h"
+
+#include <gtest/gtest.h>
+
+#include "media/video.h"
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+namespace {
+
+constexpr uint32_t kWidth = 16, kHeight = 12;
+
+Image plain(uint8_t value, uint8_t alpha = 255) {
+    Image image(kWidth, kHeight);
+    for (size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = i % 4 == 3 ? alpha : value;
+    return image;
+}
+
+// White, or opaque, in columns of x < 8.
+Image half_mask(bool in_alpha, uint8_t white = 255) {
+    Image image(kWidth, kHeight);
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
+            const uint8_t value = x < 8 ? white : 0;
+            std::fill_n(image.at(x, y), 3, in_alpha ? uint8_t{9} : value);
+            image.at(x, y)[3] = in_alpha ? value : 255;
+        }
+    return image;
+}
+
+// Two cameras with a picture each.
+struct PicturesTest : testing::Test {
+    TemporaryFolder folder;
+    Rig rig;
+
+    void SetUp() override {
+        rig.folder = folder.path;
+        rig.file = (folder.path / "rig.json").string();
+        for (uint32_t c = 0; c < 2; ++c) {
+            RigCamera camera;
+            camera.name = "cam" + std::to_string(c);
+            camera.lens = {.fx = 20, .fy = 20, .cx = 8, .cy = 6, .width = kWidth, .height = kHeight};
+            rig.cameras.push_back(camera);
+            Shot shot;
+            shot.camera = c;
+            shot.name = camera.name + "_0";
+            shot.place = "shots[" + std::to_string(c) + "]";
+            shot.picture.path = write(shot.name + ".png", plain(static_cast<uint8_t>(100 + 50 * c)));
+            rig.shots.push_back(shot);
+        }
+    }
+    std::filesystem::path write(const std::string& name, const Image& image) {
+        std::filesystem::create_directories((folder.path / name).parent_path());
+        write_png(folder.path / name, image);
+        return folder.path / name;
+    }
+    Dataset load(bool mattes_needed = true) { return read_pictures(rig, {.mattes_needed = mattes_needed}); }
+    void mask_all(const Image& mask, MaskMeaning meaning) {
+        rig.masks = meaning;
+        for (Shot& shot : rig.shots) shot.mask.path = write("mask.png", mask);
+    }
+};
+
+TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
+    expect_input_error([&] { load(); }, {folder.path.string(), "no picture has a matte", "neuvv matte"});
+    const Dataset data = load(false);
+    EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
+    EXPECT_EQ(data.cameras.at(1).fx, 20);
+    EXPECT_TRUE(data.views[0].ignored.empty());
+}
+
+TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {
+    for (const bool in_alpha : {false, true}) {
+        mask_all(half_mask(in_alpha, 200), MaskMeaning::kMatte);
+        const Dataset data = load();
+        EXPECT_EQ(data.views[0].image.at(7, 3)[3], 200);
+        EXPECT_EQ(data.views[0].image.at(7, 3)[0], 100);
+        EXPECT_EQ(data.views[0].image.at(8, 3)[3], 0);
+        EXPECT_TRUE(data.views[0].ignored.empty());
+    }
+}
+
+TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
+    for (const MaskMeaning meaning : {MaskMeaning::kUsable, MaskMeaning::kIgnore}) {
+        mask_all(half_mask(false, 1), meaning);  // some programs write 1 for white
+        const Dataset data = load(false);
+        const View& view = data.views[1];
+        const uint32_t known = meaning == MaskMeaning::kUsable ? 7 : 8, unknown = 15 - known;
+        EXPECT_FALSE(view.ignores(known, 3));
+        EXPECT_EQ(view.image.at(known, 3)[0], 150);
+        EXPECT_TRUE(view.ignores(unknown, 3));
+        EXPECT_EQ(view.image.at(unknown, 3)[0], 0);
+        EXPECT_EQ(view.image.at(unknown, 3)[3], 0);
+        // Ignored pixels are no matte.
+        expect_input_error([&] { load(); }, {"no picture has a matte"});
+    }
+}
+
+TEST_F(PicturesTest, MattesBesideTheDataSetWin) {
+    mask_all(half_mask(false), MaskMeaning::kMatte);
+    write("mattes/cam0_0.png", plain(77));
+    EXPECT_EQ(load().views[0].image.at(12, 3)[3], 77);
+    EXPECT_EQ(load().views[1].image.at(12, 3)[3], 0) << "the mask is a matte, too";
+    rig.shots[1].mask.path.clear();
+    expect_input_error([&] { load(); }, {"mattes/cam1_0.png", "missing", "neuvv matte"});
+    write("mattes/cam1_0.png", Image(kWidth, kHeight - 1));
+    expect_input_error([&] { load(); }, {"cam1_0.png", "16×11", "cam1", "16×12"});
+}
+
+TEST_F(PicturesTest, SizesFollowTheCalibration) {
+    write("cam1_0.png", Image(kWidth + 1, kHeight));
+    expect_input_error([&] { load(); }, {"cam1_0.png", "17×12", "camera cam1", "rig.json", "16×12"});
+    rig.cameras[1].lens.width = rig.cameras[1].lens.height = 0;
+    EXPECT_EQ(load().cameras[1].width, kWidth + 1);
+}
+
+TEST_F(PicturesTest, ALensIsUndoneInPicturePlateAndMasks) {
+    rig.masks = MaskMeaning::kIgnore;
+    rig.shots[1].mask.path = write("ignore.png", half_mask(false));
+    rig.cameras[1].lens.model = LensModel::kBrown;
+    rig.cameras[1].lens.k[0] = 0.6;  // a pincushion: the corners were never seen
+    rig.cameras[1].plate.path = write("plate.png", plain(60));
+    const Dataset data = load(false);
+    const View& view = data.views[1];
+    EXPECT_TRUE(view.ignores(0, 0));
+    EXPECT_TRUE(view.ignores(15, 11));
+    EXPECT_TRUE(view.ignores(6, 6));
+    EXPECT_FALSE(view.ignores(10, 6));
+    EXPECT_EQ(view.image.at(10, 6)[0], 150);
+    EXPECT_EQ(view.image.at(15, 11)[3], 0);
+    EXPECT_EQ(data.plates[1].at(10, 6)[0], 60);
+    EXPECT_TRUE(data.views[0].ignored.empty());
+
+    rig.cameras[1].lens.k[0] = -20;
+    expect_input_error([&] { load(false); }, {"rig.json", "camera cam1", "folds over", "%"});
+    rig.cameras[1].lens.k[0] = 500;
+    expect_input_error([&] { load(false); }, {"rig.json", "camera cam1", "leaves only"});
+}
+
+TEST_F(PicturesTest, FramesOfVideosComeInAnyOrder) {
+    for (uint32_t c = 0; c < 2; ++c) {
+        VideoWriter video(folder.path / ("v" + std::to_string(c) + ".mp4"), kWidth, kHeight, 25);
+        for (uint32_t i = 0; i < 9; ++i) video.add(plain(static_cast<uint8_t>(20 + 20 * i + 30 * c)));
+        video.finish();
+    }
+    rig.shots.clear();
+    for (const int frame : {4, 1, 1, 8})
+        for (uint32_t c = 0; c < 2; ++c) {
+            Shot shot;
+            shot.camera = c;
+            shot.picture = {folder.path / ("v" + std::to_string(c) + ".mp4"), frame};
+            shot.time = frame / 8.0;
+            rig.shots.push_back(shot);
+        }
+    const Dataset data = load(false);
+    for (size_t i = 0; i < data.views.size(); ++i) {
+        const double expected =
+            20 + 20 * static_cast<double>(rig.shots[i].picture.video_frame) + 30.0 * static_cast<double>(i % 2);
+        EXPECT_NEAR(data.views[i].image.at(5, 5)[1], expected, 3) << i;
+        EXPECT_EQ(data.views[i].image.at(5, 5)[3], 255);
+    }
+    EXPECT_EQ(data.times, (std::vector<double>{0.125, 0.5, 1}));
+    rig.shots[2].picture.video_frame = 9;
+    expect_input_error([&] { load(false); }, {"v0.mp4", "frame 9", "9 frames"});
+}
+
+}  // namespace
+}  // namespace neuvv
