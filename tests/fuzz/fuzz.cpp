@@ -1,0 +1,166 @@
+// Feeds a loader damaged data sets. Built under AddressSanitizer and UndefinedBehaviorSanitizer, whose limits stand
+// here too; the damaged data set stays behind where it fails.
+//
+//     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, pictures included
+//     fuzz --replay FOLDER              one data set, as it is
+
+#include <sanitizer/asan_interface.h>
+#include <sanitizer/common_interface_defs.h>
+#include <signal.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "fuzz/mutate.h"
+#include "fuzz/verdict.h"
+
+// Read by the sanitizer's runtime before main. An allocation of more than a gibibyte is a failure.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() {
+    return "max_allocation_size_mb=1024:hard_rss_limit_mb=3072:detect_leaks=0:abort_on_error=0:"
+           "allocator_may_return_null=0";
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace neuvv;
+
+constexpr int kSecondsPerInput = 5;
+constexpr size_t kMaxFile = size_t{1} << 16;
+
+std::string g_kept;  // where the data set at work lies, for the last words
+
+void say_where() {
+    std::fprintf(stderr, "fuzz: FAILED; again with: fuzz --replay %s\n", g_kept.c_str());
+}
+
+void on_alarm(int) {
+    std::fprintf(stderr, "fuzz: more than %d s for one input\n", kSecondsPerInput);
+    say_where();
+    _exit(1);
+}
+
+void set_alarm(int seconds) {
+    const itimerval timer{{0, 0}, {seconds, 0}};
+    setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+std::string read(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write(const fs::path& path, const std::string& bytes) {
+    std::ofstream file(path, std::ios::binary);
+    file << bytes;
+    if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+// Pictures and videos are read by libraries with fuzzers of their own.
+bool is_calibration(const fs::path& path) {
+    static const std::set<std::string> kPictures = {".png", ".jpg", ".mp4"};
+    return !kPictures.contains(path.extension().string());
+}
+
+struct Sample {
+    fs::path folder;              // the copy to be damaged
+    std::vector<fs::path> files;  // in it, those to damage
+    std::vector<std::string> bytes;
+};
+
+std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
+    std::vector<Sample> samples;
+    std::set<fs::path> folders;  // in one order everywhere
+    for (const auto& entry : fs::directory_iterator(corpus)) folders.insert(entry.path());
+    for (const fs::path& from : folders) {
+        Sample sample;
+        sample.folder = work / from.filename();
+        fs::copy(from, sample.folder, fs::copy_options::recursive);
+        std::set<fs::path> files;
+        for (const auto& entry : fs::recursive_directory_iterator(sample.folder))
+            if (entry.is_regular_file() && is_calibration(entry.path())) files.insert(entry.path());
+        sample.files.assign(files.begin(), files.end());
+        for (const fs::path& file : sample.files) sample.bytes.push_back(read(file));
+        samples.push_back(std::move(sample));
+    }
+    if (samples.empty()) throw std::runtime_error("no data set in " + corpus.string());
+    return samples;
+}
+
+// Empty where both splits end as they may.
+std::string try_folder(const fs::path& folder) {
+    g_kept = folder.string();
+    set_alarm(kSecondsPerInput);
+    std::string complaint;
+    for (const Split split : {Split::kTrain, Split::kTest})
+        if (complaint.empty())
+            complaint = fuzz::complaint_about([&] { return load_dataset(folder, split, {.mattes_needed = false}); });
+    set_alarm(0);
+    return complaint;
+}
+
+int fail(const std::string& complaint) {
+    std::fprintf(stderr, "fuzz: %s\n", complaint.c_str());
+    say_where();
+    return 1;
+}
+
+int run(const fs::path& corpus, double seconds, uint64_t seed) {
+    const fs::path work =
+        fs::temp_directory_path() / ("neuvv-fuzz-" + corpus.filename().string() + "-" + std::to_string(getpid()));
+    fs::create_directories(work);
+    const std::vector<Sample> samples = copy_samples(corpus, work);
+    std::vector<std::string> pool;
+    for (const Sample& sample : samples) {
+        g_kept = sample.folder.string();
+        for (const Split split : {Split::kTrain, Split::kTest})  // throws where the corpus itself is not sound
+            load_dataset(sample.folder, split, {.mattes_needed = false});
+        pool.insert(pool.end(), sample.bytes.begin(), sample.bytes.end());
+    }
+    fuzz::Random random(seed);
+    uint64_t inputs = 0;
+    const auto start = std::chrono::steady_clock::now();
+    const auto elapsed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    for (; elapsed() < seconds; ++inputs) {
+        const Sample& sample = samples[random() % samples.size()];
+        const size_t file = random() % sample.files.size();
+        write(sample.files[file], fuzz::mutate(sample.bytes[file], pool, kMaxFile, random));
+        if (const std::string complaint = try_folder(sample.folder); !complaint.empty()) return fail(complaint);
+        write(sample.files[file], sample.bytes[file]);
+    }
+    fs::remove_all(work);
+    std::printf("fuzz: %s: %llu inputs in %.0f s, seed %llu\n", corpus.filename().c_str(),
+                static_cast<unsigned long long>(inputs), elapsed(), static_cast<unsigned long long>(seed));
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (arguments.empty() || (arguments[0] == "--replay") != (arguments.size() == 2 && arguments[0][0] == '-')) {
+        std::fprintf(stderr, "fuzz CORPUS [SECONDS [SEED]] | fuzz --replay FOLDER\n");
+        return 2;
+    }
+    signal(SIGALRM, on_alarm);
+    __sanitizer_set_death_callback(say_where);
+    try {
+        if (arguments[0] == "--replay") {
+            const std::string complaint = try_folder(arguments[1]);
+            return complaint.empty() ? 0 : fail(complaint);
+        }
+        const double seconds = arguments.size() > 1 ? std::stod(arguments[1]) : 60;
+        return run(arguments[0], seconds, arguments.size() > 2 ? std::stoull(arguments[2]) : 1);
+    } catch (const std::exception& error) {
+        return fail(error.what());
+    }
+}
