@@ -1,16 +1,18 @@
 // neuvv eval: a scene measured against the pictures of a data set.
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
+#include "tools/eval_page.h"
+#include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
+#include "training/contact_sheet.h"
 #include "training/evaluate.h"
 #include "voctree/nvv.h"
 
@@ -18,16 +20,16 @@ namespace neuvv {
 
 namespace {
 
-constexpr size_t kSheetRows = 8;
+constexpr size_t kSheetRows = 8, kPagePictures = 12;
 constexpr uint32_t kSheetCell = 320;
 
 struct EvalOptions {
-    std::string scene, dataset, format = kAnyFormat, split = "test", json, images;
+    std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera";
     uint32_t samples = kDefaultSamples;
 };
 
 nlohmann::ordered_json json_of(const Quality& quality) {
-    return {{"psnr", quality.psnr}, {"ssim", quality.ssim}, {"mae", quality.mae}};
+    return {{"psnr", quality.psnr}, {"ssim", quality.ssim}, {"mae", quality.mae}, {"flip", quality.flip}};
 }
 
 nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& dataset, const Evaluation& evaluation) {
@@ -36,35 +38,34 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
     json["dataset"] = options.dataset;
     json["split"] = options.split;
     json["samples"] = options.samples;
-    json["cameras"] = nlohmann::ordered_json::array();
+    json["cameras"] = json["frames"] = json["images"] = nlohmann::ordered_json::array();
+    const std::vector<std::string> labels = camera_labels(dataset);
     for (size_t i = 0; i < evaluation.cameras.size(); ++i) {
-        nlohmann::ordered_json camera = {{"camera", i}};
+        nlohmann::ordered_json camera = {{"camera", i}, {"name", labels[i]}};
         camera.update(json_of(evaluation.cameras[i].quality));
         camera["images"] = evaluation.cameras[i].images;
         json["cameras"].push_back(camera);
     }
-    json["images"] = nlohmann::ordered_json::array();
+    for (size_t i = 0; i < evaluation.frames.size(); ++i) {
+        nlohmann::ordered_json frame = {{"frame", i}, {"time", dataset.times[i]}};
+        frame.update(json_of(evaluation.frames[i].quality));
+        frame["images"] = evaluation.frames[i].images;
+        json["frames"].push_back(frame);
+    }
     for (size_t i = 0; i < evaluation.views.size(); ++i) {
         const View& view = dataset.views[i];
-        nlohmann::ordered_json image = {{"name", view.name}, {"camera", view.camera}, {"time", view.time}};
+        nlohmann::ordered_json image = {
+            {"name", view.name}, {"camera", view.camera}, {"frame", frame_of_view(dataset, view)}, {"time", view.time}};
         image.update(json_of(evaluation.views[i]));
         json["images"].push_back(image);
     }
     return json;
 }
 
-// Views for the contact sheet: spread over the data set, first and last included.
-std::set<size_t> sheet_views(size_t views) {
-    std::set<size_t> chosen;
-    const size_t rows = std::min(views, kSheetRows);
-    for (size_t row = 0; row < rows; ++row) chosen.insert(rows == 1 ? 0 : row * (views - 1) / (rows - 1));
-    return chosen;
-}
-
 // Writes each view's three pictures as they come, and the contact sheet in the end.
 struct PictureFolder {
     std::filesystem::path folder;
-    std::set<size_t> on_sheet;
+    std::vector<size_t> on_sheet;
     std::vector<Image> sheet = {};
 
     void add(size_t view, const std::string& name, const Image& truth, const Image& render) {
@@ -72,42 +73,68 @@ struct PictureFolder {
         write_png(folder / (name + "_truth.png"), truth);
         write_png(folder / (name + "_render.png"), render);
         write_png(folder / (name + "_error.png"), error);
-        if (on_sheet.count(view)) sheet.insert(sheet.end(), {truth, render, error});
+        if (std::binary_search(on_sheet.begin(), on_sheet.end(), view))
+            sheet.insert(sheet.end(), {truth, render, error});
     }
     void finish() const { write_png(folder / "contact_sheet.png", contact_sheet(sheet, 3, kSheetCell)); }
 };
 
-void print_row(const std::string& camera, size_t images, const Quality& quality) {
-    fmt::print("{:<8} {:>7} {:>9.3f} {:>9.5f} {:>9.5f}\n", camera, images, quality.psnr, quality.ssim, quality.mae);
+// Keeps the pictures that the page shows: some spread over cameras and instants, and the worst of all.
+struct PageCollector {
+    std::vector<size_t> chosen;
+    std::vector<PagePicture> pictures = {};
+    PagePicture worst = {};
+    double worst_psnr = 1e9;
+
+    void add(size_t view, const Image& truth, const Image& render, double psnr) {
+        if (std::binary_search(chosen.begin(), chosen.end(), view)) pictures.push_back({view, truth, render});
+        if (psnr >= worst_psnr) return;
+        worst_psnr = psnr;
+        worst = {view, truth, render};
+    }
+    void finish() {
+        if (!std::binary_search(chosen.begin(), chosen.end(), worst.view)) pictures.push_back(std::move(worst));
+    }
+};
+
+void print_row(const std::string& name, size_t images, const Quality& quality) {
+    fmt::print("{:<12} {:>7} {:>9.3f} {:>9.5f} {:>9.5f} {:>9.5f}\n", name, images, quality.psnr, quality.ssim,
+               quality.mae, quality.flip);
 }
 
-void print(const Evaluation& evaluation) {
-    fmt::print("{:<8} {:>7} {:>9} {:>9} {:>9}\n", "camera", "images", "PSNR dB", "SSIM", "MAE");
-    for (size_t i = 0; i < evaluation.cameras.size(); ++i)
-        print_row(std::to_string(i), evaluation.cameras[i].images, evaluation.cameras[i].quality);
+void print(const Evaluation& evaluation, const Dataset& dataset, const std::string& per) {
+    fmt::print("{:<12} {:>7} {:>9} {:>9} {:>9} {:>9}\n", per, "images", "PSNR dB", "SSIM", "MAE", "FLIP");
+    const std::vector<std::string> labels = camera_labels(dataset);
+    const std::vector<Evaluation::Group>& groups = per == "frame" ? evaluation.frames : evaluation.cameras;
+    for (size_t i = 0; i < groups.size(); ++i)
+        print_row(per == "frame" ? std::to_string(i) : labels[i], groups[i].images, groups[i].quality);
     print_row("mean", evaluation.views.size(), evaluation.mean);
 }
 
-void make_folder(const std::string& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot make this folder: {}", folder, error.message()));
+// Fails before any work is done where a result could not be written.
+void prepare_outputs(const EvalOptions& options) {
+    if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
+    if (!options.html.empty()) prepare_output_file("--html", options.html);
+    if (!options.images.empty()) prepare_output_folder("--images", options.images);
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+    write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Dataset dataset = load_dataset(options.dataset, options.split == "train" ? Split::kTrain : Split::kTest,
                                          {.format = options.format});
-    std::unique_ptr<PictureFolder> pictures;
-    if (!options.images.empty()) {
-        make_folder(options.images);
-        pictures.reset(new PictureFolder{options.images, sheet_views(dataset.views.size())});
-    }
+    prepare_outputs(options);
+    PictureFolder folder{options.images, spread_views(dataset, kSheetRows)};
+    PageCollector page{spread_views(dataset, kPagePictures)};
     const Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
     const ViewCallback done = [&](size_t view, const Image& truth, const Image& render, const Quality& quality) {
-        if (pictures) pictures->add(view, dataset.views[view].name, truth, render);
+        if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
+        if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
         progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
     };
@@ -115,15 +142,19 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     progress.finish();
     if (evaluation.views.size() < dataset.views.size())
         throw RuntimeFailure("stopped before the end; no means are given");
-    if (pictures) pictures->finish();
+    if (!options.images.empty()) folder.finish();
+    if (!options.html.empty()) {
+        page.finish();
+        const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name};
+        write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.pictures));
+    }
     const std::string json = json_text(json_of(options, dataset, evaluation));
     if (options.json == "-") {
         fmt::print("{}", json);
         return;
     }
-    if (!options.json.empty())
-        write_file_atomically(options.json, [&](const ByteSink& sink) { sink(json.data(), json.size()); });
-    print(evaluation);
+    if (!options.json.empty()) write_text_file(options.json, json);
+    print(evaluation, dataset, options.per);
 }
 
 }  // namespace
@@ -143,6 +174,12 @@ void add_eval(CLI::App& app, CommonOptions& common) {
         "--images", options->images,
         "Write NAME_truth.png, NAME_render.png, NAME_error.png of each picture NAME, and contact_sheet.png "
         "(rows of truth, render, error), into this folder");
+    verb->add_option("--html", options->html,
+                     "Write one page to this file that opens in any browser: pictures to slide over each other or to "
+                     "blink between, curves over the clip, all numbers");
+    verb->add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
+        ->check(CLI::IsMember({"camera", "frame"}))
+        ->capture_default_str();
     verb->footer(
         std::string(
             "Each picture is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
@@ -151,10 +188,14 @@ void add_eval(CLI::App& app, CommonOptions& common) {
             "  SSIM  Wang et al. 2004: Gaussian window of 11x11, sigma 1.5, K1 0.01, K2 0.03; mean over R, G, B\n"
             "        and the pixels whose whole window lies inside the picture\n"
             "  MAE   mean absolute error\n"
-            "The mean is over pictures, also per camera. In the error picture, 0.25 and more is white.\n") +
+            "  FLIP  LDR-FLIP (Andersson et al. 2020), mean over pixels, seen from 67 pixels per degree: 0 where\n"
+            "        nobody sees a difference, at most 1\n"
+            "The mean is over pictures, also per camera and per frame. In the error picture, 0.25 and more is "
+            "white.\n") +
         kDeviceHelp + kExamplesHead +
         "  neuvv eval build/performer.nvv build/performer\n"
         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/pictures\n"
+        "  neuvv eval build/performer.nvv build/performer --html build/performer.html --per frame\n"
         "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr");
     verb->callback([options, &common] { run(*options, common); });
 }

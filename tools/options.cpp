@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "media/image.h"
 
 namespace neuvv {
@@ -114,6 +115,23 @@ std::filesystem::path PictureOutput::file(uint32_t i) const {
     const std::string text = path.string();
     const NumberField field = number_field(text, text.find('%')).value();
     return text.substr(0, field.begin) + fmt::format("{:0{}}", i, field.digits) + text.substr(field.end);
+}
+
+void prepare_output_folder(const std::string& option, const std::filesystem::path& folder) {
+    std::error_code error;
+    if (!folder.empty()) std::filesystem::create_directories(folder, error);
+    if (error)
+        throw InputError(option, folder.string(), fmt::format("this folder cannot be made: {}", error.message()),
+                         "choose another");
+    if (!folder_is_writable(folder.empty() ? "." : folder))
+        throw InputError(option, folder.string(), "this folder cannot be written into", "choose another");
+}
+
+void prepare_output_file(const std::string& option, const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!file.has_filename() || std::filesystem::is_directory(file, ignored))
+        throw InputError(option, file.string(), "is a folder, not a file", "add a file name");
+    prepare_output_folder(option, file.parent_path());
 }
 
 }  // namespace neuvv

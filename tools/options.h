@@ -35,4 +35,9 @@ struct PictureOutput {
 // "out.mp4", "out_%04d.png" or "out.png".
 PictureOutput parse_output(const std::string& text);
 
+// Called before any work, so that it is not done in vain: makes the folder (or the file's folder, which may be the
+// working one) where it is missing, and expects that it can be written into. `option` is for the error.
+void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
+void prepare_output_file(const std::string& option, const std::filesystem::path& file);
+
 }  // namespace neuvv

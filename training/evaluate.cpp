@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 
 #include "render/frame.h"
 
@@ -19,11 +21,35 @@ void add(Quality& sum, const Quality& quality) {
     sum.psnr += quality.psnr;
     sum.ssim += quality.ssim;
     sum.mae += quality.mae;
+    sum.flip += quality.flip;
 }
 
 Quality divided(const Quality& sum, size_t count) {
     const double n = std::max(1.0, static_cast<double>(count));
-    return {sum.psnr / n, sum.ssim / n, sum.mae / n};
+    return {sum.psnr / n, sum.ssim / n, sum.mae / n, sum.flip / n};
+}
+
+void add(Evaluation::Group& group, const Quality& quality) {
+    add(group.quality, quality);
+    ++group.images;
+}
+
+void divide(std::vector<Evaluation::Group>& groups) {
+    for (Evaluation::Group& group : groups) group.quality = divided(group.quality, group.images);
+}
+
+// What all the names begin with, without a part that only some digits of it are common.
+std::string common_name(const std::vector<const std::string*>& names) {
+    if (names.size() == 1) return *names[0];
+    size_t length = names[0]->size();
+    for (const std::string* name : names)
+        length =
+            static_cast<size_t>(std::mismatch(names[0]->begin(), names[0]->begin() + static_cast<ptrdiff_t>(length),
+                                              name->begin(), name->end())
+                                    .first -
+                                names[0]->begin());
+    const size_t separator = names[0]->substr(0, length).find_last_of("_-./ ");
+    return separator == std::string::npos ? "" : names[0]->substr(0, separator);
 }
 
 // Nothing is known of ignored pixels: white in both pictures.
@@ -34,6 +60,46 @@ void whiten_ignored(const View& view, Image& picture) {
 }
 
 }  // namespace
+
+size_t frame_of_view(const Dataset& dataset, const View& view) {
+    return static_cast<size_t>(std::lower_bound(dataset.times.begin(), dataset.times.end(), view.time) -
+                               dataset.times.begin());
+}
+
+std::vector<std::string> camera_labels(const Dataset& dataset) {
+    std::vector<std::vector<const std::string*>> names(dataset.cameras.size());
+    for (const View& view : dataset.views) names[view.camera].push_back(&view.name);
+    std::vector<std::string> labels;
+    std::set<std::string> distinct{""};  // an empty one will not do
+    bool good = true;
+    for (const auto& of_camera : names) {
+        labels.push_back(of_camera.empty() ? "" : common_name(of_camera));
+        good &= distinct.insert(labels.back()).second;
+    }
+    for (size_t i = 0; i < labels.size() && !good; ++i) labels[i] = std::to_string(i);
+    return labels;
+}
+
+std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
+    std::vector<std::vector<size_t>> by_camera(dataset.cameras.size());
+    for (size_t i = 0; i < dataset.views.size(); ++i) by_camera[dataset.views[i].camera].push_back(i);
+    std::erase_if(by_camera, [](const auto& views) { return views.empty(); });
+    count = std::min(count, dataset.views.size());
+    if (count == dataset.views.size()) {
+        std::vector<size_t> all(count);
+        std::iota(all.begin(), all.end(), size_t{0});
+        return all;
+    }
+    std::set<size_t> chosen;
+    const size_t cameras = by_camera.size(), turns = std::max(cameras, count);
+    // Instants follow the golden ratio: however many are taken, they lie evenly.
+    for (size_t i = 0; i < count; ++i) {
+        const std::vector<size_t>& views = by_camera[i * turns / count % cameras];
+        const double place = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
+        chosen.insert(views[static_cast<size_t>(place * static_cast<double>(views.size()))]);
+    }
+    return {chosen.begin(), chosen.end()};
+}
 
 Image truth_over_white(const Dataset& dataset, const View& view) {
     if (dataset.plates[view.camera].width == 0) return composite_over(view.image, kWhite);
@@ -62,6 +128,7 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
 
     Evaluation result;
     result.cameras.resize(dataset.cameras.size());
+    result.frames.resize(dataset.times.size());
     for (size_t i = 0; i < dataset.views.size(); ++i) {
         const View& view = dataset.views[i];
         const Camera& camera = dataset.cameras[view.camera];
@@ -76,12 +143,13 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
         const Quality quality = compare(truth, render);
         result.views.push_back(quality);
         add(result.mean, quality);
-        add(result.cameras[view.camera].quality, quality);
-        ++result.cameras[view.camera].images;
+        add(result.cameras[view.camera], quality);
+        add(result.frames[frame_of_view(dataset, view)], quality);
         if (done && !done(i, truth, render, quality)) break;
     }
     result.mean = divided(result.mean, result.views.size());
-    for (Evaluation::PerCamera& camera : result.cameras) camera.quality = divided(camera.quality, camera.images);
+    divide(result.cameras);
+    divide(result.frames);
     return result;
 }
 

@@ -12,13 +12,14 @@
 namespace neuvv {
 
 struct Evaluation {
-    struct PerCamera {
+    struct Group {
         Quality quality;  // mean over its pictures
         uint32_t images = 0;
     };
-    Quality mean;                    // over all pictures
-    std::vector<PerCamera> cameras;  // by Dataset::cameras
-    std::vector<Quality> views;      // by Dataset::views
+    Quality mean;                // over all pictures
+    std::vector<Group> cameras;  // by Dataset::cameras
+    std::vector<Group> frames;   // by Dataset::times
+    std::vector<Quality> views;  // by Dataset::views
 };
 
 // Called after each view with what was compared, both opaque; false ends the evaluation early.
@@ -29,6 +30,16 @@ using ViewCallback = std::function<bool(size_t view, const Image& truth, const I
 // means are over what was done. The tree must be sound (defect_of). Throws RuntimeFailure.
 Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
+
+// Index into Dataset::times.
+size_t frame_of_view(const Dataset& dataset, const View& view);
+
+// A name for each camera: what its pictures' names begin with, up to a separator ("c00_f003", "c00_f017": "c00"), or
+// its only picture's name. Where that gives two cameras the same name, all are called by their numbers.
+std::vector<std::string> camera_labels(const Dataset& dataset);
+
+// At most `count` views, ascending, spread over cameras and instants.
+std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
 // A view's picture over white; where its camera has a clean plate, without the captured background.
 Image truth_over_white(const Dataset& dataset, const View& view);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "training/flip.h"
+
 namespace neuvv {
 
 namespace {
@@ -74,21 +76,6 @@ double mean_ssim(const Image& truth, const Image& result, size_t channel) {
     return total / static_cast<double>(columns * rows);
 }
 
-// `picture` on white, each `factor`² block averaged, into `sheet` at (left, top).
-void paste_scaled(Image& sheet, const Image& picture, uint32_t factor, uint32_t left, uint32_t top) {
-    const uint8_t white[3] = {255, 255, 255};
-    const Image opaque = composite_over(picture, white);
-    for (uint32_t y = 0; y < picture.height / factor; ++y)
-        for (uint32_t x = 0; x < picture.width / factor; ++x)
-            for (uint32_t c = 0; c < 3; ++c) {
-                uint64_t sum = 0;
-                for (uint32_t v = 0; v < factor; ++v)
-                    for (uint32_t u = 0; u < factor; ++u) sum += opaque.at(x * factor + u, y * factor + v)[c];
-                const uint64_t area = uint64_t{factor} * factor;
-                sheet.at(left + x, top + y)[c] = static_cast<uint8_t>((sum + area / 2) / area);
-            }
-}
-
 }  // namespace
 
 Quality compare(const Image& truth, const Image& result) {
@@ -107,6 +94,7 @@ Quality compare(const Image& truth, const Image& result) {
     quality.mae = static_cast<double>(absolute) / (values * 255);
     quality.psnr = mse > 0 ? std::min(kMaxPsnr, -10 * std::log10(mse)) : kMaxPsnr;
     for (size_t c = 0; c < 3; ++c) quality.ssim += mean_ssim(truth, result, c) / 3;
+    quality.flip = mean_of(flip(truth, result));
     return quality;
 }
 
@@ -118,24 +106,6 @@ Image error_picture(const Image& truth, const Image& result) {
         error.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(std::min(255.0, std::round(difference / kErrorWhite)));
     }
     return error;
-}
-
-Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32_t cell) {
-    assert(columns > 0 && cell > 0 && "a contact sheet has cells");
-    columns = std::min(columns, static_cast<uint32_t>(pictures.size()));
-    if (columns == 0) return {};
-    const auto rows = static_cast<uint32_t>((pictures.size() + columns - 1) / columns);
-    Image sheet(columns * cell, rows * cell);
-    std::fill(sheet.rgba.begin(), sheet.rgba.end(), uint8_t{255});
-    for (uint32_t i = 0; i < pictures.size(); ++i) {
-        const Image& picture = pictures[i];
-        const uint32_t longest = std::max(picture.width, picture.height);
-        const uint32_t factor = std::max(1u, (longest + cell - 1) / cell);
-        const uint32_t width = picture.width / factor, height = picture.height / factor;
-        paste_scaled(sheet, picture, factor, i % columns * cell + (cell - width) / 2,
-                     i / columns * cell + (cell - height) / 2);
-    }
-    return sheet;
 }
 
 }  // namespace neuvv

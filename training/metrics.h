@@ -13,6 +13,7 @@ struct Quality {
                       // whose whole window lies inside the picture (scikit-image's gaussian_weights=True,
                       // use_sample_covariance=False)
     double mae = 0;   // mean absolute error
+    double flip = 0;  // mean LDR-FLIP (flip.h)
 };
 
 // Alpha is ignored (composite first). Sizes must be equal (assert) and at least 11×11 for SSIM (smaller: the window is
@@ -21,8 +22,5 @@ Quality compare(const Image& truth, const Image& result);
 
 // |truth − result| scaled so that 0.25 is white, for looking at.
 Image error_picture(const Image& truth, const Image& result);
-
-// Pictures in a grid, scaled down by whole factors to `cell` pixels at most, on white.
-Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32_t cell);
 
 }  // namespace neuvv

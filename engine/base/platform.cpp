@@ -92,6 +92,10 @@ std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit
     return bytes;
 }
 
+bool folder_is_writable(const std::filesystem::path& folder) {
+    return ::access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
 uint64_t peak_memory_bytes() {
     struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);

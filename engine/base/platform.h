@@ -19,6 +19,9 @@ void write_file_atomically(const std::filesystem::path& path, const std::functio
 // The whole file. Throws InputError if it is missing, unreadable or larger than `limit_bytes`.
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
 
+// Whether this process may make files in an existing folder.
+bool folder_is_writable(const std::filesystem::path& folder);
+
 // Peak resident memory of this process, in bytes.
 uint64_t peak_memory_bytes();
 

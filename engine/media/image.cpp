@@ -235,7 +235,7 @@ Image decode_jpeg(const uint8_t* bytes, size_t size, const std::string& name) {
 }
 
 // `pixels` has 4 bytes a pixel; the fourth is dropped where `opaque`.
-bool encode_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, bool opaque) {
+bool fill_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, bool opaque) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &writer, push_png_bytes, nullptr);
     png_set_user_limits(writer.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
@@ -319,7 +319,7 @@ Image read_png(const std::filesystem::path& path) {
     return decode_image(bytes.data(), bytes.size(), path.string());
 }
 
-void write_png(const std::filesystem::path& path, const Image& image) {
+std::vector<uint8_t> encode_png(const Image& image) {
     assert(image.width > 0 && image.height > 0 && "a picture to write has pixels");
     assert(image.rgba.size() == size_t{4} * image.width * image.height && "four bytes a pixel");
     bool opaque = true;
@@ -327,9 +327,14 @@ void write_png(const std::filesystem::path& path, const Image& image) {
     PngWriter writer;
     writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, writer.message, on_png_error, on_png_warning);
     if (writer.png) writer.info = png_create_info_struct(writer.png);
-    if (!writer.info || !encode_png(writer, image.width, image.height, image.rgba.data(), opaque))
-        throw RuntimeFailure(fmt::format("{}: cannot encode a PNG: {}", path.string(), writer.message));
-    write_file_atomically(path, [&](const ByteSink& sink) { sink(writer.bytes.data(), writer.bytes.size()); });
+    if (!writer.info || !fill_png(writer, image.width, image.height, image.rgba.data(), opaque))
+        throw RuntimeFailure(fmt::format("cannot encode a PNG: {}", writer.message));
+    return std::move(writer.bytes);
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+    const std::vector<uint8_t> bytes = encode_png(image);
+    write_file_atomically(path, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
 }
 
 Image composite_over(const Image& image, const uint8_t background_rgb[3]) {

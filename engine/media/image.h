@@ -41,7 +41,9 @@ struct ImageSize {
 };
 ImageSize image_size(const std::filesystem::path& path);
 
-// Writes RGBA (or RGB where every pixel is opaque), atomically.
+// A PNG file's bytes: RGBA, or RGB where every pixel is opaque. Throws RuntimeFailure.
+std::vector<uint8_t> encode_png(const Image& image);
+// The same as a file, atomically.
 void write_png(const std::filesystem::path& path, const Image& image);
 
 // The picture over an opaque background (sRGB-encoded 0..255), blended in encoded values as image viewers and the NeRF

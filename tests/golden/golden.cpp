@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "golden/flip.h"
+#include "training/flip.h"
 
 namespace neuvv::test {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t grey) {
     const uint8_t background[3] = {grey, grey, grey};
     const Image a = composite_over(truth, background), b = composite_over(result, background);
-    std::vector<double> errors = flip(a, b);
+    std::vector<float> errors = flip(a, b);
     GoldenDifference difference;
     const uint32_t width = a.width;
     difference.picture = Image(3 * width, a.height);
@@ -28,9 +28,9 @@ GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t g
             std::fill_n(pixel, 3, static_cast<uint8_t>(std::lround(255 * errors[size_t{y} * width + x])));
             pixel[3] = 255;
         }
-    for (const double error : errors) difference.mean += error / static_cast<double>(errors.size());
+    difference.mean = mean_of(errors);
     std::sort(errors.begin(), errors.end());
-    difference.percentile_99 = errors[(errors.size() - 1) * 99 / 100];
+    difference.percentile_99 = double{errors[(errors.size() - 1) * 99 / 100]};
     return difference;
 }
 

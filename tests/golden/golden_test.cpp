@@ -81,6 +81,20 @@ TEST(GoldenTolerance, BearsRoundingButNoMissingAlpha) {
     EXPECT_FALSE(compare_with_golden(opaque, truth).passes());
 }
 
+TEST(GoldenTolerance, BearsNoEdgeThatMovedByAPixel) {
+    const auto edge_at = [](uint32_t column) {
+        Image image(48, 32);
+        for (uint32_t y = 0; y < image.height; y++)
+            for (uint32_t x = 0; x < image.width; x++) {
+                std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(x < column ? 0 : 255));
+                image.at(x, y)[3] = 255;
+            }
+        return image;
+    };
+    EXPECT_TRUE(compare_with_golden(edge_at(24), edge_at(24)).passes());
+    EXPECT_FALSE(compare_with_golden(edge_at(25), edge_at(24)).passes());
+}
+
 TEST(GoldenFailure, LeavesTruthResultAndDifference) {
     if (std::getenv("NEUVV_ACCEPT_GOLDEN"))
         GTEST_SKIP() << "NEUVV_ACCEPT_GOLDEN is set: it would accept a wrong picture";

@@ -58,6 +58,12 @@ void write_own_dataset(const Device& device, const VOctree& tree, const std::fil
     write_text(folder / "transforms_test.json", file.dump());
 }
 
+size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
 TEST_F(CliGpu, DevicesAreListed) {
     const ProgramResult result = run_neuvv({"devices", "--json"});
     ASSERT_EQ(result.code, 0) << result.err;
@@ -180,9 +186,13 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
         const Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
-    const ProgramResult result = run_neuvv(
-        {"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images", file("pictures")});
+    const ProgramResult result = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"),
+                                            "--images", file("pictures"), "--html", file("new/page.html")});
     ASSERT_EQ(result.code, 0) << result.err;
+    const std::string page = read_text(file("new/page.html"));
+    EXPECT_EQ(count_of(page, "<figure"), 6u);
+    EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), 4u * 6u);
+    EXPECT_NE(page.find("c01_f1"), std::string::npos);
     EXPECT_NE(result.out.find("PSNR"), std::string::npos);
     const auto json = nlohmann::json::parse(read_text(file("m.json")));
     EXPECT_GT(json.at("psnr"), 40);
@@ -194,6 +204,11 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(json.at("cameras")[1].at("camera"), 1);
     EXPECT_EQ(json.at("cameras")[1].at("images"), 3);
     EXPECT_GT(json.at("cameras")[1].at("psnr"), 40);
+    EXPECT_EQ(json.at("cameras")[1].at("name"), "c01");
+    ASSERT_EQ(json.at("frames").size(), 3u);
+    EXPECT_EQ(json.at("frames")[1].at("time"), 0.5);
+    EXPECT_EQ(json.at("frames")[1].at("images"), 2);
+    EXPECT_LT(json.at("frames")[1].at("flip"), 0.01);
     ASSERT_EQ(json.at("images").size(), 6u);
     EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
     for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
@@ -206,6 +221,18 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
 
     const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", "-"});
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
+}
+
+TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
+    {
+        const Device device;
+        write_own_dataset(device, tree, folder.path / "data");
+    }
+    write_text(file("wall"), "a file where a folder should be");
+    for (const char* option : {"--json", "--html", "--images"})
+        expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
+    const ProgramResult per_frame = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--per", "frame"});
+    EXPECT_EQ(count_of(per_frame.out, "\n"), 1u + 3u + 1u) << per_frame.out;
 }
 
 TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {

@@ -34,7 +34,7 @@ TEST_F(Cli, EveryVerbHelpsWithExamples) {
 
 TEST_F(Cli, EvalHelpDefinesTheMetrics) {
     const std::string help = run_neuvv({"eval", "--help"}).out;
-    for (const char* word : {"PSNR", "SSIM", "MAE", "over white", "11x11", "sRGB"})
+    for (const char* word : {"PSNR", "SSIM", "MAE", "FLIP", "over white", "11x11", "sRGB"})
         EXPECT_NE(help.find(word), std::string::npos) << word;
 }
 

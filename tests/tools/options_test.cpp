@@ -4,6 +4,7 @@
 
 #include "media/image.h"
 #include "support/input_error.h"
+#include "support/temporary_folder.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 
@@ -63,6 +64,19 @@ TEST(Options, Output) {
     for (const char* text : {"%s.png", "%04.png", "%n_%d.png", "%d_%d.png", "%%.png", "%.png", "%0d.png", "%00d.png",
                              "%4d.png", "%010d.png", "%04"})
         expect_input_error([&] { parse_output(text); }, {"--output", text});
+}
+
+TEST(Options, OutputsAreCheckedBeforeWork) {
+    const TemporaryFolder folder;
+    prepare_output_file("--json", folder.path / "a/b/c.json");
+    EXPECT_TRUE(std::filesystem::is_directory(folder.path / "a/b"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "a/b/c.json"));
+    prepare_output_file("--json", "c.json");  // in the working folder
+    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
+    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
+    write_text(folder.path / "wall", "a file where a folder should be");
+    expect_input_error([&] { prepare_output_file("--html", folder.path / "wall/x.html"); }, {"--html", "wall"});
+    expect_input_error([&] { prepare_output_folder("--images", folder.path / "wall"); }, {"--images", "wall"});
 }
 
 TEST(Options, Texts) {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <random>
 
+#include "training/contact_sheet.h"
+#include "training/flip.h"
+
 namespace neuvv {
 namespace {
 
@@ -94,6 +97,13 @@ TEST(Metrics, ByHand) {
     EXPECT_LT(opposite.ssim, 0.001);
 }
 
+TEST(Metrics, FlipIsTheMeanOfItsPicture) {
+    const Image truth = random_image(30, 20, 8), render = degraded(truth, 9, 10);
+    EXPECT_EQ(compare(truth, render).flip, mean_of(flip(truth, render)));
+    EXPECT_GT(compare(truth, render).flip, 0.01);
+    EXPECT_EQ(compare(truth, truth).flip, 0);
+}
+
 TEST(Metrics, AlphaIsIgnored) {
     Image a = random_image(14, 14, 2), b = a;
     for (size_t i = 3; i < b.rgba.size(); i += 4) b.rgba[i] = static_cast<uint8_t>(~b.rgba[i]);
@@ -154,6 +164,20 @@ TEST(Metrics, ContactSheetPlacesAndScales) {
     EXPECT_EQ(rgb(0, 4), white);
     EXPECT_EQ(rgb(0, 6), white);
     EXPECT_EQ(contact_sheet({}, 3, 10).width, 0u);
+}
+
+TEST(Metrics, ContactSheetEnlargesSmallPictures) {
+    Image small(2, 1);
+    small.at(0, 0)[3] = small.at(1, 0)[3] = 255;
+    small.at(1, 0)[1] = 200;
+    const Image sheet = contact_sheet({small}, 1, 7);  // by 3: 6×3, at (0, 2)
+    const uint8_t expected[] = {0, 0, 0, 0, 0, 0, 255}, top = 2;
+    for (uint32_t x = 0; x < 7; ++x) EXPECT_EQ(sheet.at(x, top)[0], expected[x]) << x;
+    EXPECT_EQ(sheet.at(2, top)[1], 0);
+    EXPECT_EQ(sheet.at(3, top)[1], 200);
+    EXPECT_EQ(sheet.at(3, top + 2)[1], 200);
+    EXPECT_EQ(sheet.at(0, top - 1)[0], 255);
+    EXPECT_EQ(sheet.at(0, top + 3)[0], 255);
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
 // FLIP itself: values that are known, and properties that any metric has.
-#include "golden/flip.h"
+#include "training/flip.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "golden/golden.h"
 #include "support/random_tree.h"
 
 namespace neuvv::test {
@@ -35,32 +34,26 @@ Image edge_image(uint32_t edge) {
     return image;
 }
 
-double mean(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return sum / static_cast<double>(values.size());
-}
-
 TEST(Flip, IdenticalPicturesDoNotDiffer) {
     const Image image = noise_image(1);
-    const std::vector<double> errors = flip(image, image);
+    const std::vector<float> errors = flip(image, image);
     EXPECT_EQ(errors.size(), 48u * 32u);
     EXPECT_EQ(*std::max_element(errors.begin(), errors.end()), 0);
 }
 
 TEST(Flip, UniformPicturesDifferByTheirColoursAlone) {
     // By hand: HyAB of black and white is ΔL* = 100; (100^0.7 − 0.4·c) / (0.6·c) of the top twentieth, c = 41.276.
-    for (const double error : flip(uniform_image(0, 0, 0), uniform_image(255, 255, 255)))
+    for (const float error : flip(uniform_image(0, 0, 0), uniform_image(255, 255, 255)))
         EXPECT_NEAR(error, 0.9676, 1e-3);
     // The two colours that the metric's largest difference is defined by.
-    for (const double error : flip(uniform_image(0, 255, 0), uniform_image(0, 0, 255))) EXPECT_NEAR(error, 1, 1e-6);
+    for (const float error : flip(uniform_image(0, 255, 0), uniform_image(0, 0, 255))) EXPECT_NEAR(error, 1, 1e-6);
     // A step of one in 255 in mid-grey: ΔL* = 0.39 → 0.39^0.7 · 0.95 / 16.51.
-    for (const double error : flip(uniform_image(128, 128, 128), uniform_image(129, 129, 129)))
+    for (const float error : flip(uniform_image(128, 128, 128), uniform_image(129, 129, 129)))
         EXPECT_NEAR(error, 0.030, 0.002);
 }
 
 TEST(Flip, IsSymmetricAndBounded) {
-    const std::vector<double> ab = flip(noise_image(1), noise_image(2)), ba = flip(noise_image(2), noise_image(1));
+    const std::vector<float> ab = flip(noise_image(1), noise_image(2)), ba = flip(noise_image(2), noise_image(1));
     for (size_t i = 0; i < ab.size(); i++) {
         EXPECT_NEAR(ab[i], ba[i], 1e-12);
         EXPECT_GE(ab[i], 0);
@@ -69,9 +62,7 @@ TEST(Flip, IsSymmetricAndBounded) {
 }
 
 TEST(Flip, AShiftedEdgeIsSeenWhereItIs) {
-    const std::vector<double> errors = flip(edge_image(24), edge_image(26));
-    EXPECT_FALSE(compare_with_golden(edge_image(26), edge_image(24)).passes());
-    EXPECT_FALSE(compare_with_golden(edge_image(25), edge_image(24)).passes());
+    const std::vector<float> errors = flip(edge_image(24), edge_image(26));
     EXPECT_GT(errors[48 * 16 + 25], 0.8);
     EXPECT_LT(errors[48 * 16 + 2], 1e-6);
     EXPECT_LT(errors[48 * 16 + 46], 1e-6);
@@ -81,13 +72,22 @@ TEST(Flip, GrowsWithTheDifferenceAndFadesWithDistance) {
     const Image grey = uniform_image(100, 100, 100);
     double last = 0;
     for (const uint8_t value : std::initializer_list<uint8_t>{101, 105, 120, 160, 250}) {
-        const double error = mean(flip(grey, uniform_image(value, 100, 100)));
+        const double error = mean_of(flip(grey, uniform_image(value, 100, 100)));
         EXPECT_GT(error, last);
         last = error;
     }
     // From twice as far, fine noise melts into one grey.
-    EXPECT_LT(mean(flip(noise_image(1), noise_image(2), 2 * kPixelsPerDegree)),
-              mean(flip(noise_image(1), noise_image(2))));
+    EXPECT_LT(mean_of(flip(noise_image(1), noise_image(2), 2 * kPixelsPerDegree)),
+              mean_of(flip(noise_image(1), noise_image(2))));
+}
+
+TEST(Flip, ThePictureGoesFromBlackToYellow) {
+    const Image picture = flip_picture({0, 0.5f, 1}, 3, 1);
+    EXPECT_EQ(std::vector<uint8_t>(picture.rgba.begin(), picture.rgba.begin() + 4),
+              (std::vector<uint8_t>{0, 0, 4, 255}));
+    EXPECT_EQ(std::vector<uint8_t>(picture.rgba.end() - 4, picture.rgba.end()),
+              (std::vector<uint8_t>{252, 253, 191, 255}));
+    EXPECT_EQ(picture.at(1, 0)[0], 182);  // between 159 and 205
 }
 
 }  // namespace

@@ -1,0 +1,31 @@
+// What `neuvv eval --html` writes: one HTML file that holds its pictures and opens without a server or a network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "training/evaluate.h"
+
+namespace neuvv {
+
+// A picture of the page, kept while the evaluation goes on.
+struct PagePicture {
+    size_t view = 0;  // index into Dataset::views
+    Image truth, render;
+};
+
+struct PageFacts {
+    std::string scene, dataset, split, device;
+};
+
+// The page: means, curves over the clip's instants, tables of cameras, instants and pictures, and `pictures` with
+// truth, render, error and FLIP to slide over each other or to blink between; scaled down to at most kPageSide pixels.
+// All names are escaped.
+constexpr uint32_t kPageSide = 1280;
+std::string comparison_page(const PageFacts& facts, const Dataset& dataset, const Evaluation& evaluation,
+                            const std::vector<PagePicture>& pictures);
+
+// Text as HTML: <, >, &, " and ' as entities, control characters as spaces.
+std::string html_text(const std::string& text);
+
+}  // namespace neuvv
