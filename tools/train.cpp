@@ -6,6 +6,8 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
+#include "tools/live_report.h"
+#include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "training/train.h"
@@ -18,6 +20,7 @@ struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string format = kAnyFormat;
     TrainSettings settings;
+    LiveOptions live;
 };
 
 void print_progress(const TrainProgress& now, bool line_ends) {
@@ -32,21 +35,19 @@ void print_progress(const TrainProgress& now, bool line_ends) {
 void prepare_output(const std::filesystem::path& output) {
     if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
         throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
-    std::error_code error;
-    if (output.has_parent_path()) std::filesystem::create_directories(output.parent_path(), error);
-    if (error)
-        throw InputError("--output", output.string(), fmt::format("its folder cannot be made: {}", error.message()),
-                         "choose another");
+    prepare_output_file("--output", output);
 }
 
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
+    prepare_live_outputs(options.live);
     catch_stop_signals();
     const Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     const Dataset dataset = load_dataset(options.dataset, Split::kTrain, {.format = options.format});
     fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures\n", options.dataset.string(), dataset.cameras.size(),
                dataset.times.size(), dataset.views.size());
+    LiveReport live(device, dataset, options.format, options.live);
     double printed = -1e9;
     const TrainProgress last = train(device, dataset, options.settings, options.output, [&](const TrainProgress& now) {
         if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
@@ -54,11 +55,14 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
             printed = now.elapsed_s;
             if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
         }
+        live.update(now);
         return !stop_requested();
     });
     if (stderr_is_terminal()) fmt::print(stderr, "\n");
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
+    if (stop_requested() && last.fraction < 1)
+        fmt::print("interrupted; the same command with --resume goes on from here\n");
 }
 
 }  // namespace
@@ -86,14 +90,21 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
     verb->add_flag("--resume", options->settings.resume,
                    "Go on from OUTPUT.state; shape and seed are the run's, --minutes or --steps its whole budget");
+    verb->add_option("--preview", options->live.preview,
+                     "Keep this PNG showing a held-out picture: truth, render, error; rewritten every few seconds");
+    verb->add_option("--metrics", options->live.metrics,
+                     "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
+                     "(see training/metrics_log.h); --resume continues it");
     verb->footer(
         std::string(
             "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
+            "After Ctrl-C it saves, says that it was interrupted, and ends with exit code 0.\n"
             "NEUVV_TRACE=1 prints the time of each pass. ") +
         kDeviceHelp +
         "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
+        "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, &common] { run_train(*options, common); });
 }

@@ -116,6 +116,19 @@ Image truth_over_white(const Dataset& dataset, const View& view) {
     return composite_over(clear, kWhite);
 }
 
+Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const View& view, uint32_t frames,
+                        uint32_t samples) {
+    const Camera& camera = dataset.cameras[view.camera];
+    FrameSettings settings;
+    settings.frame = static_cast<float>(frame_of_time(view.time, frames));
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.samples = samples;
+    Image render = composite_over(renderer.render(camera, settings), kWhite);
+    whiten_ignored(view, render);
+    return render;
+}
+
 Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
     uint32_t width = 1, height = 1;
@@ -131,14 +144,7 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
     result.frames.resize(dataset.times.size());
     for (size_t i = 0; i < dataset.views.size(); ++i) {
         const View& view = dataset.views[i];
-        const Camera& camera = dataset.cameras[view.camera];
-        FrameSettings settings;
-        settings.frame = static_cast<float>(frame_of_time(view.time, tree.frames));
-        settings.width = camera.width;
-        settings.height = camera.height;
-        settings.samples = samples;
-        Image render = composite_over(renderer.render(camera, settings), kWhite);
-        whiten_ignored(view, render);
+        const Image render = render_over_white(renderer, dataset, view, tree.frames, samples);
         const Image truth = truth_over_white(dataset, view);
         const Quality quality = compare(truth, render);
         result.views.push_back(quality);

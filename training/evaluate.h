@@ -41,6 +41,11 @@ std::vector<std::string> camera_labels(const Dataset& dataset);
 // At most `count` views, ascending, spread over cameras and instants.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
+// What `renderer`, made for a field of `frames` frames, shows of a view, over white.
+class FrameRenderer;
+Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const View& view, uint32_t frames,
+                        uint32_t samples);
+
 // A view's picture over white; where its camera has a clean plate, without the captured background.
 Image truth_over_white(const Dataset& dataset, const View& view);
 

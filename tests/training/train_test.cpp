@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+#include <sstream>
+
 #include "base/error.h"
 #include "render/frame.h"
 #include "support/child_process.h"
@@ -237,7 +240,50 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     child.send(SIGINT);
     EXPECT_EQ(child.wait(), 0) << read_text(log_);
     EXPECT_GT(load_checkpoint(nvv_).run.step, 0u);
+    EXPECT_NE(read_text(log_).find("interrupted"), std::string::npos) << read_text(log_);
+    EXPECT_NE(read_text(log_).find("--resume"), std::string::npos) << read_text(log_);
     expect_resumes();
+}
+
+// --preview and --metrics, over an interruption: the log has the steps of both parts in order, the picture is there.
+TEST_F(KilledRun, ShowsItselfWhileItRuns) {
+    const std::filesystem::path preview = out_.path / "live/preview.png", metrics = out_.path / "live/run.jsonl";
+    const std::vector<std::string> live = {"--preview", preview.string(), "--metrics", metrics.string()};
+    const auto with_live = [&](std::vector<std::string> words) {
+        words.insert(words.end(), live.begin(), live.end());
+        return words;
+    };
+    const auto steps_logged = [&] {
+        std::vector<uint64_t> steps;
+        std::istringstream lines(read_text(metrics));
+        for (std::string line; std::getline(lines, line);)
+            steps.push_back(nlohmann::json::parse(line).at("step").get<uint64_t>());
+        return steps;
+    };
+    ChildProcess first(with_live(command(10000000, false)), log_);
+    ASSERT_TRUE(first.until([&] { return std::filesystem::exists(preview) && !steps_logged().empty(); }))
+        << read_text(log_);
+    first.send(SIGINT);
+    ASSERT_EQ(first.wait(), 0) << read_text(log_);
+    const std::vector<uint64_t> before = steps_logged();
+    const Image picture = read_png(preview);
+    EXPECT_EQ(picture.width, 3 * 32u);
+    EXPECT_EQ(picture.height, 32u);
+
+    const uint64_t last = load_checkpoint(nvv_).run.step;
+    write_text(metrics, read_text(metrics) + fmt::format("{{\"step\":{}}}\n{{\"step\":", last + 1000));
+    ChildProcess second(with_live(command(last + 3, true)), log_);
+    ASSERT_EQ(second.wait(), 0) << read_text(log_);
+    const std::vector<uint64_t> after = steps_logged();
+    ASSERT_GT(after.size(), before.size());
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin()));
+    EXPECT_EQ(after.back(), last + 3);
+    EXPECT_TRUE(std::is_sorted(after.begin(), after.end()));
+
+    ChildProcess wrong({NEUVV_PROGRAM, "train", data_.path.string(), "-o", nvv_.string(), "--preview", nvv_.string()},
+                       log_);
+    EXPECT_EQ(wrong.wait(), 2);
+    EXPECT_NE(read_text(log_).find("--preview"), std::string::npos) << read_text(log_);
 }
 
 TEST_F(KilledRun, ResumeWithoutAStateIsBadInput) {

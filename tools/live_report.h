@@ -1,0 +1,40 @@
+// What a training run shows of itself besides the progress line: a preview picture and a log of its numbers.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "training/metrics_log.h"
+
+namespace neuvv {
+
+struct LiveOptions {
+    std::filesystem::path preview;  // PNG; empty: none
+    std::filesystem::path metrics;  // JSON Lines; empty: none
+};
+
+// Throws InputError where one of the files could not be written, or is not named as such a file.
+void prepare_live_outputs(const LiveOptions& options);
+
+class LiveReport {
+  public:
+    // Loads a held-out picture where a preview is wanted; a data set without any gives one of the training's.
+    LiveReport(const Device& device, const Dataset& training, const std::string& format, LiveOptions options);
+
+    // Call with every report of the run. Previews take at most a twentieth of the time; one that fails, for instance
+    // for want of device memory, is the last, and the run goes on. Throws RuntimeFailure where the log cannot be
+    // written.
+    void update(const TrainProgress& now);
+
+  private:
+    void write_preview_if_due(const TrainProgress& now);
+
+    const Device& device_;
+    LiveOptions options_;
+    Dataset shown_;
+    std::optional<MetricsLog> log_;
+    std::optional<PreviewScore> score_;
+    double previewed_at_ = -1e9, preview_took_ = 0;  // seconds of the run
+};
+
+}  // namespace neuvv

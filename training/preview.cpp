@@ -1,0 +1,51 @@
+#include "training/preview.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "render/frame.h"
+#include "training/evaluate.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint32_t kSamples = 2;  // rays a pixel along each side, as `neuvv eval` has by default
+
+Image side_by_side(const std::vector<Image>& pictures) {
+    Image row(pictures[0].width * static_cast<uint32_t>(pictures.size()), pictures[0].height);
+    for (uint32_t i = 0; i < pictures.size(); i++)
+        for (uint32_t y = 0; y < row.height; y++)
+            std::copy_n(pictures[i].at(0, y), size_t{4} * pictures[i].width, row.at(i * pictures[i].width, y));
+    return row;
+}
+
+}  // namespace
+
+Dataset preview_dataset(const Dataset& dataset) {
+    assert(!dataset.views.empty() && "a data set has pictures");
+    const View* chosen = &dataset.views[0];
+    for (const View& view : dataset.views)
+        if (view.camera == chosen->camera && std::abs(view.time - 0.5) < std::abs(chosen->time - 0.5)) chosen = &view;
+    Dataset cut;
+    cut.folder = dataset.folder;
+    cut.cameras = {dataset.cameras[chosen->camera]};
+    cut.plates = {dataset.plates[chosen->camera]};
+    cut.views = {*chosen};
+    cut.views[0].camera = 0;
+    cut.times = {chosen->time};
+    return cut;
+}
+
+Quality write_preview(const Device& device, const Field& field, const Dataset& dataset,
+                      const std::filesystem::path& file) {
+    const View& view = dataset.views[0];
+    const Image truth = truth_over_white(dataset, view);
+    FrameRenderer renderer(device, field, truth.width, truth.height, kSamples);
+    const Image render = render_over_white(renderer, dataset, view, field.frames, kSamples);
+    write_png(file, side_by_side({truth, render, error_picture(truth, render)}));
+    return compare(truth, render);
+}
+
+}  // namespace neuvv
