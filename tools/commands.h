@@ -31,6 +31,7 @@ inline void add_format_option(CLI::App& verb, std::string& format) {
 void add_devices(CLI::App& app, CommonOptions& common);
 void add_info(CLI::App& app, CommonOptions& common);
 void add_capture(CLI::App& app, CommonOptions& common);
+void add_dataset(CLI::App& app, CommonOptions& common);
 void add_train(CLI::App& app, CommonOptions& common);
 void add_eval(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);

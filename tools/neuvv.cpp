@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
     neuvv::add_devices(app, common);
     neuvv::add_info(app, common);
     neuvv::add_capture(app, common);
+    neuvv::add_dataset(app, common);
     neuvv::add_train(app, common);
     neuvv::add_eval(app, common);
     neuvv::add_render(app, common);
@@ -42,6 +43,7 @@ int run(int argc, char** argv) {
         "Examples (from the repository's root):\n"
         "  neuvv devices\n"
         "  neuvv capture tools/performer/performer.glb -o build/performer\n"
+        "  neuvv dataset build/performer -o build/look\n"
         "  neuvv train build/performer -o build/performer.nvv\n"
         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
         "  neuvv render build/performer.nvv -o build/turn.mp4");

@@ -34,10 +34,10 @@ std::string lower_extension(const std::filesystem::path& path) {
 }
 
 Frames frames_of_video(const std::filesystem::path& path, double& fps) {
-    const VideoSummary video = summarise_video(path);
-    fps = video.fps;
+    const VideoReader video(path);
+    fps = video.fps();
     Frames frames;
-    for (uint32_t i = 0; i < video.frames; ++i) frames[fmt::format("{:06}", i)] = {path, i};
+    for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
     return frames;
 }
 

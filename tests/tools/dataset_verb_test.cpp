@@ -1,0 +1,157 @@
+// `neuvv dataset`: what it says of data sets, and its drawings.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/colmap_files.h"
+#include "support/rig_pixel.h"
+#include "support/sphere_capture.h"
+#include "tests/tools/run_neuvv.h"
+#include "tools/report.h"
+#include "tools/rig_drawing.h"
+
+namespace neuvv {
+namespace {
+
+struct DatasetVerb : testing::Test {
+    TemporaryFolder folder;
+
+    std::string say(const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> arguments = {"dataset", (folder.path / "data").string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_EQ(result.err, "");
+        return result.out;
+    }
+    // The rest of the line that begins with this word.
+    static std::string field(const std::string& text, const std::string& word) {
+        const size_t begin = text.find("\n" + word + " ");
+        if (begin == std::string::npos) return "no " + word;
+        const size_t value = text.find_first_not_of(' ', begin + 1 + word.size());
+        return text.substr(value, text.find('\n', value) - value);
+    }
+
+    // Nine cameras without mattes, the first and the last held out.
+    void write_colmap_capture() const {
+        test::ColmapSample sample;
+        sample.cameras = {{1, 1, "PINHOLE", 64, 48, {60, 61, 32, 24}},
+                          {2, 4, "OPENCV", 64, 48, {70, 70, 32, 24, 0.01, 0, 0, 0}}};
+        for (int i = 0; i < 9; ++i) {
+            const double half = 0.3 * i;
+            sample.images.push_back(
+                {i, {std::cos(half), 0, std::sin(half), 0, 0, 0, 3}, 1 + i % 2, fmt::format("eye{}.png", i)});
+            test::write_grey_png(folder.path / "data" / "images" / sample.images.back().name, 64, 48);
+        }
+        test::write_colmap(folder.path / "data" / "sparse" / "0", sample, true);
+    }
+};
+
+TEST_F(DatasetVerb, ACaptureWithMattes) {
+    const test::SphereCapture capture;
+    std::filesystem::create_directories(folder.path / "data");
+    test::write_capture(folder.path / "data", test::sphere_dataset(capture));
+    const std::string text = say();
+    EXPECT_NE(text.find("data: nerf, calibrated by "), std::string::npos) << text;
+    EXPECT_EQ(field(text, "train"), "12 cameras: 0 1 2 3 4 5 6 7 8 9 10 11");
+    EXPECT_EQ(field(text, "test").find("none: "), 0u) << text;
+    EXPECT_NE(field(text, "test").find("transforms_test.json"), std::string::npos) << text;
+    EXPECT_EQ(field(text, "lenses"), "pinhole; focal length 62.4 pixels, 42.1° wide");
+    EXPECT_EQ(field(text, "size"), "48×48");
+    EXPECT_EQ(field(text, "frames"), "3, frame rate not given");
+    EXPECT_EQ(field(text, "pictures"), "36, every camera at every instant");
+    EXPECT_EQ(field(text, "masks"), "none");
+    EXPECT_EQ(field(text, "plates"), "none");
+    EXPECT_EQ(field(text, "mattes").find("yes; the performer fills "), 0u) << text;
+    EXPECT_EQ(field(text, "box"), "not given");
+    EXPECT_EQ(field(text, "memory").find(size_text(36 * 48 * 48 * 4) + " "), 0u) << text;
+    double a[3], b[3];
+    ASSERT_EQ(std::sscanf(field(text, "hull").c_str(), "(%lf, %lf, %lf) to (%lf, %lf, %lf)", &a[0], &a[1], &a[2], &b[0],
+                          &b[1], &b[2]),
+              6)
+        << text;
+    const double reach[3] = {capture.reach_m + capture.radius_m, capture.radius_m, capture.radius_m};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double centre = axis == 1 ? 0.05 : 0;
+        EXPECT_LE(a[axis], centre - reach[axis] + 0.02) << "the hull holds the sphere's whole way";
+        EXPECT_GE(b[axis], centre + reach[axis] - 0.02);
+        EXPECT_GT(a[axis], centre - reach[axis] - 0.3);
+        EXPECT_LT(b[axis], centre + reach[axis] + 0.3);
+    }
+}
+
+TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {
+    write_colmap_capture();
+    const std::string text = say();
+    EXPECT_NE(text.find("data: colmap, calibrated by "), std::string::npos) << text;
+    EXPECT_EQ(field(text, "train"), "7 cameras: eye1 eye2 eye3 eye4 eye5 eye6 eye7");
+    EXPECT_EQ(field(text, "test"), "2 cameras: eye0 eye8");
+    EXPECT_EQ(field(text, "lenses").find("pinhole, radial and tangential distortion; focal length 60.0 to 70.0"), 0u)
+        << text;
+    EXPECT_NE(field(text, "mattes").find("none"), std::string::npos);
+    EXPECT_NE(field(text, "mattes").find("neuvv matte "), std::string::npos) << text;
+    EXPECT_EQ(field(text, "hull"), "not known without mattes");
+    EXPECT_NE(say({"--split", "test"}).find("of the test split"), std::string::npos);
+
+    for (int i = 0; i < 9; ++i)
+        test::write_grey_png(folder.path / "data" / "masks" / fmt::format("eye{}.png", i), 64, 48, i == 4 ? 0 : 255);
+    const std::string masked = say();
+    EXPECT_EQ(field(masked, "masks").find("7; white is the performer, black the background"), 0u) << masked;
+    EXPECT_EQ(field(masked, "mattes").find("yes"), 0u) << masked;
+}
+
+TEST_F(DatasetVerb, DrawsTheRigAndTheSheet) {
+    write_colmap_capture();
+    const auto look = folder.path / "look";
+    const std::string text = say({"-o", look.string()});
+    EXPECT_NE(text.find("wrote " + (look / "rig.png").string()), std::string::npos) << text;
+    const Image rig = read_png(look / "rig.png"), sheet = read_png(look / "contact_sheet.png");
+    EXPECT_EQ(rig.width, 1280u);
+    EXPECT_EQ(sheet.width, 600u) << "seven pictures in three columns";
+    EXPECT_EQ(sheet.height, 600u);
+    EXPECT_EQ(sheet.at(100, 100)[0], 128) << "the pictures are grey";
+}
+
+TEST_F(DatasetVerb, WrongUseIsBadInput) {
+    expect_refused({"dataset"}, 2, {"neuvv dataset --help"});
+    expect_refused({"dataset", (folder.path / "none").string()}, 2, {"none", "no data set"});
+    expect_refused({"dataset", folder.path.string(), "--format", "vhs"}, 2, {"vhs"});
+    expect_refused({"dataset", folder.path.string(), "--split", "both"}, 2, {"both"});
+    expect_refused({"dataset", folder.path.string(), "--format", "colmap"}, 2, {"sparse/0"});
+}
+
+// Two cameras face each other along x; the box lies between them.
+TEST(RigDrawing, CamerasStandWhereTheyDo) {
+    std::vector<RigCamera> cameras(2);
+    for (int i = 0; i < 2; ++i) {
+        const Camera from = test::look_at({i == 0 ? -2.0 : 2.0, 0, 0}, {0, 0, 0}, 10, 10);
+        cameras[static_cast<size_t>(i)].world_from_camera = from.world_from_camera;
+        Lens& lens = cameras[static_cast<size_t>(i)].lens;
+        lens.fx = lens.fy = 10;
+        lens.cx = lens.cy = 5;
+        lens.width = lens.height = 10;
+    }
+    cameras[0].name = "left";
+    cameras[1].name = "right";
+    const Image image = draw_rig({cameras[0]}, {cameras[1]}, std::pair(glm::dvec3(-0.5), glm::dvec3(0.5)));
+    const auto count = [&](uint32_t begin, uint32_t end, auto wanted) {
+        size_t found = 0;
+        for (uint32_t y = 25; y < 600; ++y)
+            for (uint32_t x = begin; x < end; ++x) found += wanted(image.at(x, y)) ? 1 : 0;
+        return found;
+    };
+    const auto blue = [](const uint8_t* p) { return p[2] > 150 && p[0] < 100; };
+    const auto orange = [](const uint8_t* p) { return p[0] > 150 && p[2] < 100; };
+    const auto black = [](const uint8_t* p) { return p[0] + p[1] + p[2] == 0; };
+    for (const uint32_t panel : {0u, 640u}) {
+        EXPECT_GT(count(panel, panel + 200, blue), 50u) << "its frustum and its name";
+        EXPECT_EQ(count(panel + 200, panel + 639, blue), 0u);
+        EXPECT_GT(count(panel + 440, panel + 639, orange), 50u);
+        EXPECT_EQ(count(panel, panel + 440, orange), 0u);
+        const double side = (640 - 120) / (4 * 1.08);  // pixels of the box's side
+        EXPECT_NEAR(static_cast<double>(count(panel + 200, panel + 440, black)), 4 * side, 8);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv

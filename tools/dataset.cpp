@@ -1,0 +1,281 @@
+// neuvv dataset: what a folder of pictures is to the program, before hours of training go into it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "tools/commands.h"
+#include "tools/drawing.h"
+#include "tools/report.h"
+#include "tools/rig_drawing.h"
+#include "training/contact_sheet.h"
+#include "training/hull.h"
+#include "training/pictures.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kSampleCameras = 64, kSampleInstants = 3;  // whose pictures are looked at
+constexpr size_t kNamesShown = 40;
+constexpr uint32_t kSheetCell = 200;
+
+struct DatasetOptions {
+    std::string folder, format = kAnyFormat, split = "train", output;
+};
+
+using Box = std::pair<glm::dvec3, glm::dvec3>;
+
+// A finding where it is there, else why not: what is amiss with a data set is what this verb is asked for.
+template <typename T>
+struct Finding {
+    std::optional<T> found;
+    std::string missing;
+};
+
+template <typename Look>
+auto look_for(Look look) -> Finding<decltype(look())> {
+    try {
+        return {look(), ""};
+    } catch (const InputError& error) {
+        return {{}, error.what()};
+    }
+}
+
+// Evenly spread, first and last included.
+template <typename T>
+std::vector<T> spread(const std::vector<T>& all, size_t count) {
+    if (all.size() <= count) return all;
+    std::vector<T> chosen;
+    for (size_t i = 0; i < count; ++i) chosen.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
+    return chosen;
+}
+
+// Some cameras at some instants; a camera without any of those instants shows its first.
+Rig sample(const Rig& rig) {
+    std::set<double> times;
+    std::map<uint32_t, std::vector<const Shot*>> shots;
+    for (const Shot& shot : rig.shots) {
+        times.insert(shot.time);
+        shots[shot.camera].push_back(&shot);
+    }
+    const std::vector<double> instants = spread(std::vector<double>(times.begin(), times.end()), kSampleInstants);
+    std::vector<uint32_t> cameras;
+    for (const auto& [camera, of_camera] : shots) cameras.push_back(camera);
+    Rig result = rig;
+    result.cameras.clear();
+    result.shots.clear();
+    for (const uint32_t camera : spread(cameras, kSampleCameras)) {
+        std::vector<const Shot*> chosen;
+        for (const Shot* shot : shots[camera])
+            if (std::find(instants.begin(), instants.end(), shot->time) != instants.end()) chosen.push_back(shot);
+        if (chosen.empty()) chosen.push_back(shots[camera][0]);
+        for (const Shot* shot : chosen) {
+            result.shots.push_back(*shot);
+            result.shots.back().camera = static_cast<uint32_t>(result.cameras.size());
+        }
+        result.cameras.push_back(rig.cameras[camera]);
+    }
+    return result;
+}
+
+// Share of the pixels that are performer; nothing where no picture has a matte.
+std::optional<double> matte_share(const Dataset& dataset) {
+    double opaque = 0, pixels = 0;
+    bool clear = false;
+    for (const View& view : dataset.views)
+        for (size_t i = 0; i < view.image.rgba.size() / 4; ++i) {
+            if (!view.ignored.empty() && view.ignored[i]) continue;
+            const uint8_t alpha = view.image.rgba[4 * i + 3];
+            clear |= alpha != 255;
+            opaque += alpha / 255.0;
+            pixels += 1;
+        }
+    if (!clear || pixels == 0) return {};
+    return opaque / pixels;
+}
+
+const char* text_of(LensModel model) {
+    switch (model) {
+        case LensModel::kBrown:
+            return "radial and tangential distortion";
+        case LensModel::kFisheye:
+            return "fisheye";
+        case LensModel::kFov:
+            return "FOV";
+        default:
+            return "pinhole";
+    }
+}
+
+const char* text_of(MaskMeaning meaning) {
+    switch (meaning) {
+        case MaskMeaning::kUsable:
+            return "white pixels are looked at, black ones teach nothing";
+        case MaskMeaning::kIgnore:
+            return "black pixels are looked at, white ones teach nothing";
+        default:
+            return "white is the performer, black the background: they become the pictures' mattes";
+    }
+}
+
+std::string range_text(double low, double high, int digits) {
+    const std::string a = fmt::format("{:.{}f}", low, digits), b = fmt::format("{:.{}f}", high, digits);
+    return a == b ? a : a + " to " + b;
+}
+
+std::string names_text(const std::vector<RigCamera>& cameras) {
+    std::string text;
+    for (size_t i = 0; i < std::min(cameras.size(), kNamesShown); ++i) text += " " + cameras[i].name;
+    if (cameras.size() > kNamesShown) text += fmt::format(" and {} more", cameras.size() - kNamesShown);
+    return text;
+}
+
+// Fields of a report: a word, and what there is to say about it.
+void print_field(const char* field, const std::string& text) {
+    fmt::print("{:<9} {}\n", field, text);
+}
+
+void print_lenses(const Rig& rig, const Dataset& seen) {
+    std::set<std::string> models, sizes;
+    double shortest = 1e30, longest = 0, widest = 0, narrowest = 180;
+    for (const RigCamera& camera : rig.cameras) {
+        models.insert(camera.lens.distorts() ? text_of(camera.lens.model) : text_of(LensModel::kPinhole));
+        shortest = std::min({shortest, camera.lens.fx, camera.lens.fy});
+        longest = std::max({longest, camera.lens.fx, camera.lens.fy});
+    }
+    for (const Camera& camera : seen.cameras) {
+        sizes.insert(fmt::format("{}×{}", camera.width, camera.height));
+        const double angle = 2 * std::atan(0.5 * camera.width / camera.fx) * 180 / std::numbers::pi;
+        widest = std::max(widest, angle);
+        narrowest = std::min(narrowest, angle);
+    }
+    print_field("lenses", fmt::format("{}; focal length {} pixels, {}° wide", fmt::join(models, ", "),
+                                      range_text(shortest, longest, 1), range_text(narrowest, widest, 1)));
+    print_field("size", fmt::format("{}", fmt::join(sizes, ", ")));
+}
+
+void print_frames(const Rig& rig) {
+    std::set<double> times;
+    for (const Shot& shot : rig.shots) times.insert(shot.time);
+    const size_t whole = times.size() * rig.cameras.size();
+    print_field("frames", fmt::format("{}{}", times.size(),
+                                      rig.fps > 0 ? fmt::format(" at {:g} fps", rig.fps) : ", frame rate not given"));
+    print_field("pictures",
+                rig.shots.size() == whole
+                    ? fmt::format("{}, every camera at every instant", rig.shots.size())
+                    : fmt::format("{}, {} fewer than cameras × frames", rig.shots.size(), whole - rig.shots.size()));
+}
+
+void print_layers(const Rig& rig, const DatasetOptions& options, const std::optional<double>& matte) {
+    const auto masks =
+        std::count_if(rig.shots.begin(), rig.shots.end(), [](const Shot& shot) { return !shot.mask.path.empty(); });
+    const auto plates = std::count_if(rig.cameras.begin(), rig.cameras.end(),
+                                      [](const RigCamera& camera) { return !camera.plate.path.empty(); });
+    print_field("masks", masks == 0 ? "none" : fmt::format("{}; {}", masks, text_of(rig.masks)));
+    print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
+    print_field("mattes",
+                matte ? fmt::format("yes; the performer fills {:.1f} % of a picture", 100 * *matte)
+                      : fmt::format("none, and training needs them: make them with `neuvv matte {}`", options.folder));
+}
+
+void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
+    const auto text = [](const Box& box) {
+        const auto& [a, b] = box;
+        return fmt::format("({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f})", a.x, a.y, a.z, b.x, b.y, b.z);
+    };
+    print_field("box", given ? text(*given) + ", given by the files" : "not given");
+    print_field("hull",
+                hull.found ? text(*hull.found) + ", what the mattes leave at the instants looked at" : hull.missing);
+}
+
+// Pictures are held as RGBA bytes.
+void print_memory(const Rig& rig, const Dataset& seen) {
+    double pixels = 0;
+    for (const Camera& camera : seen.cameras) pixels += static_cast<double>(camera.width) * camera.height;
+    const double bytes = 4 * pixels / static_cast<double>(seen.cameras.size()) * static_cast<double>(rig.shots.size());
+    print_field("memory",
+                size_text(static_cast<uint64_t>(bytes)) + " for these pictures in training, next to the model");
+}
+
+void draw(const std::filesystem::path& folder, const Rig& rig, const std::vector<RigCamera>& train,
+          const std::vector<RigCamera>& test, const Dataset& seen, const std::optional<Box>& box) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
+    write_png(folder / "rig.png", draw_rig(train, test, box));
+    std::vector<Image> pictures;
+    std::vector<std::string> names;
+    for (const View& view : seen.views) {
+        if (view.camera != pictures.size()) continue;  // the first of each
+        pictures.push_back(view.image);
+        names.push_back(rig.cameras[view.camera].name);
+    }
+    const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(pictures.size()))));
+    Image sheet = contact_sheet(pictures, columns, kSheetCell);
+    for (uint32_t i = 0; i < names.size(); ++i)
+        draw_text(sheet, static_cast<int>(i % columns * kSheetCell + 4), static_cast<int>(i / columns * kSheetCell + 4),
+                  names[i], {200, 0, 120});
+    write_png(folder / "contact_sheet.png", sheet);
+    fmt::print("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
+}
+
+void run(const DatasetOptions& options) {
+    const auto read = [&](Split split) {
+        return look_for([&] { return read_rig(options.folder, split, options.format); });
+    };
+    const Finding<Rig> train = read(Split::kTrain), test = read(Split::kTest);
+    const Finding<Rig>& wanted = options.split == "train" ? train : test;
+    if (!wanted.found)
+        read_rig(options.folder, options.split == "train" ? Split::kTrain : Split::kTest, options.format);
+    const Rig& rig = *wanted.found;
+    const Rig looked_at = sample(rig);
+    const Dataset seen = read_pictures(looked_at, {.mattes_needed = false});
+    const std::optional<double> matte = matte_share(seen);
+    const auto hull = matte ? look_for([&] { return hull_box(seen); }) : Finding<Box>{{}, "not known without mattes"};
+    fmt::print("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
+    for (const auto& [name, split] : {std::pair("train", &train), std::pair("test", &test)})
+        print_field(name, split->found ? fmt::format("{} cameras:{}", split->found->cameras.size(),
+                                                     names_text(split->found->cameras))
+                                       : "none: " + split->missing);
+    fmt::print("of the {} split:\n", options.split);
+    print_lenses(rig, seen);
+    print_frames(rig);
+    print_layers(rig, options, matte);
+    print_box(rig.box, hull);
+    print_memory(rig, seen);
+    if (options.output.empty()) return;
+    const auto cameras = [](const Finding<Rig>& split) {
+        return split.found ? split.found->cameras : std::vector<RigCamera>();
+    };
+    draw(options.output, looked_at, cameras(train), cameras(test), seen, hull.found ? hull.found : rig.box);
+}
+
+}  // namespace
+
+void add_dataset(CLI::App& app, CommonOptions&) {
+    CLI::App* verb = app.add_subcommand("dataset", "Say what a data set holds, and draw its cameras and pictures");
+    const auto options = std::make_shared<DatasetOptions>();
+    verb->add_option("dataset", options->folder, "The data set's folder")->required();
+    add_format_option(*verb, options->format);
+    verb->add_option("--split", options->split, "Whose pictures are looked at")
+        ->check(CLI::IsMember({"train", "test"}))
+        ->capture_default_str();
+    verb->add_option("-o,--output", options->output,
+                     "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
+                     "orange) and contact_sheet.png (a picture of each camera) into this folder");
+    verb->footer(
+        "Reads the calibration whole, and of the pictures those of at most 64 cameras at 3 instants.\n"
+        "training/README.md describes the layouts.\n\n"
+        "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
+        "  neuvv dataset build/performer\n"
+        "  neuvv dataset build/performer -o build/look\n"
+        "  neuvv dataset build/performer --split test --format nerf");
+    verb->callback([options] { run(*options); });
+}
+
+}  // namespace neuvv
