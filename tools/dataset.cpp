@@ -114,6 +114,8 @@ const char* text_of(LensModel model) {
 
 const char* text_of(MaskMeaning meaning) {
     switch (meaning) {
+        case MaskMeaning::kLabels:
+            return "any value but 0 is the performer: they become the pictures' mattes";
         case MaskMeaning::kUsable:
             return "white pixels are looked at, black ones teach nothing";
         case MaskMeaning::kIgnore:

@@ -11,6 +11,7 @@
 #include "training/calibration.h"
 #include "training/camera_folders.h"
 #include "training/opencv_yaml.h"
+#include "training/picture_reader.h"
 
 namespace neuvv {
 
@@ -93,6 +94,21 @@ RigCamera read_camera(const OpencvYaml& intrinsics, const OpencvYaml& extrinsics
     return camera;
 }
 
+// Masks of body parts (ZJU-MoCap's mask_cihp), and those of 0 and 1, are nearly black; a matte is white somewhere.
+bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFrames>& cameras) {
+    constexpr uint8_t kLargestLabel = 32;
+    if (masks.filename() == "mask_cihp") return true;
+    uint8_t brightest = 0;
+    for (const CameraFrames& camera : cameras) {
+        if (camera.masks.empty() || camera.masks.begin()->second.video_frame >= 0) return false;
+        const Image mask = PictureReader().read(camera.masks.begin()->second);
+        for (size_t i = 0; i < mask.rgba.size(); ++i)
+            if (i % 4 != 3) brightest = std::max(brightest, mask.rgba[i]);
+        if (brightest > kLargestLabel) return false;
+    }
+    return brightest > 0;
+}
+
 }  // namespace
 
 bool has_easymocap_files(const std::filesystem::path& folder) {
@@ -129,6 +145,7 @@ Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
         throw InputError(folder.string(), "", "holds no picture of any camera that intri.yml names",
                          "put them into images/<camera>/");
     expect_common_frames(rig, cameras);
+    if (hold_labels(masks, cameras)) rig.masks = MaskMeaning::kLabels;
     add_cameras(rig, cameras, split);
     return rig;
 }

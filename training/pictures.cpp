@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kLeastSeen = 0.5;  // of a pinhole picture: where the lens shows less, its numbers are wrong
 
-void expect_size(const Image& image, const PictureSource& source, ImageSize size, const std::string& whose) {
-    if (image.width == size.width && image.height == size.height) return;
+void expect_size(ImageSize found, const PictureSource& source, ImageSize size, const std::string& whose) {
+    if (found.width == size.width && found.height == size.height) return;
     throw InputError(source.path.string(), "",
-                     fmt::format("is {}×{}, but {} {}×{}", image.width, image.height, whose, size.width, size.height),
+                     fmt::format("is {}×{}, but {} {}×{}", found.width, found.height, whose, size.width, size.height),
                      "give all pictures and masks of a camera the size that its calibration is for");
 }
 
@@ -51,9 +51,11 @@ class MaskValues {
     bool by_alpha_ = false;
 };
 
-void put_matte(Image& image, const Image& matte) {
+void put_matte(Image& image, const Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
     const MaskValues values(matte);
-    for (size_t i = 0; i < image.rgba.size() / 4; ++i) image.rgba[4 * i + 3] = values[i];
+    const bool labels = meaning == MaskMeaning::kLabels;
+    for (size_t i = 0; i < image.rgba.size() / 4; ++i)
+        image.rgba[4 * i + 3] = labels && values[i] != 0 ? uint8_t{255} : values[i];
 }
 
 // Any value but 0 counts as white, as in the programs whose masks these are.
@@ -87,7 +89,11 @@ class CameraLoader {
           whose_(fmt::format("its camera {} in {} says", from_.name, rig.file)) {}
 
     void load(const std::vector<uint32_t>& shots) {
-        if (from_.lens.distorts()) map_ = undistortion();
+        if (from_.lens.distorts()) {  // its map takes memory by the size that the calibration says: see that it is true
+            const PictureSource& first = rig_.shots[shots.at(0)].picture;
+            expect_size(size_of(first), first, size_, whose_);
+            map_ = undistortion();
+        }
         if (!from_.plate.path.empty()) {
             Image& plate = dataset_.plates[camera_];
             plate = read(pictures_, from_.plate);
@@ -112,7 +118,7 @@ class CameraLoader {
 
     Image read(PictureReader& reader, const PictureSource& source) const {
         Image image = reader.read(source);
-        expect_size(image, source, size_, whose_);
+        expect_size({image.width, image.height}, source, size_, whose_);
         return image;
     }
 
@@ -120,8 +126,8 @@ class CameraLoader {
         view.image = read(pictures_, shot.picture);
         if (!shot.mask.path.empty()) {
             const Image mask = read(masks_, shot.mask);
-            if (rig_.masks == MaskMeaning::kMatte)
-                put_matte(view.image, mask);
+            if (rig_.masks == MaskMeaning::kMatte || rig_.masks == MaskMeaning::kLabels)
+                put_matte(view.image, mask, rig_.masks);
             else
                 view.ignored = ignored_by(mask, rig_.masks);
         }

@@ -22,6 +22,7 @@ struct PictureSource {
 // What white (or opaque: an alpha channel wins over brightness) says in a mask.
 enum class MaskMeaning : uint8_t {
     kMatte,   // the performer, its edge soft: becomes the picture's alpha
+    kLabels,  // likewise, where any value but 0 is the performer: numbers of body parts, or 0 and 1
     kUsable,  // the pixel may be looked at; black pixels teach nothing (nerfstudio's mask_path)
     kIgnore,  // the opposite (instant-ngp's dynamic_mask)
 };

@@ -147,14 +147,15 @@ int run(const fs::path& corpus, double seconds, uint64_t seed) {
 
 int main(int argc, char** argv) {
     const std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (arguments.empty() || (arguments[0] == "--replay") != (arguments.size() == 2 && arguments[0][0] == '-')) {
+    const bool replay = arguments.size() == 2 && arguments[0] == "--replay";
+    if (arguments.empty() || arguments.size() > 3 || (arguments[0] == "--replay" && !replay)) {
         std::fprintf(stderr, "fuzz CORPUS [SECONDS [SEED]] | fuzz --replay FOLDER\n");
         return 2;
     }
     signal(SIGALRM, on_alarm);
     __sanitizer_set_death_callback(say_where);
     try {
-        if (arguments[0] == "--replay") {
+        if (replay) {
             const std::string complaint = try_folder(arguments[1]);
             return complaint.empty() ? 0 : fail(complaint);
         }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <tuple>
 
 #include "support/easymocap_files.h"
 #include "support/input_error.h"
@@ -101,6 +102,29 @@ TEST_F(EasyMocapTest, FramesMeetByName) {
     EXPECT_EQ(train.shots[3].time, 0.5);
     EXPECT_EQ(train.shots[3].name, "10_000001");
     EXPECT_EQ(train.shots[3].mask.path, folder.path / "mask" / "10" / "000001.png");
+}
+
+// Of ZJU-MoCap: numbers of body parts, or 0 and 1. Of others: white.
+TEST_F(EasyMocapTest, MasksOfSmallNumbersAreLabels) {
+    for (const std::string key : {"D_", "dist_"})  // no distortion: every pixel stays where it is
+        for (size_t at = 0; (at = intrinsics.find(key, at)) != std::string::npos;)
+            intrinsics.replace(at, key.size(), "x_");
+    for (const auto& [masks, value, meaning] :
+         {std::tuple("mask_cihp", 200, MaskMeaning::kLabels), std::tuple("mask", 1, MaskMeaning::kLabels),
+          std::tuple("masks", 200, MaskMeaning::kMatte)}) {
+        Image mask(64, 48);
+        for (size_t i = 0; i < mask.rgba.size(); ++i)
+            mask.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 255 : i / 4 % 64 >= 32 ? value : 0);
+        for (const std::string& name : names)
+            for (int frame = 0; frame < 3; ++frame) {
+                std::filesystem::create_directories(folder.path / masks / name);
+                write_png(folder.path / masks / name / fmt::format("{:06}.png", frame), mask);
+            }
+        EXPECT_EQ(read().masks, meaning) << masks;
+        const Dataset dataset = load_dataset(folder.path, Split::kTrain);
+        EXPECT_EQ(dataset.views[0].image.at(20, 20)[3], 0) << masks;
+        EXPECT_EQ(dataset.views[0].image.at(50, 20)[3], meaning == MaskMeaning::kLabels ? 255 : value) << masks;
+    }
 }
 
 TEST_F(EasyMocapTest, CamerasWithoutPicturesAreLeftOut) {
