@@ -32,6 +32,7 @@ void add_devices(CLI::App& app, CommonOptions& common);
 void add_info(CLI::App& app, CommonOptions& common);
 void add_capture(CLI::App& app, CommonOptions& common);
 void add_dataset(CLI::App& app, CommonOptions& common);
+void add_matte(CLI::App& app, CommonOptions& common);
 void add_train(CLI::App& app, CommonOptions& common);
 void add_eval(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);

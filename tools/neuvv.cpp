@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
     neuvv::add_info(app, common);
     neuvv::add_capture(app, common);
     neuvv::add_dataset(app, common);
+    neuvv::add_matte(app, common);
     neuvv::add_train(app, common);
     neuvv::add_eval(app, common);
     neuvv::add_render(app, common);

@@ -235,18 +235,20 @@ Image decode_jpeg(const uint8_t* bytes, size_t size, const std::string& name) {
 }
 
 // `pixels` has 4 bytes a pixel; the fourth is dropped where `opaque`.
-bool fill_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, bool opaque) {
+// `pixels` are RGBA, or a byte each for a grey picture.
+bool fill_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, int colour_type) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &writer, push_png_bytes, nullptr);
     png_set_user_limits(writer.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_IHDR(writer.png, writer.info, width, height, 8, opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(writer.png, writer.info, width, height, 8, colour_type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_compression_level(writer.png, kPngCompression);
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_write_info(writer.png, writer.info);
-    if (opaque) png_set_filler(writer.png, 0, PNG_FILLER_AFTER);
-    for (uint32_t y = 0; y < height; ++y) png_write_row(writer.png, pixels + size_t{4} * width * y);
+    if (colour_type == PNG_COLOR_TYPE_RGB) png_set_filler(writer.png, 0, PNG_FILLER_AFTER);
+    const size_t stride = size_t{width} * (colour_type == PNG_COLOR_TYPE_GRAY ? 1 : 4);
+    for (uint32_t y = 0; y < height; ++y) png_write_row(writer.png, pixels + stride * y);
     png_write_end(writer.png, nullptr);
     return true;
 }
@@ -322,12 +324,20 @@ Image read_png(const std::filesystem::path& path) {
 std::vector<uint8_t> encode_png(const Image& image) {
     assert(image.width > 0 && image.height > 0 && "a picture to write has pixels");
     assert(image.rgba.size() == size_t{4} * image.width * image.height && "four bytes a pixel");
-    bool opaque = true;
-    for (size_t i = 3; i < image.rgba.size() && opaque; i += 4) opaque = image.rgba[i] == 255;
+    bool opaque = true, grey = true;
+    for (size_t i = 0; i < image.rgba.size() && opaque; i += 4) {
+        opaque = image.rgba[i + 3] == 255;
+        grey = grey && image.rgba[i] == image.rgba[i + 1] && image.rgba[i] == image.rgba[i + 2];
+    }
+    std::vector<uint8_t> values;
+    if (opaque && grey)
+        for (size_t i = 0; i < image.rgba.size(); i += 4) values.push_back(image.rgba[i]);
+    const int type = !opaque ? PNG_COLOR_TYPE_RGB_ALPHA : grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB;
     PngWriter writer;
     writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, writer.message, on_png_error, on_png_warning);
     if (writer.png) writer.info = png_create_info_struct(writer.png);
-    if (!writer.info || !fill_png(writer, image.width, image.height, image.rgba.data(), opaque))
+    if (!writer.info ||
+        !fill_png(writer, image.width, image.height, values.empty() ? image.rgba.data() : values.data(), type))
         throw RuntimeFailure(fmt::format("cannot encode a PNG: {}", writer.message));
     return std::move(writer.bytes);
 }

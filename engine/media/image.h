@@ -41,7 +41,7 @@ struct ImageSize {
 };
 ImageSize image_size(const std::filesystem::path& path);
 
-// A PNG file's bytes: RGBA, or RGB where every pixel is opaque. Throws RuntimeFailure.
+// A PNG file's bytes: RGBA; where every pixel is opaque RGB, or grey where none has a colour. Throws RuntimeFailure.
 std::vector<uint8_t> encode_png(const Image& image);
 // The same as a file, atomically.
 void write_png(const std::filesystem::path& path, const Image& image);

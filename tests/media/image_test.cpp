@@ -107,6 +107,19 @@ TEST(Image, PngRoundTripIsExact) {
     EXPECT_EQ(folder.entries(), 1u) << "a temporary file stayed";
 }
 
+TEST(Image, PicturesWithoutColourBecomeGreyPngs) {
+    const TemporaryFolder folder;
+    Image image = random_image(37, 11, true);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) image.rgba[i + 1] = image.rgba[i + 2] = image.rgba[i];
+    write_png(folder.path / "grey.png", image);
+    EXPECT_EQ(read_png(folder.path / "grey.png").rgba, image.rgba);
+    EXPECT_EQ(read_text(folder.path / "grey.png")[25], PNG_COLOR_TYPE_GRAY);
+    image.rgba[image.rgba.size() - 2] ^= 1;  // the last pixel's blue
+    write_png(folder.path / "blueish.png", image);
+    EXPECT_EQ(read_png(folder.path / "blueish.png").rgba, image.rgba);
+    EXPECT_EQ(read_text(folder.path / "blueish.png")[25], PNG_COLOR_TYPE_RGB);
+}
+
 TEST(Image, WritingWhereThereIsNoFolderFails) {
     const TemporaryFolder folder;
     EXPECT_THROW(write_png(folder.path / "none" / "a.png", random_image(4, 4, true)), RuntimeFailure);

@@ -11,6 +11,7 @@
 #include "tests/support/input_error.h"
 #include "tests/support/temporary_folder.h"
 #include "training/dataset.h"
+#include "training/make_mattes.h"
 
 namespace neuvv {
 namespace {
@@ -223,6 +224,35 @@ TEST(Performer, TheScriptMakesTheFile) {
     EXPECT_TRUE(read_file(made) == read_file(kPerformer))
         << "run tools/performer/make_performer.py and commit the result";
     EXPECT_LT(std::filesystem::file_size(kPerformer), 1500000u);
+}
+
+// The mattes that `neuvv matte` finds in a captured room against the capture's own.
+TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
+    const TemporaryFolder folder;
+    CaptureSettings settings = small_settings();
+    settings.width = settings.height = 160;
+    settings.background = CaptureBackground::kChecker;
+    run(folder.path, settings);
+    const Dataset truth = load_dataset(folder.path, Split::kTrain);
+    std::filesystem::create_directories(folder.path / "mattes");
+    const MattesMade made = make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
+    EXPECT_EQ(made.pictures, 18u);
+    EXPECT_EQ(made.cameras_with_plate, 6u);
+    EXPECT_EQ(made.missing_split, "");
+    const Dataset found = load_dataset(folder.path, Split::kTrain);
+    double both = 0, either = 0, error = 0, pixels = 0;
+    for (size_t i = 0; i < truth.views.size(); ++i)
+        for (size_t k = 3; k < truth.views[i].image.rgba.size(); k += 4) {
+            const int a = truth.views[i].image.rgba[k], b = found.views[i].image.rgba[k];
+            both += a > 127 && b > 127;
+            either += a > 127 || b > 127;
+            error += std::abs(a - b) / 255.0;
+            ++pixels;
+        }
+    EXPECT_GT(both / either, 0.95);
+    EXPECT_LT(error / pixels, 0.005);
+    RecordProperty("iou", std::to_string(both / either));
+    RecordProperty("mae", std::to_string(error / pixels));
 }
 
 }  // namespace

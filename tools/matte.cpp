@@ -1,0 +1,78 @@
+// neuvv matte: which part of each picture is the performer, for captures that do not say so.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "tools/commands.h"
+#include "tools/options.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "training/make_mattes.h"
+
+namespace neuvv {
+
+namespace {
+
+struct MatteOptions {
+    MakeMattes what;
+    bool overwrite = false;
+};
+
+void run_matte(MatteOptions options) {
+    MakeMattes& what = options.what;
+    if (what.output.empty()) what.output = what.dataset / "mattes";
+    if (!options.overwrite && count_existing_mattes(what) > 0)
+        throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
+                         "--overwrite replaces them");
+    prepare_output_folder("--output", what.output);
+    catch_stop_signals();
+    std::unique_ptr<Progress> progress;
+    const MattesMade made = make_mattes(what, [&](uint64_t done, uint64_t total) {
+        if (!progress) progress = std::make_unique<Progress>("matte", total);
+        progress->update(done);
+        return !stop_requested();
+    });
+    progress.reset();
+    if (!made.missing_split.empty())
+        fmt::print(stderr, "one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
+    fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
+               made.pictures, made.cameras, made.cameras_with_plate, what.output.string());
+    if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");
+}
+
+}  // namespace
+
+void add_matte(CLI::App& app, CommonOptions&) {
+    auto options = std::make_shared<MatteOptions>();
+    MakeMattes& what = options->what;
+    CLI::App* verb = app.add_subcommand("matte", "Find the performer in pictures that have no alpha");
+    verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
+    add_format_option(*verb, what.format);
+    verb->add_option("-o,--output", what.output,
+                     "Folder of the mattes (default: DATASET/mattes, where training looks)");
+    CLI::Option* from =
+        verb->add_option("--from", what.from,
+                         "Take the mattes of another program instead: NAME.png (alpha, or else brightness) for each "
+                         "picture NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
+    verb->add_option("--threshold", what.settings.threshold,
+                     "What differs from the background by so many times the camera's noise is the performer")
+        ->check(CLI::Range(1.0, 250.0))
+        ->capture_default_str()
+        ->excludes(from);
+    verb->add_flag("--overwrite", options->overwrite, "Replace mattes that are there");
+    verb->footer(
+        "The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its pictures:\n"
+        "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
+        "its\n"
+        "picture; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
+        "contact_sheet.png shows picture, matte, and the performer over magenta.\n\n"
+        "Examples:\n"
+        "  neuvv matte studio\n"
+        "  neuvv matte studio --threshold 20 --overwrite\n"
+        "  neuvv matte studio --from rotoscoped");
+    verb->callback([options] { run_matte(*options); });
+}
+
+}  // namespace neuvv

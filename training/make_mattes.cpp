@@ -1,0 +1,230 @@
+#include "training/make_mattes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "training/contact_sheet.h"
+#include "training/formats.h"
+#include "training/picture_reader.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kTogether = 16;  // pictures held while their mattes are computed on all cores
+constexpr size_t kSheetRows = 12;
+constexpr uint32_t kSheetCell = 320;
+constexpr uint8_t kMagenta[3] = {255, 0, 255};
+constexpr const char* kSheetName = "contact_sheet";
+
+// The splits that the data set has.
+struct Rigs {
+    std::vector<Rig> all;
+    std::string missing;
+};
+
+Rigs read_rigs(const MakeMattes& what) {
+    Rigs rigs;
+    std::optional<InputError> first;
+    for (const Split split : {Split::kTrain, Split::kTest}) try {
+            rigs.all.push_back(read_rig(what.dataset, split, what.format));
+        } catch (const InputError& error) {
+            if (!first) first = error;
+            rigs.missing = error.what();
+        }
+    if (rigs.all.empty()) throw *first;
+    return rigs;
+}
+
+void expect_distinct_names(const std::vector<Rig>& rigs) {
+    std::map<std::string, const PictureSource*> names;
+    for (const Rig& rig : rigs)
+        for (const Shot& shot : rig.shots) {
+            const auto [other, fresh] = names.try_emplace(shot.name, &shot.picture);
+            const bool same =
+                other->second->path == shot.picture.path && other->second->video_frame == shot.picture.video_frame;
+            if ((!fresh && !same) || shot.name == kSheetName)
+                throw InputError(rig.file, shot.place,
+                                 fmt::format("two files would be called {}.png in the mattes' folder", shot.name),
+                                 "give the pictures distinct names");
+        }
+}
+
+// Where matte, or alpha channel, says performer.
+std::vector<uint8_t> values_of(const Image& matte) {
+    bool has_alpha = false;
+    for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
+    std::vector<uint8_t> values(matte.rgba.size() / 4);
+    for (size_t i = 0; i < values.size(); ++i) {
+        const uint8_t* at = &matte.rgba[4 * i];
+        values[i] = has_alpha ? at[3] : std::max({at[0], at[1], at[2]});
+    }
+    return values;
+}
+
+Image composite(const Image& picture, const std::vector<uint8_t>& alpha) {
+    Image cut = picture;
+    for (size_t i = 0; i < alpha.size(); ++i) cut.rgba[4 * i + 3] = alpha[i];
+    return composite_over(cut, kMagenta);
+}
+
+// The values as a grey picture of the size of `like`.
+Image grey_image(const Image& like, const std::vector<uint8_t>& values) {
+    Image image(like.width, like.height);
+    for (size_t i = 0; i < values.size(); ++i) {
+        std::fill_n(&image.rgba[4 * i], 3, values[i]);
+        image.rgba[4 * i + 3] = 255;
+    }
+    return image;
+}
+
+// Works through one camera after the other.
+class MatteMaker {
+  public:
+    MatteMaker(const MakeMattes& what, const MatteProgress& progress, uint64_t total, size_t cameras)
+        : what_(what), progress_(progress), total_(total), sheet_every_(std::max<size_t>(1, cameras / kSheetRows)) {}
+
+    // False: stopped.
+    bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
+        const bool on_sheet = cameras_++ % sheet_every_ == 0 && sheet_.size() < 3 * kSheetRows;
+        const Image background = what_.from.empty() ? background_of(rig, camera, shots) : Image();
+        for (size_t begin = 0; begin < shots.size(); begin += kTogether) {
+            const std::vector<const Shot*> some(
+                shots.begin() + static_cast<ptrdiff_t>(begin),
+                shots.begin() + static_cast<ptrdiff_t>(std::min(begin + kTogether, shots.size())));
+            make_some(rig, some, background, on_sheet && begin == 0);
+            done_ += some.size();
+            if (progress_ && !progress_(done_, total_)) return false;
+        }
+        return true;
+    }
+    void write_sheet() const { write_png(what_.output / "contact_sheet.png", contact_sheet(sheet_, 3, kSheetCell)); }
+    uint64_t done() const { return done_; }
+    uint32_t plates() const { return plates_; }
+
+  private:
+    Image background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots);
+    void make_some(const Rig& rig, const std::vector<const Shot*>& shots, const Image& background, bool on_sheet);
+    Image foreign_matte(const Rig& rig, const Shot& shot);
+
+    const MakeMattes& what_;
+    const MatteProgress& progress_;
+    uint64_t total_, done_ = 0;
+    size_t sheet_every_, cameras_ = 0;
+    uint32_t plates_ = 0;
+    PictureReader pictures_, foreign_;
+    std::vector<Image> sheet_;
+};
+
+Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
+    if (!rig.cameras[camera].plate.path.empty()) {
+        ++plates_;
+        return pictures_.read(rig.cameras[camera].plate);
+    }
+    if (shots.size() < kLeastMedianFrames)
+        throw InputError(
+            rig.file, "camera " + rig.cameras[camera].name,
+            fmt::format("has no clean plate and {} pictures: their median says nothing about the background",
+                        shots.size()),
+            fmt::format("give it a clean plate, or at least {} pictures", kLeastMedianFrames));
+    const size_t count = std::min<size_t>(shots.size(), kMedianFrames);
+    std::vector<Image> frames;
+    for (size_t i = 0; i < count; ++i) {
+        frames.push_back(pictures_.read(shots[i * (shots.size() - 1) / (count - 1)]->picture));
+        if (frames[i].rgba.size() != frames[0].rgba.size() || frames[i].width != frames[0].width)
+            throw InputError(rig.file, shots[0]->place, "the pictures of its camera have several sizes",
+                             "give all pictures of a camera one size");
+    }
+    return median_background(frames);
+}
+
+Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
+    std::vector<PictureSource> places{{what_.from / (shot.name + ".png"), -1}};
+    if (shot.picture.video_frame < 0) places.push_back({what_.from / shot.picture.path.filename(), -1});
+    places.back().path.replace_extension(".png");
+    for (const char* extension : {".mov", ".webm", ".mkv", ".mp4"})
+        places.push_back(
+            {what_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.picture.video_frame, 0)});
+    std::error_code ignored;
+    for (const PictureSource& place : places)
+        if (std::filesystem::is_regular_file(place.path, ignored)) return foreign_.read(place);
+    throw InputError(what_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
+                     "name it after its picture, or give a video named after its camera");
+}
+
+void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots, const Image& background,
+                           bool on_sheet) {
+    std::vector<Image> pictures, foreign;
+    for (const Shot* shot : shots) {
+        pictures.push_back(pictures_.read(shot->picture));
+        if (!what_.from.empty()) foreign.push_back(foreign_matte(rig, *shot));
+        const Image& with = what_.from.empty() ? background : foreign.back();
+        if (with.width != pictures.back().width || with.height != pictures.back().height)
+            throw InputError(shot->picture.path.string(), "",
+                             fmt::format("is {}×{}, but its {} {}×{}", pictures.back().width, pictures.back().height,
+                                         what_.from.empty() ? "background" : "matte", with.width, with.height),
+                             "give both one size");
+    }
+    std::vector<std::vector<uint8_t>> mattes(shots.size());
+    parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            mattes[i] =
+                what_.from.empty() ? difference_matte(pictures[i], background, what_.settings) : values_of(foreign[i]);
+            write_png(what_.output / (shots[i]->name + ".png"), grey_image(pictures[i], mattes[i]));
+        }
+    });
+    if (!on_sheet) return;
+    Image opaque = pictures[0];
+    for (size_t i = 3; i < opaque.rgba.size(); i += 4) opaque.rgba[i] = 255;
+    sheet_.push_back(opaque);
+    sheet_.push_back(grey_image(opaque, mattes[0]));
+    sheet_.push_back(composite(opaque, mattes[0]));
+}
+
+std::vector<std::vector<const Shot*>> shots_by_camera(const Rig& rig) {
+    std::vector<std::vector<const Shot*>> shots(rig.cameras.size());
+    for (const Shot& shot : rig.shots) shots[shot.camera].push_back(&shot);
+    return shots;
+}
+
+}  // namespace
+
+MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress) {
+    const Rigs rigs = read_rigs(what);
+    expect_distinct_names(rigs.all);
+    MattesMade made;
+    uint64_t total = 0;
+    for (const Rig& rig : rigs.all) {
+        total += rig.shots.size();
+        made.cameras += static_cast<uint32_t>(rig.cameras.size());
+    }
+    MatteMaker maker(what, progress, total, made.cameras);
+    bool go_on = true;
+    for (const Rig& rig : rigs.all) {
+        const auto shots = shots_by_camera(rig);
+        for (uint32_t camera = 0; camera < rig.cameras.size() && go_on; ++camera)
+            if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera]);
+    }
+    maker.write_sheet();
+    made.pictures = maker.done();
+    made.cameras_with_plate = maker.plates();
+    made.missing_split = rigs.missing;
+    return made;
+}
+
+uint64_t count_existing_mattes(const MakeMattes& what) {
+    uint64_t existing = 0;
+    std::error_code ignored;
+    for (const Rig& rig : read_rigs(what).all)
+        for (const Shot& shot : rig.shots)
+            existing += std::filesystem::exists(what.output / (shot.name + ".png"), ignored);
+    return existing;
+}
+
+}  // namespace neuvv
