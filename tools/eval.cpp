@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -14,6 +16,7 @@
 #include "tools/report.h"
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
+#include "training/lpips.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -24,7 +27,7 @@ constexpr size_t kSheetRows = 8, kPagePictures = 12;
 constexpr uint32_t kSheetCell = 320;
 
 struct EvalOptions {
-    std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera";
+    std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera", lpips;
     uint32_t samples = kDefaultSamples;
 };
 
@@ -32,8 +35,15 @@ nlohmann::ordered_json json_of(const Quality& quality) {
     return {{"psnr", quality.psnr}, {"ssim", quality.ssim}, {"mae", quality.mae}, {"flip", quality.flip}};
 }
 
-nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& dataset, const Evaluation& evaluation) {
+double mean_lpips(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(std::max<size_t>(values.size(), 1));
+}
+
+// `lpips` by view, or empty.
+nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& dataset, const Evaluation& evaluation,
+                               const std::vector<double>& lpips) {
     nlohmann::ordered_json json = json_of(evaluation.mean);
+    if (!lpips.empty()) json["lpips"] = mean_lpips(lpips);
     json["file"] = options.scene;
     json["dataset"] = options.dataset;
     json["split"] = options.split;
@@ -57,6 +67,7 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
         nlohmann::ordered_json image = {
             {"name", view.name}, {"camera", view.camera}, {"frame", frame_of_view(dataset, view)}, {"time", view.time}};
         image.update(json_of(evaluation.views[i]));
+        if (!lpips.empty()) image["lpips"] = lpips[i];
         json["images"].push_back(image);
     }
     return json;
@@ -127,6 +138,9 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const Dataset dataset = load_dataset(options.dataset, options.split == "train" ? Split::kTrain : Split::kTest,
                                          {.format = options.format});
     prepare_outputs(options);
+    std::optional<Lpips> network;
+    if (!options.lpips.empty()) network.emplace(options.lpips);
+    std::vector<double> lpips;
     PictureFolder folder{options.images, spread_views(dataset, kSheetRows)};
     PageCollector page{spread_views(dataset, kPagePictures)};
     const Device device(common.device);
@@ -135,6 +149,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const ViewCallback done = [&](size_t view, const Image& truth, const Image& render, const Quality& quality) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
+        if (network) lpips.push_back(network->distance(truth, render));
         progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
     };
@@ -148,13 +163,14 @@ void run(const EvalOptions& options, const CommonOptions& common) {
         const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name};
         write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.pictures));
     }
-    const std::string json = json_text(json_of(options, dataset, evaluation));
+    const std::string json = json_text(json_of(options, dataset, evaluation, lpips));
     if (options.json == "-") {
         fmt::print("{}", json);
         return;
     }
     if (!options.json.empty()) write_text_file(options.json, json);
     print(evaluation, dataset, options.per);
+    if (network) fmt::print("LPIPS, mean over pictures: {:.5f}\n", mean_lpips(lpips));
 }
 
 }  // namespace
@@ -180,6 +196,9 @@ void add_eval(CLI::App& app, CommonOptions& common) {
     verb->add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
         ->check(CLI::IsMember({"camera", "frame"}))
         ->capture_default_str();
+    verb->add_option("--lpips", options->lpips,
+                     "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
+                     "them): the mean, and in --json each picture's");
     verb->footer(
         std::string(
             "Each picture is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
