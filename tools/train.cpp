@@ -10,6 +10,8 @@
 #include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
+#include "training/psi_tree.h"
+#include "training/schedule.h"
 #include "training/train.h"
 
 namespace neuvv {
@@ -21,6 +23,9 @@ struct TrainOptions {
     std::string format = kAnyFormat;
     TrainSettings settings;
     LiveOptions live;
+    std::string init = "hull";
+    double psi_minutes = 2;
+    uint64_t psi_steps = 0;
 };
 
 void print_progress(const TrainProgress& now, bool line_ends) {
@@ -29,6 +34,32 @@ void print_progress(const TrainProgress& now, bool line_ends) {
                stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
                now.rays_per_s / 1000, now.loss, now.psnr, now.leaves / 1000, now.depth,
                static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
+}
+
+void print_psi_progress(const PsiProgress& now, bool line_ends) {
+    fmt::print(stderr, "{}psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}{}",
+               stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
+               now.rays_per_s / 1000, now.loss, now.psnr, now.step, line_ends ? "\n" : "  ");
+}
+
+// Ctrl-C ends the network's part; the run that follows then saves and ends, too.
+VOctree train_psi_tree(const TrainOptions& options, const Device& device, const Dataset& dataset) {
+    PsiSettings settings = default_psi_settings(device);
+    settings.seed = options.settings.seed;
+    settings.minutes = options.psi_minutes;
+    settings.steps = options.psi_steps;
+    double printed = -1e9;
+    VOctree tree =
+        psi_tree(device, dataset, options.settings.shape, kLevelsAbove, settings, [&](const PsiProgress& now) {
+            if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
+                print_psi_progress(now, !stderr_is_terminal());
+                printed = now.elapsed_s;
+                if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
+            }
+            return !stop_requested();
+        });
+    fmt::print(stderr, "{}psi: {} leaves\n", stderr_is_terminal() ? "\n" : "", tree.leaf_count);
+    return tree;
 }
 
 // Fails before any work is done where the result could not be written.
@@ -48,8 +79,14 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures\n", options.dataset.string(), dataset.cameras.size(),
                dataset.times.size(), dataset.views.size());
     LiveReport live(device, dataset, options.format, options.live);
+    TrainSettings settings = options.settings;
+    VOctree first_tree;
+    if (options.init == "psi" && !settings.resume) {
+        first_tree = train_psi_tree(options, device, dataset);
+        settings.first_tree = &first_tree;
+    }
     double printed = -1e9;
-    const TrainProgress last = train(device, dataset, options.settings, options.output, [&](const TrainProgress& now) {
+    const TrainProgress last = train(device, dataset, settings, options.output, [&](const TrainProgress& now) {
         if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
             print_progress(now, !stderr_is_terminal());
             printed = now.elapsed_s;
@@ -87,6 +124,16 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")
         ->check(CLI::Range(0u, kMaxHhDegree))
         ->capture_default_str();
+    verb->add_option("--init", options->init, "What the octree begins as: the visual hull, or read off a network")
+        ->check(CLI::IsMember({"hull", "psi"}))
+        ->capture_default_str();
+    CLI::Option* psi_minutes = verb->add_option("--psi-minutes", options->psi_minutes,
+                                                "The network's own budget, before that of the octree, with --init psi")
+                                   ->check(CLI::Range(0.01, 1e5))
+                                   ->capture_default_str();
+    verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
+        ->check(CLI::Range(1u, 1000000000u))
+        ->excludes(psi_minutes);
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
     verb->add_flag("--resume", options->settings.resume,
                    "Go on from OUTPUT.state; shape and seed are the run's, --minutes or --steps its whole budget");
@@ -105,6 +152,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
         "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
+        "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, &common] { run_train(*options, common); });
 }

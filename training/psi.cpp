@@ -25,9 +25,9 @@ namespace {
 constexpr uint32_t kGroup = 64;
 constexpr uint32_t kMostSplits = 64;
 // A unit of the network's w^σ stands for this optical depth through the box's longest side, and fog starts at kFirstFog
-// units: half of a ray's light gets through.
+// units: a fifth of a light along it gets through.
 constexpr float kUnitDepth = 30;
-constexpr float kFirstFog = 0.025f;
+constexpr float kFirstFog = 0.05f;
 
 constexpr VkFormat kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
@@ -214,8 +214,8 @@ void record_psi_step(Commands& commands, PsiStep& s, const PsiStepSettings& sett
     const PsiNetwork& network = s.network_;
     const PsiShape& shape = network.shape;
     const uint32_t coarse = settings.tiles * s.sampling_.coarse, fine = settings.tiles * s.sampling_.fine;
-    const PsiBlockPush coarse_push{coarse, s.sampling_.coarse, kPsiKeepNothing};
-    const PsiBlockPush fine_push{fine, s.sampling_.fine, kPsiKeepAll};
+    const PsiBlockPush coarse_push{coarse, s.sampling_.coarse, kPsiKeepNothing, 0};
+    const PsiBlockPush fine_push{fine, s.sampling_.fine, kPsiKeepAll, settings.revival * network.density};
     const PsiRayPush ray_push{glm::vec4(network.box_min, 0),
                               glm::vec4(network.box_size, 0),
                               glm::vec4(network.centre(), network.scale()),
@@ -293,7 +293,7 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world
             points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
         upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
         run_once(device_, "psi hidden layer", [&](Commands& commands) {
-            dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden});
+            dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});
             compute_barrier(commands);
         });
         rows.resize(size_t{blocks} * kPsiBlock * width);

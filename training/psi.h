@@ -57,6 +57,7 @@ struct PsiStepSettings {
     uint32_t seed = 0;  // of the samples' places; another one every step
     float lambda_grad = 0.1f;
     float rate = 0, rows_rate = 0;  // of the network, of A and B
+    float revival = 1;              // in units of the output w^σ; negative: relu's own derivative (psi_head.glsl)
     AdamSettings adam;              // emit_only: nothing moves, gradients() are this step's
 };
 
@@ -69,6 +70,7 @@ class PsiStep {
 
     const RayBatch& rays() const { return rays_; }
     const LossBatch& batch() const { return batch_; }
+    const PsiShape& shape() const { return network_.shape; }
 
     void submit(const PsiStepSettings& settings);
     StepResult wait();

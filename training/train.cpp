@@ -110,7 +110,7 @@ const Dataset& Run::begin() {
         restore_moments(device_, *step_, checkpoint);
     } else {
         run_.seed = settings_.seed;
-        tree_ = initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
         if (tree_.leaf_count > max_leaves())
             throw InputError("--resolution", "",
                              fmt::format("already the first tree has {} leaves, and this device trains {}",

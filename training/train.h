@@ -16,6 +16,8 @@ struct TrainSettings {
     uint64_t seed = 1;
     uint32_t tiles_per_step = 512;
     bool resume = false;
+    const VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all kLevelsAbove
+                                          // above the finest depth of `shape`
 };
 
 constexpr double kDefaultMinutes = 20;

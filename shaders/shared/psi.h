@@ -104,6 +104,7 @@ struct PsiBlockPush {
     uint blocks;
     uint per_ray;  // samples a ray
     uint keep;     // kPsiKeep…
+    float revival;  // 1/m, psi_head.glsl; negative: none
 };
 
 // psi_weights_adjoint.comp, once a layer
@@ -156,7 +157,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::PsiRayPush) == 64);
-static_assert(sizeof(neuvv::PsiBlockPush) == 12);
+static_assert(sizeof(neuvv::PsiBlockPush) == 16);
 static_assert(sizeof(neuvv::PsiWeightsPush) == 32);
 static_assert(sizeof(neuvv::PsiFoldPush) == 32);
 static_assert(sizeof(neuvv::PsiAdamPush) == 48);

@@ -98,13 +98,20 @@ PsiSample psi_sample(const Psi& psi, const std::vector<double>& row_a, const std
 }
 
 void psi_sample_adjoint(const Psi& psi, const std::vector<double>& row_a, const std::vector<double>& row_b,
-                        glm::dvec3 x, glm::dvec3 direction, double d_sigma, glm::dvec3 d_colour,
-                        PsiGradient& gradient) {
+                        glm::dvec3 x, glm::dvec3 direction, double d_sigma, glm::dvec3 d_colour, PsiGradient& gradient,
+                        double revival) {
     const std::vector<std::vector<double>> h = activations_of(psi, x);
     const LeafWeights weights = weights_of(psi, layer_forward(psi.output, h.back()));
     const LeafSlice at = slice(weights, row_a, row_b, psi.hh_degree);
     const ShCoefficients d_k = sample_colour_adjoint(at, psi.hh_degree, direction, d_colour);
-    const SliceGradient d = slice_adjoint(weights, row_a, row_b, psi.hh_degree, d_sigma, d_k);
+    SliceGradient d = slice_adjoint(weights, row_a, row_b, psi.hh_degree, d_sigma, d_k);
+    double raw = 0;
+    for (size_t c = 0; c < psi.bases; c++) raw += row_a[c] * weights.sigma[c];
+    if (raw <= 0 && revival >= 0 && (d_sigma < 0 || raw > -revival))
+        for (size_t c = 0; c < psi.bases; c++) {
+            d.weights.sigma[c] = d_sigma * row_a[c];
+            d.row_a[c] = d_sigma * weights.sigma[c];
+        }
     for (size_t c = 0; c < psi.bases; c++) {
         gradient.row_a[c] += d.row_a[c];
         gradient.row_b[c] += d.row_b[c];

@@ -44,9 +44,11 @@ struct PsiSample {
 };
 PsiSample psi_sample(const Psi& psi, const std::vector<double>& row_a, const std::vector<double>& row_b, glm::dvec3 x,
                      glm::dvec3 direction);
-// Adds one sample's share.
+// Adds one sample's share. With `revival` ≥ 0 (1/m) ∂L/∂σ passes relu from below, too, unless it would push A_t·w^σ
+// down from beneath −revival.
 void psi_sample_adjoint(const Psi& psi, const std::vector<double>& row_a, const std::vector<double>& row_b,
-                        glm::dvec3 x, glm::dvec3 direction, double d_sigma, glm::dvec3 d_colour, PsiGradient& gradient);
+                        glm::dvec3 x, glm::dvec3 direction, double d_sigma, glm::dvec3 d_colour, PsiGradient& gradient,
+                        double revival = -1);
 
 // Edges of `count` segments from t_0 to t_1 that a piecewise constant density over sigmas.size() equal segments makes
 // equally important: by blending weight, `floor` of it spread evenly; evenly alone where alpha stays below 1e-4.

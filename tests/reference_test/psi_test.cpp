@@ -87,6 +87,16 @@ TEST(Psi, EmptySpaceHasNoDensityGradient) {
     psi_sample_adjoint(psi, row_a, row_b, {0.1, 0.2, 0.3}, {0, 0, 1}, 1, glm::dvec3(0), gradient);
     for (const double d : gradient.network.output.numbers) EXPECT_EQ(d, 0);
     for (const double d : gradient.row_a) EXPECT_EQ(d, 0);
+
+    // But it may be brought back to life, or held where it is.
+    const auto bias_gradient = [&](double d_sigma, double revival) {
+        PsiGradient d = psi_gradient_begin(psi);
+        psi_sample_adjoint(psi, row_a, row_b, {0.1, 0.2, 0.3}, {0, 0, 1}, d_sigma, glm::dvec3(0), d, revival);
+        return d.network.output.numbers[psi.output.inputs * psi.output.outputs];
+    };
+    EXPECT_EQ(bias_gradient(-1, 0), -psi.density);
+    EXPECT_EQ(bias_gradient(1, 10), 0);
+    EXPECT_EQ(bias_gradient(1, 1e4), psi.density);
 }
 
 TEST(Psi, ImportanceFollowsTheWeights) {

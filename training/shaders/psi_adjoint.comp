@@ -48,7 +48,7 @@ void main() {
     const int at = int(block * kPsiBlock + lane);
     const vec4 d_value = texelFetch(value_adjoints, at);
     head_adjoint(texelFetch(directions, int(block / push.per_ray * kPsiBlock + lane)).xyz, texelFetch(values, at).yzw,
-                 d_value.x, d_value.yzw);
+                 d_value.x, d_value.yzw, push.revival);
     barrier();
     leave_rows(kHeads, out_base + kLayers * kWidth);
     layer_adjoint(psi_layer_first(kLayers, kInputs, kWidth) / 4u, kHeads / 4u);

@@ -1,0 +1,150 @@
+// From Ψ to a tree: which leaves stay and what they hold, for a network whose answers are known; and the whole way on a
+// capture of a moving sphere.
+#include "training/psi_tree.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "support/gpu_test.h"
+#include "support/sphere_capture.h"
+#include "training/evaluate.h"
+#include "training/train.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kLevels = 2;
+const TreeShape kShape{.resolution = 32, .bases = 3, .hh_degree = 1};
+
+const Dataset& capture() {
+    static const Dataset dataset = sphere_dataset({.cameras = 8, .frames = 3, .size = 40});
+    return dataset;
+}
+
+const VOctree& hull() {
+    static const VOctree tree = initial_tree(capture(), kShape, kLevels);
+    return tree;
+}
+
+// Affine in x: raw σ of frame t is density · (x − 0.1 t) · A_tt in the network's coordinates, everything else constant.
+PsiNetwork ramp_network() {
+    const PsiShape shape{.frequencies = 2, .width = 32, .layers = 1, .bases = 3, .hh_degree = 1, .frames = 3};
+    PsiNetwork network = initial_psi(shape, hull().box_min, hull().box_size, 1);
+    network.density = 4;
+    std::fill(network.parameters.begin(), network.parameters.end(), 0.0f);
+    network.parameters[0] = 1;  // hidden 0 = relu(x + 2), never at its kink
+    network.parameters[shape.inputs() * shape.width] = 2;
+    float* output = &network.parameters[shape.output_first()];
+    float* bias = output + size_t{shape.width} * shape.outputs();
+    for (uint32_t t = 0; t < 3; t++) {
+        output[t] = 1;
+        bias[t] = -2 - 0.1f * static_cast<float>(t);
+        network.parameters[shape.sigma_first() + 3 * t + t] = 0.5f;
+        network.parameters[shape.gamma_first() + 3 * t + t] = 0.25f;
+    }
+    for (uint32_t i = shape.bases; i < shape.outputs(); i++) bias[i] = 0.01f * static_cast<float>(i);
+    return network;
+}
+
+using PsiTreeTest = GpuTest;
+
+TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
+    const PsiNetwork network = ramp_network();
+    PsiStep psi(device(), network, {4, 4}, 1, 2);
+    PsiSettings settings;
+    settings.threshold = 0.3f;
+    const VOctree tree = tree_from_psi(psi, hull(), kLevels, settings);
+    EXPECT_EQ(defect_of(tree), "");
+    EXPECT_EQ(tree.sigma_basis, (std::vector<float>{0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f}));
+    EXPECT_EQ(tree.gamma_basis, (std::vector<float>{0.25f, 0, 0, 0, 0.25f, 0, 0, 0, 0.25f}));
+
+    const std::vector<LeafPlace> before = leaf_places(hull()), after = leaf_places(tree);
+    const auto x_at = [&](const LeafPlace& place, double inside) {
+        const double edge = static_cast<double>(tree.box_size.x) / std::exp2(place.depth);
+        const double world = static_cast<double>(tree.box_min.x) + edge * (place.x + inside);
+        return (world - static_cast<double>(network.centre().x)) * static_cast<double>(network.scale());
+    };
+    size_t kept = 0;
+    for (const LeafPlace& place : before) {
+        const double x = x_at(place, 0.875);  // the centre of its last finest cell along x
+        double sum = 0;
+        for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
+        const bool found = std::any_of(after.begin(), after.end(), [&](const LeafPlace& other) {
+            return other.x == place.x && other.y == place.y && other.z == place.z && other.depth == place.depth;
+        });
+        EXPECT_EQ(found, sum >= 0.3) << place.x << ' ' << place.y << ' ' << place.z;
+        kept += found ? 1 : 0;
+    }
+    EXPECT_EQ(kept, after.size());
+    EXPECT_GT(kept, before.size() / 10);
+    EXPECT_LT(kept, before.size() * 9 / 10);
+    for (uint32_t leaf = 0; leaf < after.size(); leaf++) {
+        // Five standard deviations of a mean of 256 points spread evenly over the leaf.
+        const double spread = 4 * (x_at(after[leaf], 1) - x_at(after[leaf], 0)) / std::sqrt(12.0 * 256);
+        for (uint32_t t = 0; t < 3; t++)
+            ASSERT_NEAR(static_cast<double>(tree.leaf(leaf)[t]), 4 * (x_at(after[leaf], 0.5) - 0.1 * t), 5 * spread);
+        for (uint32_t i = 3; i < tree.weights_per_leaf(); i++)
+            ASSERT_NEAR(tree.leaf(leaf)[i], 0.01f * static_cast<float>(i), 1e-6f);
+    }
+}
+
+TEST_F(PsiTreeTest, ANetworkWithoutMatterSaysSo) {
+    PsiNetwork network = ramp_network();
+    network.density = 0;
+    PsiStep psi(device(), network, {4, 4}, 1, 2);
+    EXPECT_THROW(tree_from_psi(psi, hull(), kLevels, PsiSettings{}), RuntimeFailure);
+}
+
+PsiSettings small_run(uint64_t steps) {
+    PsiSettings settings;
+    settings.steps = steps;
+    settings.width = 32;
+    settings.layers = 2;
+    settings.frequencies = 4;
+    settings.sampling = {8, 8};
+    settings.tiles_per_step = 8;
+    settings.points_per_leaf = 16;
+    return settings;
+}
+
+// The network learns a sphere at rest, and the tree that is read off it looks more like it than that of a network that
+// has not learnt yet.
+TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
+    const Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
+    const auto tree_after = [&](uint64_t steps, double& loss) {
+        return psi_tree(device(), still, kShape, kLevels, small_run(steps), [&](const PsiProgress& now) {
+            loss = now.loss;
+            return true;
+        });
+    };
+    double early = 0, late = 0;
+    const VOctree fog = tree_after(1, early), learnt = tree_after(120, late);
+    EXPECT_LT(late, 0.6 * early);
+    EXPECT_EQ(defect_of(learnt), "");
+    EXPECT_LE(learnt.leaf_count, fog.leaf_count);
+    const double learnt_psnr = evaluate(device(), learnt, still, 1).mean.psnr;
+    EXPECT_GT(learnt_psnr, evaluate(device(), fog, still, 1).mean.psnr + 2);
+
+    // A run takes it from there.
+    TrainSettings settings;
+    settings.steps = 30;
+    settings.shape = kShape;
+    settings.first_tree = &learnt;
+    const TemporaryFolder folder;
+    train(device(), still, settings, folder.path / "run.nvv", [](const TrainProgress&) { return true; });
+    EXPECT_GT(evaluate(device(), read_nvv(folder.path / "run.nvv"), still, 1).mean.psnr, learnt_psnr);
+}
+
+TEST_F(PsiTreeTest, EndsWhereToldTo) {
+    uint64_t last = 0;
+    psi_tree(device(), capture(), kShape, kLevels, small_run(1000000), [&](const PsiProgress& now) {
+        last = now.step;
+        return false;
+    });
+    EXPECT_GT(last, 0u);
+    EXPECT_LT(last, 100000u);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,265 @@
+#include "training/psi_tree.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "training/batch.h"
+#include "training/hull.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kPointsAtOnce = size_t{1} << 20;
+constexpr double kFirstRate = 3e-3, kLastRate = 3e-4, kRowsShare = 0.2;
+
+double seconds_now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The output layer as a matrix over the last hidden layer, one row a column of it: y = W h + b.
+struct Output {
+    uint32_t width, columns;
+    const float* numbers;  // (width + 1) × columns
+
+    void operator()(const float* hidden, double* y) const {
+        const float* bias = numbers + size_t{width} * columns;
+        std::copy(bias, bias + columns, y);
+        for (uint32_t k = 0; k < width; k++)
+            for (uint32_t c = 0; c < columns; c++)
+                y[c] += static_cast<double>(hidden[k]) * static_cast<double>(numbers[size_t{k} * columns + c]);
+    }
+};
+
+glm::vec3 leaf_corner(const VOctree& tree, const LeafPlace& place) {
+    return tree.box_min + tree.box_size / static_cast<float>(1u << place.depth) * glm::vec3(place.x, place.y, place.z);
+}
+
+float leaf_edge(const VOctree& tree, const LeafPlace& place) {
+    return tree.box_size.x / static_cast<float>(1u << place.depth);
+}
+
+// Places in leaf number i: `side`³ cells' centres, or random ones.
+std::vector<glm::vec3> centres_in(const VOctree& tree, const LeafPlace& place, uint32_t side) {
+    std::vector<glm::vec3> centres;
+    const float cell = leaf_edge(tree, place) / static_cast<float>(side);
+    for (uint32_t i = 0; i < side * side * side; i++)
+        centres.push_back(leaf_corner(tree, place) +
+                          cell * (glm::vec3(i % side, i / side % side, i / side / side) + 0.5f));
+    return centres;
+}
+
+std::vector<glm::vec3> random_in(const VOctree& tree, const LeafPlace& place, uint32_t count, std::mt19937_64& random) {
+    std::vector<glm::vec3> places(count);
+    const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
+    for (glm::vec3& at : places) {
+        const float x = uniform(), y = uniform(), z = uniform();
+        at = leaf_corner(tree, place) + leaf_edge(tree, place) * glm::vec3(x, y, z);
+    }
+    return places;
+}
+
+// Runs `use(leaf, hidden layers at its points)` for every place, on all cores, a chunk of leaves at a time.
+template <typename PointsOf, typename Use>
+void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const PointsOf& points_of, const Use& use) {
+    const size_t at_once = std::max<size_t>(kPointsAtOnce / points_per_leaf, 1);
+    const size_t stride = points_per_leaf * psi.shape().width;
+    std::vector<glm::vec3> points;
+    for (size_t first = 0; first < leaves; first += at_once) {
+        const size_t count = std::min(at_once, leaves - first);
+        points.clear();
+        for (size_t i = 0; i < count; i++) {
+            const std::vector<glm::vec3> of_leaf = points_of(first + i);
+            points.insert(points.end(), of_leaf.begin(), of_leaf.end());
+        }
+        const std::vector<float> hidden = psi.hidden_at(points);
+        parallel_for(count, 16, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; i++) use(first + i, &hidden[i * stride]);
+        });
+    }
+}
+
+// Σ_t relu(A_t·w^σ) with w^σ in 1/m.
+double density_over_time(const PsiNetwork& network, const double* outputs) {
+    const PsiShape& shape = network.shape;
+    const float* basis = &network.parameters[shape.sigma_first()];
+    double sum = 0;
+    for (uint32_t t = 0; t < shape.frames; t++) {
+        double raw = 0;
+        for (uint32_t c = 0; c < shape.bases; c++)
+            raw += static_cast<double>(basis[size_t{t} * shape.bases + c]) * outputs[c];
+        sum += std::max(raw, 0.0);
+    }
+    return sum * static_cast<double>(network.density);
+}
+
+Output output_of(const PsiNetwork& network) {
+    return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_first()]};
+}
+
+// Of the hull's cells those with a finest cell that is ever dense.
+std::vector<LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& network, const VOctree& hull, uint32_t levels_above,
+                                    float threshold) {
+    const std::vector<LeafPlace> places = leaf_places(hull);
+    const Output output = output_of(network);
+    const uint32_t side = 1u << levels_above, cells = side * side * side;
+    std::vector<uint8_t> dense(places.size());
+    for_each_leaf(
+        psi, places.size(), cells, [&](size_t i) { return centres_in(hull, places[i], side); },
+        [&](size_t i, const float* hidden) {
+            std::vector<double> outputs(output.columns);
+            for (uint32_t cell = 0; cell < cells && dense[i] == 0; cell++) {
+                output(hidden + size_t{cell} * output.width, outputs.data());
+                dense[i] = density_over_time(network, outputs.data()) >= static_cast<double>(threshold) ? 1 : 0;
+            }
+        });
+    std::vector<LeafPlace> kept;
+    for (size_t i = 0; i < places.size(); i++)
+        if (dense[i] != 0) kept.push_back(places[i]);
+    return kept;
+}
+
+// A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
+void set_mean_weights(PsiStep& psi, const PsiNetwork& network, VOctree& tree, const PsiSettings& settings) {
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const Output output = output_of(network);
+    std::mt19937_64 random(settings.seed);
+    const uint32_t count = settings.points_per_leaf;
+    for_each_leaf(
+        psi, places.size(), count, [&](size_t i) { return random_in(tree, places[i], count, random); },
+        [&](size_t i, const float* hidden) {
+            std::vector<float> mean(output.width);
+            for (uint32_t k = 0; k < output.width; k++) {
+                double sum = 0;
+                for (uint32_t point = 0; point < count; point++)
+                    sum += static_cast<double>(hidden[size_t{point} * output.width + k]);
+                mean[k] = static_cast<float>(sum / count);
+            }
+            std::vector<double> outputs(output.columns);
+            output(mean.data(), outputs.data());
+            float* leaf = tree.leaf(static_cast<uint32_t>(i));
+            for (uint32_t c = 0; c < output.columns; c++)
+                leaf[c] = static_cast<float>(outputs[c] * (c < tree.bases ? static_cast<double>(network.density) : 1));
+        });
+}
+
+// Where the training of Ψ stands, and its sums since the last report.
+struct Course {
+    double began = seconds_now(), reported = began, pixels = 0, loss = 0, rgb = 0;
+    uint64_t step = 0, steps = 0;
+
+    double fraction(const PsiSettings& settings) const {
+        const double share = settings.steps > 0 ? static_cast<double>(step) / static_cast<double>(settings.steps)
+                                                : (seconds_now() - began) / (60 * settings.minutes);
+        return std::min(share, 1.0);
+    }
+    void add(const StepResult& result, double lambda_grad) {
+        pixels += static_cast<double>(result.pixels);
+        rgb += result.rgb_loss;
+        loss += result.rgb_loss + lambda_grad * result.grad_loss;
+        steps++;
+    }
+    PsiProgress report(const PsiSettings& settings, const PsiStep& psi) {
+        const double now = seconds_now(), share = std::max(fraction(settings), 1e-6), over = static_cast<double>(steps);
+        PsiProgress progress{.elapsed_s = now - began, .step = step};
+        progress.eta_s = progress.elapsed_s / share - progress.elapsed_s;
+        progress.rays_per_s = pixels / std::max(now - reported, 1e-3);
+        progress.loss = loss / std::max(over, 1.0);
+        progress.psnr = -10 * std::log10(std::max(rgb / std::max(over, 1.0) / 3, 1e-10));
+        progress.passes = psi.pass_times();
+        reported = now;
+        pixels = loss = rgb = 0;
+        steps = 0;
+        return progress;
+    }
+};
+
+PsiStepSettings step_settings(const PsiSettings& settings, const Course& course, const Batch& batch, uint32_t frames) {
+    PsiStepSettings step;
+    step.frame = static_cast<float>(frame_of_time(batch.time, frames));
+    step.tiles = static_cast<uint32_t>(batch.tiles.size());
+    step.seed = static_cast<uint32_t>(settings.seed * 0x9e3779b9u + course.step);
+    const double rate = kFirstRate * std::pow(kLastRate / kFirstRate, course.fraction(settings));
+    step.rate = static_cast<float>(rate);
+    step.rows_rate = static_cast<float>(kRowsShare * rate);
+    step.adam.step = static_cast<uint32_t>(course.step);
+    return step;
+}
+
+void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings, const PsiCallback& callback) {
+    BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed);
+    for (size_t i = 0; i < dataset.cameras.size(); i++)
+        psi.rays().cameras.as<ShaderCamera>()[i] = shader_camera(dataset.cameras[i]);
+    Course course;
+    Batch batch = sampler.next();
+    bool go_on = true;
+    while (go_on && course.fraction(settings) < 1) {
+        std::memcpy(psi.rays().tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
+        std::memcpy(psi.batch().target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
+        std::memcpy(psi.batch().background.mapped, batch.background.data(),
+                    batch.background.size() * sizeof(glm::vec4));
+        course.step++;
+        const PsiStepSettings step = step_settings(settings, course, batch, psi.shape().frames);
+        psi.submit(step);
+        batch = sampler.next();
+        const StepResult result = psi.wait();
+        if (!std::isfinite(result.rgb_loss))
+            throw RuntimeFailure("training of Ψ diverged: the loss is not a number; begin with --init hull");
+        course.add(result, static_cast<double>(step.lambda_grad));
+        if (seconds_now() - course.reported >= 1) go_on = callback(course.report(settings, psi));
+    }
+    callback(course.report(settings, psi));
+}
+
+}  // namespace
+
+PsiSettings default_psi_settings(const Device& device) {
+    PsiSettings settings;
+    if (device.summary().kind != "cpu") return settings;
+    settings.width = 32;
+    settings.layers = 3;
+    settings.sampling = {16, 16};
+    settings.frequencies = 6;
+    settings.tiles_per_step = 16;
+    settings.points_per_leaf = 64;
+    return settings;
+}
+
+VOctree tree_from_psi(PsiStep& psi, const VOctree& hull, uint32_t levels_above, const PsiSettings& settings) {
+    const PsiNetwork network = psi.network();
+    const std::vector<LeafPlace> places = dense_places(psi, network, hull, levels_above, settings.threshold);
+    if (places.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
+    VOctree tree = hull;
+    build_topology(tree, places);
+    set_mean_weights(psi, network, tree, settings);
+    const auto rows = [&](uint32_t first) {
+        const auto at = network.parameters.begin() + first;
+        return std::vector<float>(at, at + tree.frames * tree.bases);
+    };
+    tree.sigma_basis = rows(network.shape.sigma_first());
+    tree.gamma_basis = rows(network.shape.gamma_first());
+    return tree;
+}
+
+VOctree psi_tree(const Device& device, const Dataset& dataset, const TreeShape& shape, uint32_t levels_above,
+                 const PsiSettings& settings, const PsiCallback& callback) {
+    const VOctree hull = initial_tree(dataset, shape, levels_above);
+    const auto box = hull_box(dataset);
+    const PsiShape psi_shape{.frequencies = settings.frequencies,
+                             .width = settings.width,
+                             .layers = settings.layers,
+                             .bases = hull.bases,
+                             .hh_degree = hull.hh_degree,
+                             .frames = hull.frames};
+    PsiStep psi(device, initial_psi(psi_shape, glm::vec3(box.first), glm::vec3(box.second - box.first), settings.seed),
+                settings.sampling, static_cast<uint32_t>(dataset.cameras.size()), settings.tiles_per_step);
+    train_psi(psi, dataset, settings, callback);
+    return tree_from_psi(psi, hull, levels_above, settings);
+}
+
+}  // namespace neuvv
