@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -25,6 +26,8 @@ namespace {
 
 constexpr size_t kSheetRows = 8, kPagePictures = 12;
 constexpr uint32_t kSheetCell = 320;
+
+const std::map<std::string, Split> kSplits = {{"test", Split::kTest}, {"train", Split::kTrain}, {"val", Split::kVal}};
 
 struct EvalOptions {
     std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera", lpips;
@@ -135,8 +138,7 @@ void write_text_file(const std::string& path, const std::string& text) {
 
 void run(const EvalOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
-    const Dataset dataset = load_dataset(options.dataset, options.split == "train" ? Split::kTrain : Split::kTest,
-                                         {.format = options.format});
+    const Dataset dataset = load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
     std::optional<Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
@@ -182,7 +184,7 @@ void add_eval(CLI::App& app, CommonOptions& common) {
     verb->add_option("dataset", options->dataset, "The data set's folder")->required();
     add_format_option(*verb, options->format);
     verb->add_option("--split", options->split, "Which of its pictures")
-        ->check(CLI::IsMember({"test", "train"}))
+        ->check(CLI::IsMember(kSplits))
         ->capture_default_str();
     add_samples_option(*verb, options->samples);
     verb->add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");

@@ -38,7 +38,7 @@ struct Dataset {
     std::vector<double> times;                             // distinct, ascending
 };
 
-enum class Split { kTrain, kTest };
+enum class Split { kTrain, kTest, kVal };  // kVal: of the layouts that know it
 
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()

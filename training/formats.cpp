@@ -18,13 +18,14 @@ struct Format {
     const char* files;  // by which it is known, for errors
     bool (*detects)(const std::filesystem::path& folder);
     Rig (*read)(const std::filesystem::path& folder, Split split);
+    bool validates;  // has Split::kVal
 };
 
 // In the order in which they are tried: a folder often holds what other programs left there, too.
 constexpr Format kFormats[] = {
-    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig},
-    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig},
-    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig},
+    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
+    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
+    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
 };
 
 const Format& find_format(const std::filesystem::path& folder, const std::string& name) {
@@ -82,7 +83,11 @@ std::vector<std::string> format_names() {
 }
 
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format) {
-    Rig rig = find_format(folder, format).read(folder, split);
+    const Format& layout = find_format(folder, format);
+    if (split == Split::kVal && !layout.validates)
+        throw InputError(folder.string(), "", fmt::format("{} data sets have no validation split", layout.name),
+                         "take train or test");
+    Rig rig = layout.read(folder, split);
     drop_cameras_without_shots(rig);
     expect_sound(rig);
     return rig;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,27 +10,31 @@
 
 #include "base/error.h"
 #include "media/image.h"
+#include "training/calibration.h"
 #include "training/transforms.h"
 
 namespace neuvv {
 
 namespace {
 
-constexpr uint32_t kHoldOut = 8;  // of one transforms.json, every 8th camera is for the test
-
 // What makes two frames the same camera: pose and intrinsics as the file gives them.
-using CameraIdentity = std::array<double, 19>;
+using CameraIdentity = std::vector<double>;
 
 CameraIdentity identity(const TransformsFrame& frame) {
     constexpr double kAbsent = std::numeric_limits<double>::infinity();
     const Intrinsics& in = frame.intrinsics;
-    CameraIdentity key{};
-    for (int i = 0; i < 12; ++i) key[static_cast<size_t>(i)] = frame.world_from_camera[i / 3][i % 3];
-    const std::array rest{in.fl_x.value_or(kAbsent), in.camera_angle_x.value_or(kAbsent),
-                          in.fl_y.value_or(kAbsent), in.cx.value_or(kAbsent),
-                          in.cy.value_or(kAbsent),   double{1.0 * in.width},
-                          double{1.0 * in.height}};
-    std::copy(rest.begin(), rest.end(), key.begin() + 12);
+    CameraIdentity key = {in.fl_x.value_or(kAbsent),
+                          in.camera_angle_x.value_or(kAbsent),
+                          in.fl_y.value_or(kAbsent),
+                          in.cx.value_or(kAbsent),
+                          in.cy.value_or(kAbsent),
+                          1.0 * in.width,
+                          1.0 * in.height,
+                          static_cast<double>(in.lens_model),
+                          in.p1,
+                          in.p2};
+    key.insert(key.end(), in.k.begin(), in.k.end());
+    for (int i = 0; i < 12; ++i) key.push_back(frame.world_from_camera[i / 3][i % 3]);
     return key;
 }
 
@@ -50,31 +53,107 @@ bool holds_file(const std::filesystem::path& file) {
     return std::filesystem::exists(file, ignored);
 }
 
-// The file of a split, with only that split's frames in it.
-std::pair<std::filesystem::path, Transforms> read_split(const std::filesystem::path& folder, Split split) {
-    const bool test = split == Split::kTest;
-    const auto train_file = folder / "transforms_train.json", test_file = folder / "transforms_test.json";
-    const auto single_file = folder / "transforms.json";
-    if (holds_file(train_file) || holds_file(test_file)) {
-        const auto file = test ? test_file : train_file;
-        return {file, read_transforms(file)};
-    }
-    Transforms all = read_transforms(single_file);
-    const std::vector<uint32_t> cameras = number_cameras(all.frames);
-    if (*std::max_element(cameras.begin(), cameras.end()) == 0)
-        throw InputError(single_file.string(), "frames", "has one camera, and one must be held out for the test",
-                         "give two cameras or more, or transforms_train.json and transforms_test.json");
-    std::vector<TransformsFrame> kept;
-    for (size_t i = 0; i < all.frames.size(); ++i)
-        if ((cameras[i] % kHoldOut == 0) == test) kept.push_back(std::move(all.frames[i]));
-    all.frames = std::move(kept);
-    return {single_file, std::move(all)};
+// The frames of a split, and the file that they stand in.
+struct SplitFrames {
+    std::filesystem::path file;
+    Transforms transforms;
+    std::vector<std::string> other_pictures;  // file_paths of the other splits
+};
+
+constexpr const char* kSplitNames[] = {"train", "test", "val"};  // by Split
+
+const char* name_of(Split split) {
+    return kSplitNames[static_cast<size_t>(split)];
 }
 
-// `path` as given, else with ".png".
+std::filesystem::path split_file(const std::filesystem::path& folder, const char* split) {
+    return folder / fmt::format("transforms_{}.json", split);
+}
+
+// transforms_train.json and its kind: each speaks for one split.
+SplitFrames read_own_file(const std::filesystem::path& folder, Split split) {
+    SplitFrames result;
+    result.file = split_file(folder, name_of(split));
+    result.transforms = read_transforms(result.file);
+    for (const char* other : kSplitNames) {
+        const auto file = split_file(folder, other);
+        if (file == result.file || !holds_file(file)) continue;
+        for (TransformsFrame& frame : read_transforms(file).frames)
+            result.other_pictures.push_back(std::move(frame.file_path));
+    }
+    return result;
+}
+
+std::string normal(const std::string& path) {
+    return std::filesystem::path(path).lexically_normal().generic_string();
+}
+
+// Which frames the lists of nerfstudio give to the split.
+std::vector<bool> members_by_list(const std::string& file, const Transforms& all, Split split) {
+    std::map<std::string, size_t> list_of;
+    for (size_t s = 0; s < all.split_files.size(); ++s)
+        for (const std::string& path : all.split_files[s].value_or(std::vector<std::string>()))
+            if (const auto [at, fresh] = list_of.try_emplace(normal(path), s); !fresh && at->second != s)
+                throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
+                                 fmt::format("names {}, which is in {}_filenames, too", path, kSplitNames[at->second]),
+                                 "keep training and test apart");
+    std::vector<bool> members;
+    std::set<std::string> frames;
+    for (const TransformsFrame& frame : all.frames) {
+        const auto listed = list_of.find(*frames.insert(normal(frame.file_path)).first);
+        members.push_back(listed != list_of.end() && listed->second == static_cast<size_t>(split));
+    }
+    for (const auto& [path, s] : list_of)
+        if (!frames.contains(path))
+            throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
+                             fmt::format("names {}, which is no file_path of a frame", path), "correct the list");
+    if (std::find(members.begin(), members.end(), true) == members.end())
+        throw InputError(file, fmt::format("{}_filenames", name_of(split)), "is missing or empty",
+                         "name the pictures of that split");
+    return members;
+}
+
+// Every 8th camera is for the test.
+std::vector<bool> members_by_camera(const std::string& file, const Transforms& all, Split split) {
+    if (split == Split::kVal)
+        throw InputError(file, "", "has no validation split", "give val_filenames or transforms_val.json");
+    const std::vector<uint32_t> cameras = number_cameras(all.frames);
+    if (*std::max_element(cameras.begin(), cameras.end()) == 0)
+        throw InputError(file, "frames", "has one camera, and one must be held out for the test",
+                         "give two cameras or more, or transforms_train.json and transforms_test.json");
+    std::vector<bool> members;
+    for (const uint32_t camera : cameras) members.push_back((camera % kHoldOut == 0) == (split == Split::kTest));
+    return members;
+}
+
+SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
+    SplitFrames result;
+    result.file = folder / "transforms.json";
+    Transforms& all = result.transforms = read_transforms(result.file);
+    const bool listed =
+        std::any_of(all.split_files.begin(), all.split_files.end(), [](const auto& list) { return list.has_value(); });
+    const std::vector<bool> members = (listed ? members_by_list : members_by_camera)(result.file.string(), all, split);
+    std::vector<TransformsFrame> kept;
+    for (size_t i = 0; i < all.frames.size(); ++i) {
+        if (members[i])
+            kept.push_back(std::move(all.frames[i]));
+        else
+            result.other_pictures.push_back(std::move(all.frames[i].file_path));
+    }
+    all.frames = std::move(kept);
+    return result;
+}
+
+SplitFrames read_split(const std::filesystem::path& folder, Split split) {
+    const bool own = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
+                                 [&](const char* name) { return holds_file(split_file(folder, name)); });
+    return own ? read_own_file(folder, split) : read_shared_file(folder, split);
+}
+
+// `path` as given, else with the ending of a picture: D-NeRF gives none.
 std::filesystem::path find_picture(const Rig& rig, const std::string& path, const std::string& place) {
     std::error_code ignored;
-    for (const char* ending : {"", ".png"}) {
+    for (const char* ending : {"", ".png", ".jpg", ".jpeg"}) {
         std::filesystem::path candidate = rig.folder / (path + ending);
         if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
     }
@@ -82,19 +161,17 @@ std::filesystem::path find_picture(const Rig& rig, const std::string& path, cons
                      "put it there or correct the path");
 }
 
-// The lens of a camera whose first picture is `picture`.
-Lens make_lens(const TransformsFrame& frame, const std::filesystem::path& picture) {
+RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number,
+                      const std::filesystem::path& first_picture) {
     const Intrinsics& in = frame.intrinsics;
-    const ImageSize size = in.width ? ImageSize{in.width, in.height} : image_size(picture);
-    const Camera camera = make_camera(frame, size.width, size.height);
-    Lens lens;
-    lens.fx = camera.fx;
-    lens.fy = camera.fy;
-    lens.cx = camera.cx;
-    lens.cy = camera.cy;
-    lens.width = size.width;
-    lens.height = size.height;
-    return lens;
+    const ImageSize size = in.width ? ImageSize{in.width, in.height} : image_size(first_picture);
+    RigCamera camera;
+    camera.name = fmt::format("{}", number);
+    camera.world_from_camera = frame.world_from_camera;
+    camera.lens = make_lens(in, size.width, size.height);
+    if (!frame.background_path.empty())
+        camera.plate.path = find_picture(rig, frame.background_path, frame.place + ".background_path");
+    return camera;
 }
 
 void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames) {
@@ -108,16 +185,9 @@ void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames)
         shot.time = frame.time.value_or(0);
         shot.place = frame.place;
         shot.picture.path = find_picture(rig, frame.file_path, frame.place + ".file_path");
-        shot.name = shot.picture.path.stem().string();
         if (shot.camera == first.size()) {
             first.push_back(&frame);
-            RigCamera camera;
-            camera.name = fmt::format("{}", shot.camera);
-            camera.world_from_camera = frame.world_from_camera;
-            camera.lens = make_lens(frame, shot.picture.path);
-            if (!frame.background_path.empty())
-                camera.plate.path = find_picture(rig, frame.background_path, frame.place + ".background_path");
-            rig.cameras.push_back(std::move(camera));
+            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.picture.path));
         }
         if (frame.background_path != first[shot.camera]->background_path)
             throw InputError(rig.file, frame.place + ".background_path",
@@ -127,45 +197,69 @@ void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames)
     }
 }
 
-void expect_times_of_all_or_none(const Rig& rig, const std::vector<TransformsFrame>& frames) {
-    const bool timed = frames[0].time.has_value();
-    for (const TransformsFrame& frame : frames)
-        if (frame.time.has_value() != timed)
-            throw InputError(rig.file, timed ? frame.place : frames[0].place, "has no time, but other frames have one",
-                             "give it to all frames or none");
+// A field of all frames or none.
+template <typename HasField>
+bool has_everywhere(const Rig& rig, const std::vector<TransformsFrame>& frames, const char* field,
+                    const HasField& has_field) {
+    const auto lacking = std::find_if_not(frames.begin(), frames.end(), has_field);
+    if (lacking == frames.end()) return true;
+    if (std::none_of(frames.begin(), frames.end(), has_field)) return false;
+    throw InputError(rig.file, lacking->place, fmt::format("has no {}, but other frames have one", field),
+                     "give it to all frames or none");
 }
 
-// Pictures of cameras in folders of their own are often named alike: then the folders belong to the names.
-void tell_names_apart(Rig& rig) {
-    std::set<std::string> names;
-    for (const Shot& shot : rig.shots) names.insert(shot.name);
-    if (names.size() == rig.shots.size()) return;
+// nerfstudio names a mask for every frame, instant-ngp looks for one beside each picture.
+void find_masks(Rig& rig, const std::vector<TransformsFrame>& frames) {
+    if (has_everywhere(rig, frames, "mask_path", [](const auto& frame) { return !frame.mask_path.empty(); })) {
+        rig.masks = MaskMeaning::kUsable;
+        for (size_t i = 0; i < frames.size(); ++i)
+            rig.shots[i].mask.path = find_picture(rig, frames[i].mask_path, frames[i].place + ".mask_path");
+        return;
+    }
+    rig.masks = MaskMeaning::kIgnore;
     for (Shot& shot : rig.shots) {
-        shot.name =
-            shot.picture.path.lexically_relative(rig.folder).lexically_normal().replace_extension().generic_string();
-        std::replace(shot.name.begin(), shot.name.end(), '/', '_');
+        const auto& picture = shot.picture.path;
+        const auto mask = picture.parent_path() / fmt::format("dynamic_mask_{}.png", picture.stem().string());
+        if (holds_file(mask)) shot.mask.path = mask;
+    }
+}
+
+// A picture's name: that of its file, or where another picture of any split bears that name, with its folders.
+void name_shots(Rig& rig, const std::vector<TransformsFrame>& frames, const std::vector<std::string>& other_pictures) {
+    const auto stem = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
+    std::map<std::string, int> uses;
+    for (const TransformsFrame& frame : frames) ++uses[stem(frame.file_path)];
+    for (const std::string& path : other_pictures) ++uses[stem(path)];
+    const bool distinct = std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 1; });
+    for (size_t i = 0; i < frames.size(); ++i) {
+        const auto path = rig.shots[i].picture.path.lexically_relative(rig.folder).lexically_normal();
+        std::string name =
+            distinct ? path.stem().string() : std::filesystem::path(path).replace_extension().generic_string();
+        std::replace(name.begin(), name.end(), '/', '_');
+        rig.shots[i].name = name;
     }
 }
 
 }  // namespace
 
 bool has_nerf_files(const std::filesystem::path& folder) {
-    for (const char* name : {"transforms_train.json", "transforms_test.json", "transforms.json"})
-        if (holds_file(folder / name)) return true;
-    return false;
+    for (const char* name : kSplitNames)
+        if (holds_file(split_file(folder, name))) return true;
+    return holds_file(folder / "transforms.json");
 }
 
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
-    const auto [file, transforms] = read_split(folder, split);
+    const auto [file, transforms, other_pictures] = read_split(folder, split);
     Rig rig;
     rig.folder = folder;
     rig.format = "nerf";
     rig.file = file.string();
     rig.box = transforms.box;
     rig.fps = transforms.fps;
-    expect_times_of_all_or_none(rig, transforms.frames);
+    has_everywhere(rig, transforms.frames, "time", [](const auto& frame) { return frame.time.has_value(); });
     add_cameras_and_shots(rig, transforms.frames);
-    tell_names_apart(rig);
+    find_masks(rig, transforms.frames);
+    name_shots(rig, transforms.frames, other_pictures);
     return rig;
 }
 
@@ -178,7 +272,12 @@ std::vector<CameraKey> load_camera_path(const std::filesystem::path& file) {
             throw InputError(file.string(), frame.place,
                              "fl_x, fl_y, cx, cy are in pixels of a picture of unknown size",
                              "give w and h, or camera_angle_x alone");
-        CameraKey key{make_camera(frame, in.width, in.height), frame.time};
+        const Lens lens = make_lens(in, in.width, in.height);
+        if (lens.distorts())
+            throw InputError(file.string(), frame.place, "has a lens that distorts: pictures are rendered by pinholes",
+                             "remove camera_model, is_fisheye and k1 to p2");
+        CameraKey key{{frame.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height},
+                      frame.time};
         if (!sized) key.camera.fx = key.camera.fy = 0.5 / std::tan(0.5 * in.camera_angle_x.value());
         keys.push_back(key);
     }

@@ -135,15 +135,76 @@ double principal(const Node& node) {
     return value;
 }
 
-void expect_no_distortion(const Node& node) {
-    for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
-        if (node.has(key) && number(node[key]) != 0)
-            node[key].fail("lens distortion is not modelled", "undistort the pictures and remove the field");
+// Terms of a lens that a camera_model knows: of k the first few, and whether p1 and p2.
+struct CameraModel {
+    const char* name;
+    LensModel lens;
+    size_t k_terms;
+    bool tangential;
+};
+// nerfstudio reads one set of terms for all models of perspective cameras, whichever the name.
+constexpr CameraModel kCameraModels[] = {
+    {"OPENCV", LensModel::kBrown, 3, true},
+    {"PINHOLE", LensModel::kBrown, 3, true},
+    {"SIMPLE_PINHOLE", LensModel::kBrown, 3, true},
+    {"SIMPLE_RADIAL", LensModel::kBrown, 3, true},
+    {"RADIAL", LensModel::kBrown, 3, true},
+    {"FULL_OPENCV", LensModel::kBrown, 6, true},
+    {"OPENCV_FISHEYE", LensModel::kFisheye, 4, false},
+    {"SIMPLE_RADIAL_FISHEYE", LensModel::kFisheye, 4, false},
+    {"RADIAL_FISHEYE", LensModel::kFisheye, 4, false},
+};
+constexpr char kUnnamedModel[] = "OPENCV", kUnnamedFisheye[] = "OPENCV_FISHEYE";
+
+const CameraModel& find_model(const Node& node, const std::string& name) {
+    std::string known;
+    for (const CameraModel& model : kCameraModels) {
+        if (name == model.name) return model;
+        known += (known.empty() ? "" : ", ") + std::string(model.name);
+    }
+    node.fail(fmt::format("{} is not a lens that is modelled", name.substr(0, kMaxQuoted)),
+              "undistort the pictures to one of " + known);
+}
+
+const std::string& string_of(const Node& node) {
+    if (!node.value.is_string()) node.fail(fmt::format("is a {}, not a string", node.value.type_name()));
+    return node.value.get_ref<const std::string&>();
+}
+
+// Terms that were not meant for this lens would bend it wrongly.
+void expect_terms_of_model(const Node& node, const Intrinsics& in) {
+    const CameraModel& model = find_model(node, in.camera_model.empty() ? kUnnamedModel : in.camera_model);
+    for (size_t i = model.k_terms; i < in.k.size(); ++i)
+        if (in.k[i] != 0) node.fail(fmt::format("k{} is no term of the lens model {}", i + 1, model.name), "remove it");
+    if (!model.tangential && (in.p1 != 0 || in.p2 != 0))
+        node.fail(fmt::format("p1, p2 are no terms of the lens model {}", model.name), "remove them");
+    if (model.lens == LensModel::kFisheye && !in.fl_x)
+        node.fail("is a fisheye with an angle of view, which says nothing of its focal length", "give fl_x in pixels");
+}
+
+void read_lens(const Node& node, Intrinsics& result) {
+    if (node.has("ftheta_p0")) node["ftheta_p0"].fail("f-theta lenses are not modelled", "undistort the pictures");
+    if (node.has("rolling_shutter") && node["rolling_shutter"].value.is_array())
+        for (size_t i = 0; i < node["rolling_shutter"].value.size(); ++i)
+            if (number(node["rolling_shutter"][i]) != 0)
+                node["rolling_shutter"].fail("rolling shutters are not modelled", "remove the field to do without");
+    if (node.has("camera_model"))
+        result.camera_model = find_model(node["camera_model"], string_of(node["camera_model"])).name;
+    if (node.has("is_fisheye")) {
+        if (!node["is_fisheye"].value.is_boolean()) node["is_fisheye"].fail("is neither true nor false");
+        if (node["is_fisheye"].value.get<bool>()) result.camera_model = kUnnamedFisheye;
+    }
+    if (!result.camera_model.empty()) result.lens_model = find_model(node, result.camera_model).lens;
+    for (size_t i = 0; i < result.k.size(); ++i)
+        if (const std::string key = fmt::format("k{}", i + 1); node.has(key.c_str()))
+            result.k[i] = number(node[key.c_str()]);
+    if (node.has("p1")) result.p1 = number(node["p1"]);
+    if (node.has("p2")) result.p2 = number(node["p2"]);
 }
 
 // The fields of one level (the file, or a frame) over those of the level above it.
 Intrinsics read_intrinsics(const Node& node, Intrinsics result) {
-    expect_no_distortion(node);
+    read_lens(node, result);
     if (node.has("fl_x") || node.has("camera_angle_x"))  // a new focal length replaces the old one whole
         result.fl_x = result.fl_y = result.camera_angle_x = std::nullopt;
     if (node.has("camera_angle_x")) {
@@ -200,15 +261,14 @@ glm::dmat4 read_pose(const Node& node) {
 
 // A data set reads nothing outside its folder.
 std::string read_path(const Node& node) {
-    if (!node.value.is_string()) node.fail(fmt::format("is a {}, not a string", node.value.type_name()));
-    const auto& text = node.value.get_ref<const std::string&>();
-    const std::filesystem::path path(text);
-    if (text.empty() || text.find('\0') != std::string::npos) node.fail("is not a file name");
+    const std::string& name = string_of(node);
+    const std::filesystem::path path(name);
+    if (name.empty() || name.find('\0') != std::string::npos) node.fail("is not a file name");
     if (path.is_absolute()) node.fail("is an absolute path", "give it relative to the folder of this file");
     for (const auto& part : path)
         if (part == "..")
             node.fail("leads out of the data set's folder", "move the file inside and name it without ..");
-    return text;
+    return name;
 }
 
 TransformsFrame read_frame(const Node& node, const Intrinsics& common) {
@@ -218,10 +278,12 @@ TransformsFrame read_frame(const Node& node, const Intrinsics& common) {
     frame.intrinsics = read_intrinsics(node, common);
     if (!frame.intrinsics.fl_x && !frame.intrinsics.camera_angle_x)
         node.fail("has no focal length", "give camera_angle_x or fl_x, here or at the top of the file");
+    expect_terms_of_model(node, frame.intrinsics);
     if (!node.has("transform_matrix")) node.fail("has no transform_matrix", "give its pose, camera to world");
     frame.world_from_camera = read_pose(node["transform_matrix"]);
     if (node.has("file_path")) frame.file_path = read_path(node["file_path"]);
     if (node.has("background_path")) frame.background_path = read_path(node["background_path"]);
+    if (node.has("mask_path")) frame.mask_path = read_path(node["mask_path"]);
     if (node.has("time")) {
         frame.time = number(node["time"]);
         if (*frame.time < 0 || *frame.time > 1)
@@ -245,6 +307,56 @@ std::pair<glm::dvec3, glm::dvec3> read_box(const Node& node) {
     return box;
 }
 
+// From instant-ngp's cube to the coordinates of its poses: axes cycled, scaled and moved.
+std::pair<glm::dvec3, glm::dvec3> box_from_ngp(const Node& root, std::pair<glm::dvec3, glm::dvec3> box) {
+    const double scale = root.has("scale") ? number(root["scale"]) : 0.33;
+    if (!(scale > 1 / kMaxDistance_m && scale < kMaxDistance_m)) root["scale"].fail("is not a scale");
+    glm::dvec3 offset(0.5);
+    if (root.has("offset")) {
+        expect_array(root["offset"], 3);
+        for (size_t i = 0; i < 3; ++i) offset[static_cast<int>(i)] = number(root["offset"][i]);
+    }
+    const auto back = [&](glm::dvec3 p) { return (glm::dvec3(p.z, p.x, p.y) - offset) / scale; };
+    return {back(box.first), back(box.second)};
+}
+
+// (x, y, z) → (x, z, −y)
+const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
+
+bool is_z_up(const Node& root) {
+    if (root.has("camera_model") || root.has("aabb_scale")) return true;
+    for (const json& frame : root["frames"].value)
+        if (frame.contains("rotation")) return true;
+    return false;
+}
+
+// Poses and box into our world.
+void convert_world(const Node& root, Transforms& result) {
+    double scale = 1;
+    if (root.has("applied_scale")) {
+        scale = number(root["applied_scale"]);
+        if (!(scale > 1 / kMaxDistance_m && scale < kMaxDistance_m)) root["applied_scale"].fail("is not a scale");
+    }
+    if (result.box && root.has("aabb_scale")) result.box = box_from_ngp(root, *result.box);
+    const glm::dmat3 turn = is_z_up(root) ? kYUpFromZUp : glm::dmat3(1);
+    for (TransformsFrame& frame : result.frames) {
+        frame.world_from_camera = glm::dmat4(turn) * frame.world_from_camera;
+        frame.world_from_camera[3] = glm::dvec4(glm::dvec3(frame.world_from_camera[3]) / scale, 1);
+    }
+    if (!result.box) return;
+    const glm::dvec3 a = turn * result.box->first / scale, b = turn * result.box->second / scale;
+    result.box = {glm::min(a, b), glm::max(a, b)};
+}
+
+std::optional<std::vector<std::string>> read_file_list(const Node& root, const char* key) {
+    if (!root.has(key)) return std::nullopt;
+    const Node list = root[key];
+    if (!list.value.is_array()) list.fail(fmt::format("is a {}, not an array", list.value.type_name()));
+    std::vector<std::string> files;
+    for (size_t i = 0; i < list.value.size(); ++i) files.push_back(string_of(list[i]));
+    return files;
+}
+
 }  // namespace
 
 Transforms read_transforms(const std::filesystem::path& file) {
@@ -264,20 +376,25 @@ Transforms read_transforms(const std::filesystem::path& file) {
     if (!frames.value.is_array() || frames.value.empty()) frames.fail("is not an array of frames");
     result.frames.reserve(frames.value.size());
     for (size_t i = 0; i < frames.value.size(); ++i) result.frames.push_back(read_frame(frames[i], common));
+    result.split_files = {read_file_list(root, "train_filenames"), read_file_list(root, "test_filenames"),
+                          read_file_list(root, "val_filenames")};
+    convert_world(root, result);
     return result;
 }
 
-Camera make_camera(const TransformsFrame& frame, uint32_t width, uint32_t height) {
-    const Intrinsics& in = frame.intrinsics;
-    Camera camera;
-    camera.world_from_camera = frame.world_from_camera;
-    camera.width = width;
-    camera.height = height;
-    camera.fx = in.fl_x ? *in.fl_x : 0.5 * width / std::tan(0.5 * in.camera_angle_x.value());
-    camera.fy = in.fl_y.value_or(camera.fx);
-    camera.cx = in.cx.value_or(0.5 * width);
-    camera.cy = in.cy.value_or(0.5 * height);
-    return camera;
+Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height) {
+    Lens lens;
+    lens.model = in.lens_model;
+    lens.k = in.k;
+    lens.p1 = in.p1;
+    lens.p2 = in.p2;
+    lens.width = width;
+    lens.height = height;
+    lens.fx = in.fl_x ? *in.fl_x : 0.5 * width / std::tan(0.5 * in.camera_angle_x.value());
+    lens.fy = in.fl_y.value_or(lens.fx);
+    lens.cx = in.cx.value_or(0.5 * width);
+    lens.cy = in.cy.value_or(0.5 * height);
+    return lens;
 }
 
 }  // namespace neuvv

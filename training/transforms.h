@@ -1,12 +1,14 @@
 // A transforms.json of the NeRF family as it stands in the file: checked, but without its pictures.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "training/dataset.h"
+#include "training/lens.h"
 
 namespace neuvv {
 
@@ -15,14 +17,19 @@ struct Intrinsics {
     std::optional<double> fl_x, fl_y, cx, cy;
     std::optional<double> camera_angle_x;  // radians, the whole horizontal angle of view
     uint32_t width = 0, height = 0;        // 0: not given
+    std::string camera_model;              // empty: not given
+    LensModel lens_model = LensModel::kBrown;
+    std::array<double, 6> k{};
+    double p1 = 0, p2 = 0;
 };
 
 struct TransformsFrame {
     std::string place;            // "frames[12]"
     std::string file_path;        // relative, inside the folder; empty: not given
     std::string background_path;  // likewise
+    std::string mask_path;        // likewise
     std::optional<double> time;
-    glm::dmat4 world_from_camera{1};
+    glm::dmat4 world_from_camera{1};  // +Y up, in the units of the capture: see read_transforms
     Intrinsics intrinsics;
 };
 
@@ -30,12 +37,17 @@ struct Transforms {
     std::vector<TransformsFrame> frames;  // at least one
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;
     double fps = 0;
+    // nerfstudio's {train,test,val}_filenames: the file_paths of each split, by Split; all absent: not given.
+    std::array<std::optional<std::vector<std::string>>, 3> split_files;
 };
 
-// Throws InputError naming the file and the JSON place.
+// Poses and box are turned from +Z up to +Y up, (x, y, z) → (x, z, −y), where the file is of a program that writes +Z
+// up: nerfstudio (it has camera_model), instant-ngp (aabb_scale) or Blender's script for the NeRF and D-NeRF scenes
+// (frames have a rotation). applied_scale is divided out; applied_transform stays, it only turns the world. Throws
+// InputError naming the file and the JSON place.
 Transforms read_transforms(const std::filesystem::path& file);
 
-// The camera of a frame whose picture has this size.
-Camera make_camera(const TransformsFrame& frame, uint32_t width, uint32_t height);
+// The lens of a frame whose picture has this size.
+Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height);
 
 }  // namespace neuvv

@@ -266,10 +266,18 @@ TEST_F(DatasetTest, FramesMustDiffer) {
     expect_bad([](json& j) { j["frames"][2].erase("time"); }, {"frames[2]", "time"});
 }
 
-TEST_F(DatasetTest, LensDistortionIsRefused) {
-    expect_bad([](json& j) { j["k1"] = 0.1; }, {"k1", "undistort"});
+TEST_F(DatasetTest, WhatALensDoesNotKnowIsRefused) {
+    expect_bad([](json& j) { j["k4"] = 0.1; }, {"frames[0]", "k4", "OPENCV"});
+    expect_bad([](json& j) { j["k1"] = "a"; }, {"k1", "number"});
+    expect_bad([](json& j) { j["camera_model"] = "EQUIRECTANGULAR"; }, {"camera_model", "EQUIRECTANGULAR", "FISHEYE"});
+    expect_bad([](json& j) { j["is_fisheye"] = true; }, {"fisheye", "fl_x"});
+    expect_bad([](json& j) { j["is_fisheye"] = 1; }, {"is_fisheye"});
+    expect_bad([](json& j) { j["is_fisheye"] = true, j["fl_x"] = 5, j["p1"] = 0.1; }, {"p1", "OPENCV_FISHEYE"});
+    expect_bad([](json& j) { j["ftheta_p0"] = 0.1; }, {"ftheta_p0"});
+    expect_bad([](json& j) { j["rolling_shutter"] = {0, 0, 0.1, 0}; }, {"rolling_shutter"});
     json harmless = good;
-    harmless["k1"] = 0;
+    harmless["k1"] = harmless["k4"] = harmless["p1"] = 0;
+    harmless["rolling_shutter"] = {0, 0, 0, 0};
     EXPECT_EQ(load(harmless).views.size(), 6u);
 }
 

@@ -1,0 +1,245 @@
+// Data sets as D-NeRF, nerfstudio and instant-ngp write them.
+#include "training/nerf.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+#include "training/dataset.h"
+#include "training/formats.h"
+
+namespace neuvv {
+namespace {
+
+using nlohmann::json;
+
+// Ten pixels by eight, opaque on the left, its red telling pictures apart.
+Image picture(uint8_t red) {
+    Image image(10, 8);
+    for (uint32_t y = 0; y < 8; ++y)
+        for (uint32_t x = 0; x < 10; ++x) {
+            const uint8_t pixel[4] = {red, 40, 90, static_cast<uint8_t>(x < 5 ? 255 : 0)};
+            std::copy(pixel, pixel + 4, image.at(x, y));
+        }
+    return image;
+}
+
+// In a world of +Z up: from (x, −3, 1) along +Y, that is, level.
+json z_up_pose(double x) {
+    return {{1, 0, 0, x}, {0, 0, -1, -3}, {0, 1, 0, 1}, {0, 0, 0, 1}};
+}
+
+struct NerfTest : testing::Test {
+    TemporaryFolder folder;
+
+    void put(const std::string& name, const Image& image) {
+        std::filesystem::create_directories((folder.path / name).parent_path());
+        write_png(folder.path / name, image);
+    }
+    void put(const std::string& name, const json& document) { write_text(folder.path / name, document.dump()); }
+    void expect_bad(const json& document, const std::function<void(json&)>& damage,
+                    std::initializer_list<std::string> parts) {
+        json damaged = document;
+        damage(damaged);
+        put("transforms.json", damaged);
+        expect_input_error([&] { read_nerf_rig(folder.path, Split::kTrain); }, parts);
+    }
+};
+
+// The camera of z_up_pose(x), y up: from (x, 1, 3) along −Z.
+void expect_level(const glm::dmat4& pose, double x) {
+    const glm::dmat4 expected(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0),
+                              glm::dvec4(x, 1, 3, 1));
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) EXPECT_NEAR(pose[column][row], expected[column][row], 1e-12);
+}
+
+// One camera that moves, a picture an instant; file_path without ending, and a folder that bears a picture's name.
+TEST_F(NerfTest, DNerf) {
+    for (const char* split : {"train", "val", "test"}) {
+        json document = {{"camera_angle_x", 0.7}};
+        for (int i = 0; i < 3; ++i) {
+            const std::string path = std::string(split) + "/r_00" + std::to_string(i);
+            put(path + ".png", picture(static_cast<uint8_t>(split[0] + i)));
+            document["frames"].push_back(
+                {{"file_path", "./" + path}, {"rotation", 0.3}, {"time", i / 2.0}, {"transform_matrix", z_up_pose(i)}});
+        }
+        put(std::string("transforms_") + split + ".json", document);
+    }
+    std::filesystem::create_directories(folder.path / "train" / "r_001");
+    const Dataset train = load_dataset(folder.path, Split::kTrain);
+    ASSERT_EQ(train.views.size(), 3u);
+    ASSERT_EQ(train.cameras.size(), 3u);
+    EXPECT_EQ(train.times, (std::vector<double>{0, 0.5, 1}));
+    EXPECT_EQ(train.views[2].image.at(0, 0)[0], 't' + 2);
+    EXPECT_NEAR(train.cameras[1].fx, 5 / std::tan(0.35), 1e-12);
+    EXPECT_EQ(train.cameras[1].cx, 5);
+    EXPECT_EQ(train.cameras[1].cy, 4);
+    expect_level(train.cameras[1].world_from_camera, 1);
+    EXPECT_EQ(train.views[1].name, "train_r_001") << "the other splits have an r_001, too";
+    const Dataset val = load_dataset(folder.path, Split::kVal);
+    EXPECT_EQ(val.views[0].name, "val_r_000");
+    EXPECT_EQ(val.views[0].image.at(0, 0)[0], 'v');
+    EXPECT_EQ(load_dataset(folder.path, Split::kTest).views[2].name, "test_r_002");
+
+    put("transforms_test.json", json{{"frames", 3}});
+    expect_input_error([&] { load_dataset(folder.path, Split::kTest); }, {"transforms_test.json"});
+    std::filesystem::remove(folder.path / "transforms_val.json");
+    expect_input_error([&] { load_dataset(folder.path, Split::kVal); }, {"transforms_val.json"});
+}
+
+struct Nerfstudio : NerfTest {
+    json good = {{"camera_model", "OPENCV"},
+                 {"w", 10},
+                 {"h", 8},
+                 {"fl_x", 12.0},
+                 {"fl_y", 11.0},
+                 {"cx", 5.25},
+                 {"cy", 4.5},
+                 {"k1", 0.03},
+                 {"k2", -0.004},
+                 {"p1", 0.001},
+                 {"p2", -0.002},
+                 {"k3", 0.001}};
+
+    void SetUp() override {
+        for (int i = 0; i < 9; ++i) {
+            const std::string name = "frame_" + std::to_string(i);
+            put("images/" + name + ".png", picture(static_cast<uint8_t>(10 * i)));
+            Image mask(10, 8);
+            for (size_t k = 0; k < mask.rgba.size(); ++k)
+                mask.rgba[k] = k % 4 == 3 || k >= 40 ? 255 : 0;  // row 0 black
+            put("masks/" + name + ".png", mask);
+            good["frames"].push_back({{"file_path", "images/" + name + ".png"},
+                                      {"mask_path", "masks/" + name + ".png"},
+                                      {"transform_matrix", z_up_pose(i)},
+                                      {"colmap_im_id", i}});
+        }
+        good["frames"][3]["fl_x"] = 13.0;
+        good["applied_transform"] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}};
+    }
+    Rig rig(Split split = Split::kTrain) {
+        put("transforms.json", good);
+        return read_rig(folder.path, split);
+    }
+};
+
+TEST_F(Nerfstudio, LensesAndPoses) {
+    const Rig train = rig(), test = rig(Split::kTest);
+    ASSERT_EQ(train.cameras.size(), 7u);
+    ASSERT_EQ(test.cameras.size(), 2u);  // the first and the ninth
+    expect_level(test.cameras[1].world_from_camera, 8);
+    const Lens& lens = test.cameras[0].lens;
+    EXPECT_EQ(lens.model, LensModel::kBrown);
+    EXPECT_EQ(lens.fx, 12);
+    EXPECT_EQ(lens.fy, 11);
+    EXPECT_EQ(lens.cx, 5.25);
+    EXPECT_EQ(lens.cy, 4.5);
+    EXPECT_EQ(lens.k, (std::array<double, 6>{0.03, -0.004, 0.001}));
+    EXPECT_EQ(lens.p1, 0.001);
+    EXPECT_EQ(lens.p2, -0.002);
+    EXPECT_EQ(train.cameras[2].lens.fx, 13) << "a frame's own focal length";
+    EXPECT_EQ(train.masks, MaskMeaning::kUsable);
+    EXPECT_EQ(train.shots[2].name, "frame_3");
+
+    const Dataset data = load_dataset(folder.path, Split::kTrain);
+    EXPECT_TRUE(data.views[0].ignores(5, 0));
+    EXPECT_FALSE(data.views[0].ignores(5, 4));
+    EXPECT_EQ(data.cameras[0].fx, 12);
+
+    good["camera_model"] = "OPENCV_FISHEYE";
+    good["p1"] = good["p2"] = 0;
+    good["k4"] = 0.002;
+    EXPECT_EQ(rig().cameras[0].lens.model, LensModel::kFisheye);
+    EXPECT_EQ(rig().cameras[0].lens.k[3], 0.002);
+    good["camera_model"] = "PINHOLE";
+    for (const char* key : {"k1", "k2", "k3", "k4"}) good.erase(key);
+    EXPECT_FALSE(rig().cameras[0].lens.distorts());
+}
+
+TEST_F(Nerfstudio, AppliedScaleIsDividedOut) {
+    good["applied_scale"] = 0.5;
+    good["aabb"] = {{-1, -2, -3}, {1, 2, 4}};
+    const Rig data = rig();
+    EXPECT_EQ(glm::dvec3(data.cameras[0].world_from_camera[3]), glm::dvec3(2, 2, 6));
+    EXPECT_EQ(data.box->first, glm::dvec3(-2, -6, -4));
+    EXPECT_EQ(data.box->second, glm::dvec3(2, 8, 4));
+    expect_bad(good, [](json& j) { j["applied_scale"] = 0; }, {"applied_scale"});
+}
+
+TEST_F(Nerfstudio, ListsDivideTheSplits) {
+    good["train_filenames"] = {"images/frame_1.png", "./images/frame_2.png"};
+    good["test_filenames"] = {"images/frame_0.png"};
+    good["val_filenames"] = {"images/frame_7.png"};
+    EXPECT_EQ(rig().shots.size(), 2u);
+    EXPECT_EQ(rig().shots[1].name, "frame_2");
+    EXPECT_EQ(rig(Split::kTest).shots.at(0).name, "frame_0");
+    EXPECT_EQ(rig(Split::kVal).shots.at(0).name, "frame_7");
+    expect_bad(good, [](json& j) { j["test_filenames"].push_back("images/frame_1.png"); },
+               {"frame_1.png", "train_filenames", "test_filenames"});
+    expect_bad(good, [](json& j) { j["train_filenames"].push_back("images/frame_99.png"); }, {"frame_99.png"});
+    expect_bad(good, [](json& j) { j.erase("train_filenames"); }, {"train_filenames", "missing"});
+    expect_bad(good, [](json& j) { j["val_filenames"] = {1}; }, {"val_filenames[0]", "string"});
+    for (const char* key : {"train_filenames", "test_filenames", "val_filenames"}) good.erase(key);
+    expect_input_error([&] { rig(Split::kVal); }, {"transforms.json", "no validation split"});
+}
+
+TEST_F(Nerfstudio, MasksAreOfAllFramesOrNone) {
+    expect_bad(good, [](json& j) { j["frames"][3].erase("mask_path"); }, {"frames[3]", "mask_path"});
+    expect_bad(good, [](json& j) { j["frames"][3]["mask_path"] = "no.png"; }, {"frames[3].mask_path", "no.png"});
+    expect_bad(good, [](json& j) { j["frames"][3]["mask_path"] = "../no.png"; }, {"frames[3].mask_path", ".."});
+}
+
+TEST_F(NerfTest, InstantNgp) {
+    std::string frames;
+    for (int i = 0; i < 4; ++i) {
+        put("images/" + std::to_string(i) + ".png", picture(static_cast<uint8_t>(10 * i)));
+        frames += (i ? "," : "") + json{{"file_path", "./images/" + std::to_string(i) + ".png"},
+                                        {"sharpness", 23.5},
+                                        {"transform_matrix", z_up_pose(i)},
+                                        {"fl_x", 20.0 + i}}
+                                       .dump();
+    }
+    Image mask(10, 8);
+    for (size_t k = 0; k < 4 * 10; ++k) mask.rgba[k] = 255;  // row 0 moves
+    for (size_t k = 3; k < mask.rgba.size(); k += 4) mask.rgba[k] = 255;
+    put("images/dynamic_mask_2.png", mask);
+    write_text(folder.path / "transforms.json",
+               "{ // as colmap2nerf writes it, and a hand's comment\n"
+               "\"camera_angle_x\": 0.5, \"camera_angle_y\": 0.4, \"w\": 10.0, \"h\": 8.0, \"cx\": 5.1, \"cy\": 4.2,\n"
+               "\"k1\": 0.02, \"k2\": 0, \"k3\": 0, \"k4\": 0, \"p1\": 0.001, \"p2\": 0, \"is_fisheye\": false,\n"
+               "\"aabb_scale\": 4, \"scale\": 0.25, \"offset\": [0.5, 0.25, 0.75], \"aabb\": [[0, 0, 0], [1, 1, 1]],\n"
+               "/* frames */ \"frames\": [" +
+                   frames + "]}");
+    put("other.json", json{{"frames", json::array({1})}});  // not every JSON is a data set
+    const Rig rig = read_rig(folder.path, Split::kTrain);
+    ASSERT_EQ(rig.shots.size(), 3u);
+    expect_level(rig.cameras[1].world_from_camera, 2);
+    EXPECT_EQ(rig.cameras[1].lens.fx, 22);
+    EXPECT_EQ(rig.cameras[1].lens.fy, 22);
+    EXPECT_EQ(rig.cameras[1].lens.k[0], 0.02);
+    EXPECT_EQ(rig.masks, MaskMeaning::kIgnore);
+    // instant-ngp: p ↦ cycle(p · scale + offset), (x, y, z) ↦ (y, z, x). Its cube's corners are (−½, −¼, −¾) / scale
+    // and (½, ¾, ¼) / scale, then turned y up.
+    ASSERT_TRUE(rig.box);
+    EXPECT_EQ(rig.box->first, glm::dvec3(-2, -3, -3));
+    EXPECT_EQ(rig.box->second, glm::dvec3(2, 1, 1));
+    const Dataset data = load_dataset(folder.path, Split::kTrain);
+    EXPECT_TRUE(data.views[1].ignores(5, 0));
+    EXPECT_FALSE(data.views[1].ignores(5, 4));
+    EXPECT_FALSE(data.views[0].ignores(5, 0));
+}
+
+TEST_F(NerfTest, ACameraPathIsOfPinholes) {
+    json path = {{"fl_x", 20}, {"w", 10}, {"h", 8}, {"k1", 0.1}};
+    path["frames"].push_back({{"transform_matrix", z_up_pose(0)}});
+    put("path.json", path);
+    expect_input_error([&] { load_camera_path(folder.path / "path.json"); }, {"path.json", "frames[0]", "pinhole"});
+}
+
+}  // namespace
+}  // namespace neuvv
