@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "training/colmap.h"
 #include "training/easymocap.h"
+#include "training/n3v.h"
 #include "training/nerf.h"
 
 namespace neuvv {
@@ -24,6 +25,7 @@ struct Format {
 // In the order in which they are tried: a folder often holds what other programs left there, too.
 constexpr Format kFormats[] = {
     {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
+    {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
     {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
     {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
 };

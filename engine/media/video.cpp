@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -373,9 +374,11 @@ VideoReader::VideoReader(const std::filesystem::path& path) : state_(std::make_u
     state.open();
     state.open_decoder();
     const int64_t indexed = state.input->streams[state.index]->nb_frames;
-    if (indexed > UINT32_MAX) state.fail(fmt::format("claims {} frames", indexed));
+    std::error_code ignored;
+    const auto bytes = static_cast<int64_t>(std::filesystem::file_size(path, ignored));
+    if (indexed > bytes) state.fail(fmt::format("claims {} frames in {} bytes", indexed, bytes));
     if (indexed > 0) {
-        state.frames = static_cast<uint32_t>(indexed);
+        state.frames = static_cast<uint32_t>(std::min<int64_t>(indexed, UINT32_MAX));
         return;
     }
     state.frames = state.count_packets();
