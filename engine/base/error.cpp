@@ -3,17 +3,24 @@
 namespace neuvv {
 
 namespace {
-// Errors are one line: text from hostile files may hold control characters, and they must not reach a terminal.
+// Errors are one line that a person can read: text from hostile files may hold control characters, which must not reach
+// a terminal, and be of any length.
 std::string one_line(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
     return text;
 }
+
+std::string shortened(const std::string& text) {
+    constexpr size_t kLongest = 450, kEnd = 100;
+    if (text.size() <= kLongest) return text;
+    return text.substr(0, kLongest - kEnd) + " ... " + text.substr(text.size() - kEnd);
+}
 }  // namespace
 
 InputError::InputError(const std::string& file, const std::string& place, const std::string& problem,
                        const std::string& mend)
-    : std::runtime_error(
-          one_line(file + ": " + (place.empty() ? "" : place + ": ") + problem + (mend.empty() ? "" : "; " + mend))) {}
+    : std::runtime_error(one_line(shortened(file) + ": " + (place.empty() ? "" : shortened(place) + ": ") +
+                                  shortened(problem) + (mend.empty() ? "" : "; " + shortened(mend)))) {}
 
 }  // namespace neuvv
