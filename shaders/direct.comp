@@ -9,6 +9,7 @@ layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kBasisPlanes = 8u;
+layout(constant_id = 3) const uint kBusyPlanes = 8u;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
 layout(binding = kTraceWeights) uniform textureBuffer leaf_weights;

@@ -1,5 +1,5 @@
 // Interpolates the rows A_t and B_t of a fractional frame (errata 9) and clears the live count for the slice that follows.
-// Reads the bases (frames × bases); writes BasisRows padded with zeros. One thread per column; trivial work.
+// Reads the bases (frames × bases); writes BasisRows. One thread per column; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice.h"
@@ -7,9 +7,40 @@
 layout(local_size_x = 64) in;
 layout(binding = kRowsSigmaBasis) uniform textureBuffer sigma_basis;
 layout(binding = kRowsGammaBasis) uniform textureBuffer gamma_basis;
-layout(binding = kRowsOut, std430) writeonly buffer Rows { float rows[]; };
+layout(binding = kRowsOut, std430) writeonly buffer Rows { BasisRows rows; };
 layout(binding = kRowsLive, std430) writeonly buffer Live { LiveCount live; };
 layout(push_constant) uniform Push { RowsPush push; };
+
+shared vec2 row[kMaxBases];  // elements of A_t and B_t
+
+vec4 row_plane(uint p, uint basis) {
+    return vec4(row[4u * p][basis], row[4u * p + 1u][basis], row[4u * p + 2u][basis], row[4u * p + 3u][basis]);
+}
+
+void write_rows() {
+    uvec2 count = uvec2(0u), first = uvec2(0u);
+    for (uint p = 0u; p < kMaxBasisPlanes; p++) {
+        const vec4 sigma = row_plane(p, 0u), gamma = row_plane(p, 1u);
+        if (sigma != vec4(0.0)) {
+            if (count.x == 0u) first.x = p;
+            rows.sigma[count.x] = sigma;
+            rows.planes[count.x++].x = p;
+        }
+        if (gamma != vec4(0.0)) {
+            if (count.y == 0u) first.y = p;
+            rows.gamma[count.y] = gamma;
+            rows.planes[count.y++].y = p;
+        }
+    }
+    for (uint i = count.x; i < kMaxBasisPlanes; i++) {
+        rows.sigma[i] = vec4(0.0);
+        rows.planes[i].x = first.x;
+    }
+    for (uint i = count.y; i < kMaxBasisPlanes; i++) {
+        rows.gamma[i] = vec4(0.0);
+        rows.planes[i].y = first.y;
+    }
+}
 
 void main() {
     const uint column = gl_LocalInvocationID.x;
@@ -22,7 +53,9 @@ void main() {
         sigma = mix(texelFetch(sigma_basis, a).x, texelFetch(sigma_basis, b).x, part);
         gamma = mix(texelFetch(gamma_basis, a).x, texelFetch(gamma_basis, b).x, part);
     }
-    rows[column] = sigma;
-    rows[kMaxBases + column] = gamma;
-    if (column == 0u) live = LiveCount(0u, 1u, 1u, 0u, 0u);
+    row[column] = vec2(sigma, gamma);
+    barrier();
+    if (column != 0u) return;
+    write_rows();
+    live = LiveCount(0u, 1u, 1u, 0u, 0u);
 }

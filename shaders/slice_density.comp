@@ -8,6 +8,7 @@
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kBasisPlanes = 8u;
+layout(constant_id = 2) const uint kBusyPlanes = 8u;
 layout(binding = kSliceWeights) uniform textureBuffer leaf_weights;
 layout(binding = kSliceRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kSliceHead, rg32ui) writeonly uniform uimageBuffer head;

@@ -1,5 +1,5 @@
 // Accessors of a leaf's weights and the field's value from them. The includer binds textureBuffer `leaf_weights` and
-// uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes as specialisation constants.
+// uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes, kBusyPlanes as specialisation constants.
 #ifndef NEUVV_WEIGHTS_GLSL
 #define NEUVV_WEIGHTS_GLSL
 #include "hh.glsl"
@@ -10,20 +10,19 @@ vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) {
 }
 #endif
 
-// Planes whose part of the row is 0, as in bases that training has not spread yet, are not read: the branch is uniform.
 // σ = relu(A_t·w^σ), 1/m (errata 9)
 float leaf_sigma(uint leaf, uint leaf_count) {
     float raw = 0.0;
-    for (uint p = 0u; p < kBasisPlanes; p++)
-        if (rows.sigma[p] != vec4(0.0)) raw += dot(rows.sigma[p], fetch_weights(leaf, p, leaf_count));
+    for (uint i = 0u; i < kBusyPlanes; i++)
+        raw += dot(rows.sigma[i], fetch_weights(leaf, rows.planes[i].x, leaf_count));
     return max(raw, 0.0);
 }
 
 // γ = π·sigmoid(B_t·w^γ) (errata 9)
 float leaf_gamma(uint leaf, uint leaf_count) {
     float raw = 0.0;
-    for (uint p = 0u; p < kBasisPlanes; p++)
-        if (rows.gamma[p] != vec4(0.0)) raw += dot(rows.gamma[p], fetch_weights(leaf, kBasisPlanes + p, leaf_count));
+    for (uint i = 0u; i < kBusyPlanes; i++)
+        raw += dot(rows.gamma[i], fetch_weights(leaf, kBasisPlanes + rows.planes[i].y, leaf_count));
     return kPi / (1.0 + exp(-raw));
 }
 

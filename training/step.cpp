@@ -17,9 +17,20 @@ void record_step(Commands& commands, TrainingStep& s, const StepSettings& settin
     host_barrier(commands);
 }
 
+namespace {
+
+// Where A and B may learn, none of their planes stays 0 for good.
+Field training_field(const Device& device, const VOctree& tree) {
+    Field field = upload_field(device, tree, WeightPrecision::kFloat);
+    if (tree.bases < tree.frames) field.busy_planes = field.basis_planes();
+    return field;
+}
+
+}  // namespace
+
 TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles)
     : device_(device),
-      field_(upload_field(device, tree, WeightPrecision::kFloat)),
+      field_(training_field(device, tree)),
       slice_(device, field_, std::min(field_.leaf_count, max_training_slots(device, field_.hh_degree))),
       rays_(device, cameras, tiles),
       batch_(device, tiles),
@@ -35,6 +46,7 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       commands_(device, "training step") {}
 
 void TrainingStep::submit(const StepSettings& settings) {
+    assert((!settings.learn_rows || field_.busy_planes == field_.basis_planes()) && "rows that learn are all busy");
     assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
     tiles_ = settings.tiles;
     commands_.begin();

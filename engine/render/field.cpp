@@ -1,5 +1,6 @@
 #include "render/field.h"
 
+#include <algorithm>
 #include <bit>
 #include <functional>
 
@@ -42,6 +43,24 @@ std::vector<uint32_t> mark_wide_leaves(const VOctree& tree) {
     return marked;
 }
 
+// Between two frames rows mix, so neighbours count together.
+uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
+    uint32_t most = 1;
+    for (uint32_t t = 0; t < frames; t++) {
+        const uint32_t rows = std::min(2u, frames - t);
+        uint32_t busy = 0;
+        for (uint32_t plane = 0; plane < bases; plane += 4) {
+            bool any = false;
+            for (uint32_t row = t; row < t + rows; row++)
+                for (uint32_t c = plane; c < std::min(plane + 4, bases); c++)
+                    any |= basis[size_t{row} * bases + c] != 0;
+            busy += any ? 1 : 0;
+        }
+        most = std::max(most, busy);
+    }
+    return most;
+}
+
 template <typename T>
 Buffer uploaded(const Device& device, const char* name, const std::vector<T>& data, VkFormat format) {
     Buffer buffer(device, name, data.size() * sizeof(T), MemoryKind::kDevice, format);
@@ -79,6 +98,8 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
     field.bases = tree.bases;
     field.hh_degree = tree.hh_degree;
     field.frames = tree.frames;
+    field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
+                                 count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
     field.nodes = uploaded(device, "tree nodes", tree.nodes, VK_FORMAT_R32G32B32A32_UINT);
     field.children = uploaded(device, "tree children", mark_wide_leaves(tree), VK_FORMAT_R32_UINT);
     field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);

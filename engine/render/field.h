@@ -13,6 +13,7 @@ struct Field {
     Buffer nodes, children, weights, sigma_basis, gamma_basis;
     glm::vec3 box_min{0}, box_size{1};
     uint32_t node_levels = 1, leaf_count = 0, bases = 1, hh_degree = 0, frames = 1;
+    uint32_t busy_planes = 1;  // the most planes of A_t or B_t at any t that are not 0; who moves A or B sets it to all
 
     uint32_t basis_planes() const { return (bases + 3) / 4; }
     uint32_t planes() const { return 2 * basis_planes() + hh_count(hh_degree); }

@@ -58,7 +58,8 @@ void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, floa
 
 DirectTracer::DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
     : field_(field),
-      pass_(device, "direct", direct_comp, {field.hh_degree, field.node_levels, field.basis_planes()}),
+      pass_(device, "direct", direct_comp,
+            {field.hh_degree, field.node_levels, field.basis_planes(), field.busy_planes}),
       set_(pass_, {{kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
                    {kTraceWeights, &field.weights},

@@ -11,10 +11,13 @@ NEUVV_SHARED
 
 CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
 
-// Rows A_t and B_t at one (fractional) frame, padded with zeros; a uniform buffer.
+// Rows A_t and B_t at one (fractional) frame; a uniform buffer. Bases that training has not spread are 0 in most planes:
+// those that are not stand first, and the rest is 0 in the first one's place, so that loops over Field::busy_planes
+// miss nothing.
 struct BasisRows {
     vec4 sigma[kMaxBasisPlanes];
     vec4 gamma[kMaxBasisPlanes];
+    uvec4 planes[kMaxBasisPlanes];  // x: which plane sigma[i] belongs to, y: gamma[i]
 };
 
 // Counters that the slice pass leaves behind; the first three words are arguments of dispatch_indirect.
@@ -29,7 +32,7 @@ struct LiveCount {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::BasisRows) == 512);
+static_assert(sizeof(neuvv::BasisRows) == 768);
 static_assert(sizeof(neuvv::LiveCount) == 20);
 #endif
 #endif

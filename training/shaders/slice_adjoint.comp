@@ -10,6 +10,7 @@ layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kLearnRows = 0u;
+layout(constant_id = 3) const uint kBusyPlanes = 8u;
 layout(binding = kAdjointWeights, rgba32f) uniform imageBuffer weights;
 layout(binding = kAdjointFirst, rgba32f) uniform imageBuffer first;
 layout(binding = kAdjointSecond, rgba32f) uniform imageBuffer second;
@@ -51,6 +52,15 @@ void sum_partial(uint plane, vec4 own) {
         partials[gl_WorkGroupID.x * (2u * kMaxBasisPlanes) + plane] = sum;
     }
     barrier();
+}
+
+// The workgroup's share of ∂A_t and ∂B_t, from weights that this step has not moved yet.
+void sum_rows(bool inside, uint leaf, float d_sigma, float d_raw_gamma) {
+    for (uint p = 0u; p < kBasisPlanes; p++) {
+        sum_partial(p, inside ? d_sigma * fetch_weights(leaf, p, push.leaf_count) : vec4(0.0));
+        sum_partial(kMaxBasisPlanes + p,
+                    inside ? d_raw_gamma * fetch_weights(leaf, kBasisPlanes + p, push.leaf_count) : vec4(0.0));
+    }
 }
 
 vec3 take_gradient(uint at) {
@@ -95,16 +105,10 @@ void main() {
         d_raw_gamma = colour_adjoint(leaf, base);
         for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[base + i] = 0.0;
     }
-    for (uint p = 0u; p < kBasisPlanes; p++) {
-        if (kLearnRows != 0u) {
-            const vec4 sigma_share = inside ? d_sigma * fetch_weights(leaf, p, push.leaf_count) : vec4(0.0);
-            const vec4 gamma_share =
-                inside ? d_raw_gamma * fetch_weights(leaf, kBasisPlanes + p, push.leaf_count) : vec4(0.0);
-            sum_partial(p, sigma_share);
-            sum_partial(kMaxBasisPlanes + p, gamma_share);
-        }
-        if (!inside) continue;
-        move_plane(leaf, p, d_sigma * rows.sigma[p], push.sigma_rate);
-        move_plane(leaf, kBasisPlanes + p, d_raw_gamma * rows.gamma[p], push.gamma_rate);
+    if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
+    if (!inside) return;
+    for (uint i = 0u; i < kBusyPlanes; i++) {
+        move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], push.sigma_rate);
+        move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
 }
