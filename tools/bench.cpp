@@ -2,15 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <memory>
 
-#include "base/error.h"
-#include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/report.h"
-#include "training/batch.h"
+#include "training/schedule.h"
 #include "training/step.h"
 #include "voctree/nvv.h"
 
@@ -28,30 +25,22 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-void load(const TrainingStep& step, const Batch& batch) {
-    std::memcpy(step.rays().tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
-    std::memcpy(step.batch().target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
-    std::memcpy(step.batch().background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));
-}
-
 void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Dataset dataset = load_dataset(options.dataset, Split::kTrain);
     const Device device(common.device);
     TrainingStep step(device, tree, static_cast<uint32_t>(dataset.cameras.size()), options.tiles);
-    for (size_t i = 0; i < dataset.cameras.size(); i++)
-        step.rays().cameras.as<ShaderCamera>()[i] = shader_camera(dataset.cameras[i]);
     BatchSampler sampler(dataset, options.tiles, 1);
     std::vector<std::string> names;
     std::vector<double> slots;
     std::map<std::string, std::vector<double>> times;
     for (uint32_t i = 0; i < options.repeats; i++) {
         const Batch batch = sampler.next();
-        load(step, batch);
+        load_batch(dataset, batch, step.rays(), step.batch());
         StepSettings settings;
         settings.frame = static_cast<float>(frame_of_time(batch.time, tree.frames));
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
-        settings.stop = 1.0f / 256;
+        settings.stop = kTrainingStop;
         settings.adam.step = i + 1;
         step.submit(settings);
         const StepResult result = step.wait();
@@ -77,6 +66,11 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     training->add_option("dataset", options->dataset, "The data set's folder")->required();
     training->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
     training->add_option("--repeats", options->repeats, "Steps that the medians are over")->check(CLI::Range(1, 10000));
+    training->footer(std::string("Runs steps of training on the scene as it is, and prints the median GPU time of each "
+                                 "pass; weights in the\n"
+                                 "file stay as they are. ") +
+                     kDeviceHelp + kExamplesHead +
+                     "  neuvv bench train build/performer.nvv build/performer --repeats 50");
     training->callback([options, &common] { run_train(*options, common); });
 }
 

@@ -22,6 +22,8 @@ struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string format = kAnyFormat;
     TrainSettings settings;
+    double max_megabytes = 0;
+    bool uniform = false;
     LiveOptions live;
     std::string init = "hull";
     double psi_minutes = 2;
@@ -80,6 +82,8 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
                dataset.times.size(), dataset.views.size());
     LiveReport live(device, dataset, options.format, options.live);
     TrainSettings settings = options.settings;
+    settings.adaptive = !options.uniform;
+    settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     VOctree first_tree;
     if (options.init == "psi" && !settings.resume) {
         first_tree = train_psi_tree(options, device, dataset);
@@ -134,9 +138,17 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
         ->check(CLI::Range(1u, 1000000000u))
         ->excludes(psi_minutes);
+    verb->add_option("--max-leaves", options->settings.max_leaves,
+                     "The tree never has more (default: what the device trains)")
+        ->check(CLI::Range(64u, kMaxLeaves));
+    verb->add_option("--max-memory", options->max_megabytes, "MB that the finished .nvv takes at most (default: any)")
+        ->check(CLI::Range(0.1, 1e6));
+    verb->add_flag("--uniform", options->uniform,
+                   "Leaves stay of one size: no pruning, no division by the loss's pull");
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
-    verb->add_flag("--resume", options->settings.resume,
-                   "Go on from OUTPUT.state; shape and seed are the run's, --minutes or --steps its whole budget");
+    verb->add_flag(
+        "--resume", options->settings.resume,
+        "Go on from OUTPUT.state; shape, bounds and seed are the run's, --minutes or --steps its whole budget");
     verb->add_option("--preview", options->live.preview,
                      "Keep this PNG showing a held-out picture: truth, render, error; rewritten every few seconds");
     verb->add_option("--metrics", options->live.metrics,
@@ -153,6 +165,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
         "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
         "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
+        "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, &common] { run_train(*options, common); });
 }

@@ -10,7 +10,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr double kBackgroundShare = 0.2;
+constexpr float kBackgroundShare = 0.2f;
 
 uint32_t tiles_across(uint32_t pixels) {
     return (pixels + kTile - 1) / kTile;
@@ -18,6 +18,10 @@ uint32_t tiles_across(uint32_t pixels) {
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {
     return {linear_from_srgb_byte(srgb[0]), linear_from_srgb_byte(srgb[1]), linear_from_srgb_byte(srgb[2]), 0};
+}
+
+float uniform(std::mt19937_64& random) {
+    return static_cast<float>(random() >> 40) * 0x1p-24f;
 }
 
 std::vector<bool> find_foreground(const Image& image) {
@@ -32,7 +36,11 @@ std::vector<bool> find_foreground(const Image& image) {
 }  // namespace
 
 BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed)
-    : dataset_(dataset), tiles_per_batch_(tiles_per_batch), random_(seed), has_foreground_(dataset.views.size()) {
+    : dataset_(dataset),
+      tiles_per_batch_(tiles_per_batch),
+      seed_(seed),
+      random_(seed),
+      has_foreground_(dataset.views.size()) {
     parallel_for(dataset.views.size(), 8, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) has_foreground_[i] = find_foreground(dataset.views[i].image);
     });
@@ -43,7 +51,8 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
         instants_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const auto foreground = std::count(has_foreground_[i].begin(), has_foreground_[i].end(), true);
         tiles += static_cast<double>(foreground) +
-                 kBackgroundShare * (static_cast<double>(has_foreground_[i].size()) - static_cast<double>(foreground));
+                 double{kBackgroundShare} *
+                     (static_cast<double>(has_foreground_[i].size()) - static_cast<double>(foreground));
     }
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
 }
@@ -58,43 +67,61 @@ void BatchSampler::refill(Instant& instant) {
         const uint32_t across = tiles_across(dataset_.views[view].image.width);
         const std::vector<bool>& foreground = has_foreground_[view];
         for (size_t i = 0; i < foreground.size(); i++)
-            if (foreground[i] || uniform() < kBackgroundShare)
+            if (foreground[i] || uniform(random_) < kBackgroundShare)
                 instant.queue.push_back({view, static_cast<uint16_t>(i % across), static_cast<uint16_t>(i / across)});
     }
     if (instant.queue.empty()) instant.queue.push_back({instant.views[0], 0, 0});
     shuffle(instant.queue);
 }
 
-Batch BatchSampler::next() {
+BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
     if (round_.empty()) {
         round_.resize(instants_.size());
         std::iota(round_.begin(), round_.end(), 0u);
         shuffle(round_);
     }
-    const uint32_t chosen = round_.back();
+    Drawn drawn{round_.back(), {}};
     round_.pop_back();
-    Instant& instant = instants_[chosen];
-    Batch batch;
-    batch.time = dataset_.times[chosen];
+    Instant& instant = instants_[drawn.instant];
     if (instant.queue.empty()) refill(instant);
-    while (batch.tiles.size() < tiles_per_batch_ && !instant.queue.empty()) {
-        append(batch, instant.queue.back());
-        instant.queue.pop_back();
-    }
+    const size_t wanted = std::max<size_t>(tiles_per_batch_ / (samples * samples), 1);
+    const auto first = instant.queue.end() - static_cast<ptrdiff_t>(std::min(wanted, instant.queue.size()));
+    drawn.tiles.assign(first, instant.queue.end());
+    instant.queue.erase(first, instant.queue.end());
+    drawn_++;
+    return drawn;
+}
+
+Batch BatchSampler::next(uint32_t samples) {
+    const Drawn drawn = draw(samples);
+    Batch batch;
+    batch.samples = samples;
+    batch.time = dataset_.times[drawn.instant];
+    std::mt19937_64 random(seed_ ^ drawn_ * 0x9e3779b97f4a7c15u);  // its own, so that skip() need not draw
+    for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
     return batch;
 }
 
-void BatchSampler::append(Batch& batch, const ViewTile& tile) {
-    const View& view = dataset_.views[tile.view];
-    const Image& plate = dataset_.plates[view.camera];
-    const uint64_t draw = random_();
-    const uint8_t random_rgb[3] = {static_cast<uint8_t>(draw), static_cast<uint8_t>(draw >> 8),
-                                   static_cast<uint8_t>(draw >> 16)};
+void BatchSampler::append(Batch& batch, const ViewTile& tile, std::mt19937_64& random) const {
+    const uint64_t bits = random();
+    const uint8_t random_rgb[3] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),
+                                   static_cast<uint8_t>(bits >> 16)};
     const glm::vec4 colour = linear_rgb(random_rgb);
-    const double right = uniform() - 0.5, down = uniform() - 0.5;
-    batch.tiles.push_back({view.camera, tile.x * kTile, tile.y * kTile, glm::packSnorm2x16(glm::vec2(right, down))});
+    for (uint32_t y = 0; y < batch.samples; y++)
+        for (uint32_t x = 0; x < batch.samples; x++) {
+            const float right = uniform(random) - 0.5f, down = uniform(random) - 0.5f;
+            batch.tiles.push_back({dataset_.views[tile.view].camera, (tile.x * batch.samples + x) * kTile,
+                                   (tile.y * batch.samples + y) * kTile, glm::packSnorm2x16(glm::vec2(right, down))});
+            append_rays(batch, dataset_.views[tile.view], colour);
+        }
+}
+
+// What the rays of the batch's last tile should see.
+void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour) const {
+    const Image& plate = dataset_.plates[view.camera];
+    const Tile& tile = batch.tiles.back();
     for (uint32_t i = 0; i < kTilePixels; i++) {
-        const uint32_t x = tile.x * kTile + i % kTile, y = tile.y * kTile + i / kTile;
+        const uint32_t x = (tile.x + i % kTile) / batch.samples, y = (tile.y + i / kTile) / batch.samples;
         glm::vec4 target(0, 0, 0, -1), background = colour;
         if (x < view.image.width && y < view.image.height && !view.ignores(x, y)) {
             target = foreground(dataset_, view, x, y);

@@ -15,6 +15,7 @@ struct Batch {
     std::vector<glm::vec4>
         target;  // per ray premultiplied linear foreground and alpha; alpha −1 off the picture or ignored
     std::vector<glm::vec4> background;  // per ray linear RGB
+    uint32_t samples = 1;               // rays a pixel, per side: tiles are of pictures enlarged so much
 };
 
 // Draws batches: instants in random rounds; of an instant's pictures every tile with foreground once an epoch, and a
@@ -26,10 +27,13 @@ class BatchSampler {
     // The data set must outlive it.
     BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed);
 
-    // At most tiles_per_batch tiles, never none.
-    Batch next();
+    // At most tiles_per_batch tiles (or one picture tile's samples²), never none. `samples` divides kTile.
+    Batch next(uint32_t samples = 1);
 
-    // Rays of one epoch over every instant.
+    // Draws a batch and forgets it, as a resumed run does for each one that it has trained on.
+    void skip(uint32_t samples = 1) { draw(samples); }
+
+    // Pixels of one epoch over every instant.
     uint64_t rays_per_epoch() const { return rays_per_epoch_; }
 
   private:
@@ -42,13 +46,19 @@ class BatchSampler {
         std::vector<ViewTile> queue;  // of this epoch, drawn from the back
     };
     void refill(Instant& instant);
-    void append(Batch& batch, const ViewTile& tile);
-    double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+    struct Drawn {
+        uint32_t instant;
+        std::vector<ViewTile> tiles;
+    };
+    Drawn draw(uint32_t samples);
+    void append(Batch& batch, const ViewTile& tile, std::mt19937_64& random) const;
+    void append_rays(Batch& batch, const View& view, glm::vec4 colour) const;
     template <typename T>
     void shuffle(std::vector<T>& values);
 
     const Dataset& dataset_;
     uint32_t tiles_per_batch_;
+    uint64_t seed_, drawn_ = 0;
     std::mt19937_64 random_;
     std::vector<Instant> instants_;
     std::vector<uint32_t> round_;                    // instants left of this round

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "training/compact.h"
 #include "training/schedule.h"
 #include "voctree/nvv.h"
 
@@ -106,6 +107,10 @@ NvvChunk run_chunk(const RunState& run) {
                                  {"stage_rays", run.stage_rays},
                                  {"dataset_hash", run.dataset_hash},
                                  {"max_depth", run.max_depth},
+                                 {"several_from", run.several_from},
+                                 {"max_leaves", run.max_leaves},
+                                 {"max_bytes", run.max_bytes},
+                                 {"adaptive", run.adaptive},
                                  {"elapsed_s", run.elapsed_s},
                                  {"rays", run.rays},
                                  {"minutes", run.minutes},
@@ -134,6 +139,10 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
         read_count(json, "stage_rays", run.stage_rays);
         read_count(json, "dataset_hash", run.dataset_hash);
         read_count(json, "max_depth", run.max_depth, deepest);
+        read_count(json, "several_from", run.several_from);
+        read_count(json, "max_leaves", run.max_leaves);
+        read_count(json, "max_bytes", run.max_bytes);
+        json.at("adaptive").get_to(run.adaptive);
         json.at("elapsed_s").get_to(run.elapsed_s);
         json.at("rays").get_to(run.rays);
         json.at("minutes").get_to(run.minutes);
@@ -164,9 +173,10 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
 }
 
 Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run) {
-    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, step.leaf_reach()};
+    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}};
     step.download(checkpoint.tree);
     const Device& device = *step.field().weights.device;
+    checkpoint.use = read_use(device, step.tally(), tree);
     const Moments& moments = step.moments();
     const size_t rows = size_t{2} * tree.frames * tree.bases;
     checkpoint.first = fetch_bfloat(device, moments.first, plane_numbers(tree));
@@ -177,12 +187,15 @@ Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const 
 }
 
 void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
-    write_nvv(state_path(nvv), checkpoint.tree,
-              {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
-               chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first),
-               chunk("row2", checkpoint.rows_second), chunk("rech", checkpoint.reach)},
-              1);
-    write_nvv(nvv, checkpoint.tree, {}, 1);
+    write_nvv(
+        state_path(nvv), checkpoint.tree,
+        {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
+         chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
+         chunk("rech", checkpoint.use.reach), chunk("pull", checkpoint.use.pull), chunk("frms", checkpoint.use.frames)},
+        1);
+    VOctree shown = checkpoint.tree;
+    make_compact(shown);
+    write_nvv(nvv, shown, {}, 1);
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
@@ -198,7 +211,10 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.second = read_bfloats(path, chunks, "mom2", plane_numbers(tree));
     checkpoint.rows_first = read_floats(path, chunks, "row1", rows);
     checkpoint.rows_second = read_floats(path, chunks, "row2", rows);
-    checkpoint.reach = read_floats(path, chunks, "rech", tree.leaf_count);
+    checkpoint.use.reach = read_floats(path, chunks, "rech", tree.leaf_count);
+    checkpoint.use.pull = read_floats(path, chunks, "pull", tree.leaf_count);
+    checkpoint.use.frames =
+        read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     return checkpoint;
 }
 
@@ -211,7 +227,7 @@ void restore_moments(const Device& device, const TrainingStep& step, const Check
     };
     put(moments.rows_first, checkpoint.rows_first);
     put(moments.rows_second, checkpoint.rows_second);
-    step.restore_leaf_reach(checkpoint.reach);
+    write_use(device, step.tally(), checkpoint.use);
 }
 
 }  // namespace neuvv

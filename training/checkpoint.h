@@ -13,9 +13,13 @@ struct RunState {
     uint64_t step = 0;
     uint32_t adam_step = 0;  // since the moments were 0
     uint32_t stage = 0;
-    uint64_t stage_rays = 0;    // traced since the stage began
-    uint64_t dataset_hash = 0;  // tells the data set from others
-    uint32_t max_depth = 0;     // octree depth of the finest leaves
+    uint64_t stage_rays = 0;             // traced since the stage began
+    uint64_t dataset_hash = 0;           // tells the data set from others
+    uint32_t max_depth = 0;              // octree depth of leaves of a pixel's size
+    uint64_t several_from = UINT64_MAX;  // the first step that took several rays a pixel
+    uint32_t max_leaves = 0;  // the run's bounds; 0: none
+    uint64_t max_bytes = 0;
+    bool adaptive = true;
     double elapsed_s = 0;
     double rays = 0;
     double minutes = 0;  // the run's budget; one of the two is 0
@@ -28,7 +32,7 @@ struct Checkpoint {
     VOctree tree;                                // fp32 weights
     std::vector<uint16_t> first, second;         // moments, bfloat16, in planes
     std::vector<float> rows_first, rows_second;  // moments of A, then B
-    std::vector<float> reach;                    // per leaf
+    LeafUse use;
 };
 
 std::filesystem::path state_path(const std::filesystem::path& nvv);

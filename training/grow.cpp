@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 
 #include "base/error.h"
@@ -121,20 +122,65 @@ void sigma_course(const VOctree& tree, const float* leaf, std::vector<float>& co
     }
 }
 
-// Which leaves divide: deep enough reach, and the tree stays within max_leaves.
-std::vector<bool> choose_divided(const std::vector<LeafPlace>& places, const std::vector<float>& reach,
-                                 const GrowSettings& settings) {
+// Metres that a pixel covers at a place, in the camera where it covers least.
+double footprint_at(const Dataset& dataset, glm::dvec3 place) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Camera& camera : dataset.cameras)
+        least = std::min(least, glm::length(glm::dvec3(camera.world_from_camera[3]) - place) / camera.fx);
+    return least;
+}
+
+bool may_divide(const Dataset& dataset, const VOctree& tree, const LeafPlace& place, float reach,
+                const GrowSettings& settings) {
+    if (place.depth >= settings.max_depth || reach < settings.divide_from) return false;
+    if (settings.divide_pixels <= 0) return true;
+    const double edge = static_cast<double>(tree.box_size.x) / (1u << place.depth);
+    return edge >= settings.divide_pixels * footprint_at(dataset, hull_cell(tree, place, 0).centre);
+}
+
+// Which leaves divide; the tree stays within max_leaves.
+std::vector<bool> choose_divided(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places,
+                                 const LeafUse& use, const GrowSettings& settings) {
     std::vector<uint32_t> wanted;
     for (uint32_t i = 0; i < places.size(); i++)
-        if (places[i].depth < settings.max_depth && reach[i] >= settings.divide_from) wanted.push_back(i);
-    const size_t room = settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0;
-    if (settings.max_leaves > 0 && wanted.size() > room) {
-        std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return reach[a] > reach[b]; });
+        if (may_divide(dataset, tree, places[i], use.reach[i], settings)) wanted.push_back(i);
+    size_t room = wanted.size();
+    if (settings.divide_share < 1)
+        room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
+    if (settings.max_leaves > 0)
+        room = std::min(room, settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0);
+    if (wanted.size() > room) {
+        const std::vector<float>& worth = settings.divide_share < 1 ? use.pull : use.reach;
+        std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
         wanted.resize(room);
     }
     std::vector<bool> divided(places.size());
     for (const uint32_t i : wanted) divided[i] = true;
     return divided;
+}
+
+// Empties a leaf's course of σ in the frames that did not use the leaf it comes from. Where fewer bases than frames
+// span the course, emptying some frames would thin the others: it stays.
+void fit_to_use(const VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth, std::vector<float>& course) {
+    if (tree.bases < tree.frames) return;
+    const float below = -density_of(tree, depth, kForbiddenOpacity);
+    for (uint32_t t = 0; t < tree.frames; t++)
+        if (!(use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1))
+            course[t] = std::min(course[t], below);
+}
+
+// Which leaves stay, or divide.
+std::vector<bool> choose_kept(const std::vector<float>& reach, const GrowSettings& settings) {
+    std::vector<uint32_t> chosen;
+    for (uint32_t i = 0; i < reach.size(); i++)
+        if (reach[i] >= settings.prune_below) chosen.push_back(i);
+    if (settings.max_leaves > 0 && chosen.size() > settings.max_leaves) {
+        std::stable_sort(chosen.begin(), chosen.end(), [&](uint32_t a, uint32_t b) { return reach[a] > reach[b]; });
+        chosen.resize(settings.max_leaves);
+    }
+    std::vector<bool> kept(reach.size());
+    for (const uint32_t i : chosen) kept[i] = true;
+    return kept;
 }
 
 VOctree same_shape(const VOctree& tree) {
@@ -199,14 +245,14 @@ VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_ab
     return tree;
 }
 
-VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<float>& reach,
-             const GrowSettings& settings) {
+VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, const GrowSettings& settings) {
     const std::vector<LeafPlace> places = leaf_places(tree);
-    const std::vector<bool> divided = choose_divided(places, reach, settings);
+    const std::vector<bool> divided = choose_divided(dataset, tree, places, use, settings);
+    const std::vector<bool> stays = choose_kept(use.reach, settings);
     std::vector<LeafPlace> grown, children;
     std::vector<uint32_t> parents, dividing;
     for (uint32_t i = 0; i < places.size(); i++) {
-        if (reach[i] < settings.prune_below) continue;
+        if (!stays[i]) continue;
         if (divided[i]) {
             append_children(children, places[i]);
             dividing.push_back(i);
@@ -222,6 +268,8 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<floa
     if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
 
     VOctree result = same_shape(tree);
+    for (const LeafPlace& place : carved.places)
+        result.node_levels = std::max(result.node_levels, (place.depth + 1) / 2);
     build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
     const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
@@ -231,9 +279,10 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<floa
             const float* parent = tree.leaf(parents[i]);
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
-            if (i < kept) continue;
+            if (i < kept && !settings.empty_unused) continue;
             sigma_course(tree, parent, course);
-            fit_to_hull(dataset, tree, carved, i - kept, course);
+            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, course);
+            if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, course);
             solver.solve(course.data(), leaf);
         }
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "training/dataset.h"
+#include "training/slice_adjoint.h"
 #include "voctree/voctree.h"
 
 namespace neuvv {
@@ -27,14 +28,16 @@ VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_ab
 
 struct GrowSettings {
     uint32_t max_depth = 0;
-    float prune_below = 0;    // leaves whose reach stays under it go (0: none)
-    float divide_from = 2;    // leaves of at least this reach become their children, those that the hull allows
-    uint32_t max_leaves = 0;  // where dividing would pass it, those of most reach are divided
+    float prune_below = 0;      // leaves whose reach stays under it go (0: none)
+    bool empty_unused = false;  // leaves that stay are emptied in frames that did not use them, where C = frames
+    float divide_from = 2;      // leaves of at least this reach may become their children, those that the hull allows;
+    float divide_share = 1;     // of those that may, the share at which the loss pulls hardest,
+    double divide_pixels = 0;   // and whose edge is at least so many pixels in the camera that is nearest to them
+    uint32_t max_leaves = 0;    // where more would be kept, those of least reach go; where dividing would pass it, only
+                                // those of most reach, or of most pull, are divided (0: no bound)
 };
 
-// `reach`: per leaf the largest blending weight that a ray saw. Children inherit their parent's weights, but are empty
-// in the frames that the hull forbids them.
-VOctree grow(const Dataset& dataset, const VOctree& tree, const std::vector<float>& reach,
-             const GrowSettings& settings);
+// Children inherit their parent's weights, but are empty in the frames that the hull forbids them.
+VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, const GrowSettings& settings);
 
 }  // namespace neuvv

@@ -1,5 +1,8 @@
 #include "training/loss.h"
 
+#include <cassert>
+#include <cstring>
+
 #include "spirv/loss.comp.h"
 
 namespace neuvv {
@@ -12,6 +15,15 @@ LossBatch::LossBatch(const Device& device, uint32_t tiles)
               VK_FORMAT_R32G32B32A32_SFLOAT),
       sums(device, "loss sums", uint64_t{16} * tiles, MemoryKind::kDevice) {}
 
+void load_batch(const Dataset& dataset, const Batch& batch, const RayBatch& rays, const LossBatch& loss_batch) {
+    assert(batch.tiles.size() <= rays.tile_capacity && "more tiles than there is room for");
+    for (size_t i = 0; i < dataset.cameras.size(); i++)
+        rays.cameras.as<ShaderCamera>()[i] = shader_camera(enlarged(dataset.cameras[i], batch.samples));
+    std::memcpy(rays.tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
+    std::memcpy(loss_batch.target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
+    std::memcpy(loss_batch.background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));
+}
+
 Loss::Loss(const Device& device, const RayBatch& rays, const LossBatch& batch)
     : pass_(device, "loss", loss_comp),
       set_(pass_, {{kLossRadiance, &rays.radiance},
@@ -20,9 +32,10 @@ Loss::Loss(const Device& device, const RayBatch& rays, const LossBatch& batch)
                    {kLossAdjoint, &batch.adjoint},
                    {kLossSums, &batch.sums}}) {}
 
-void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad) {
+void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples) {
+    assert(samples >= 1 && kTile % samples == 0 && "whole pixels in a tile");
     const PassScope scope(commands, "loss");
-    dispatch(commands, loss.pass_, loss.set_, tiles, LossPush{lambda_grad});
+    dispatch(commands, loss.pass_, loss.set_, tiles, LossPush{lambda_grad, samples});
     compute_barrier(commands);
 }
 

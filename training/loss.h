@@ -3,6 +3,7 @@
 
 #include "render/trace.h"
 #include "shared/training.h"
+#include "training/batch.h"
 
 namespace neuvv {
 
@@ -17,17 +18,21 @@ struct LossBatch {
     Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
 };
 
+// Puts a batch of this data set's pictures where the next step reads it; none may be under way.
+void load_batch(const Dataset& dataset, const Batch& batch, const RayBatch& rays, const LossBatch& loss_batch);
+
 class Loss {
   public:
     Loss(const Device& device, const RayBatch& rays, const LossBatch& batch);
 
   private:
-    friend void record_loss(Commands&, const Loss&, uint32_t, float);
+    friend void record_loss(Commands&, const Loss&, uint32_t, float, uint32_t);
     ComputePass pass_;
     BindingSet set_;
 };
 
-// `lambda_grad`: weight of L_grad (errata 16).
-void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad);
+// `lambda_grad`: weight of L_grad (errata 16). A pixel is the mean of samples² neighbouring rays, which have its target
+// and background in common; `samples` divides kTile.
+void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples = 1);
 
 }  // namespace neuvv

@@ -193,16 +193,11 @@ PsiStepSettings step_settings(const PsiSettings& settings, const Course& course,
 
 void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings, const PsiCallback& callback) {
     BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed);
-    for (size_t i = 0; i < dataset.cameras.size(); i++)
-        psi.rays().cameras.as<ShaderCamera>()[i] = shader_camera(dataset.cameras[i]);
     Course course;
     Batch batch = sampler.next();
     bool go_on = true;
     while (go_on && course.fraction(settings) < 1) {
-        std::memcpy(psi.rays().tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
-        std::memcpy(psi.batch().target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
-        std::memcpy(psi.batch().background.mapped, batch.background.data(),
-                    batch.background.size() * sizeof(glm::vec4));
+        load_batch(dataset, batch, psi.rays(), psi.batch());
         course.step++;
         const PsiStepSettings step = step_settings(settings, course, batch, psi.shape().frames);
         psi.submit(step);

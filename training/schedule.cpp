@@ -5,12 +5,12 @@
 
 namespace neuvv {
 
-LearningRates learning_rates(double progress, double leaf_size_m) {
+LearningRates learning_rates(double progress) {
     const auto decay = [&](double first, double last) {
         return static_cast<float>(first * std::pow(last / first, std::clamp(progress, 0.0, 1.0)));
     };
     LearningRates rates;
-    rates.sigma = decay(0.07 / leaf_size_m, 0.03 / leaf_size_m);
+    rates.sigma = decay(0.07, 0.03);
     rates.colour = decay(0.4, 0.04);
     rates.detail = decay(0.05, 0.005);
     rates.gamma = decay(0.01, 0.001);

@@ -5,26 +5,39 @@
 
 namespace neuvv {
 
-// A stage begins with a change of the tree: leaves that no ray of the stage before weighed at least `prune_below` go,
-// once rays enough have come to tell; and the first kLevelsAbove times those that count divide.
+// A stage begins with a change of the tree, by what rays said of its leaves in the stage before: those that no ray
+// weighed at least `prune_below` go, the others are emptied in the frames that did not use them, and some divide: in
+// the first kLevelsAbove changes all that count, later the share at which the loss pulls hardest.
 struct Stage {
     double begins;  // progress
     float prune_below;
+    float divide_share;
 };
-constexpr Stage kStages[] = {{0, 0}, {0.01, 0.003f}, {0.05, 0.003f}, {0.3, 0.005f}, {0.5, 0.01f}, {0.7, 0.01f}};
+constexpr Stage kStages[] = {{0, 0, 0},           {0.01, 0.003f, 1},    {0.05, 0.003f, 1}, {0.15, 0.03f, 0},
+                             {0.3, 0.05f, 0.05f}, {0.45, 0.05f, 0.05f}, {0.7, 0.05f, 0}};
 constexpr uint32_t kStageCount = sizeof(kStages) / sizeof(kStages[0]);
-constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above the finest
+constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
+constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel
 // Leaves of the stages before the finest straddle silhouettes: every ray that misses the matter in one thins it, and
 // its children are born thin. Their density moves by this share of what it might.
 constexpr double kCoarseDensityShare = 0.2;
+constexpr double kCoverage = 0.25;        // epochs that a stage needs before "never reached" means anything,
+constexpr double kFrameCoverage = 1;      // and before it does for single frames
 constexpr double kDivideCoverage = 0.05;  // epochs that a stage needs before its reach says what not to divide
+constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
 constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
 constexpr uint32_t kMaxTrainingLeaves = 2'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
+
+// One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs
+// edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the pictures that they are measured by.
+constexpr double kSeveralRaysFrom = 0.7;
+constexpr uint32_t kSeveralRays = 2;  // per side
+
+constexpr float kTrainingStop = 1.0f / 256;  // rays end where transmittance falls below
 
 constexpr uint32_t kStepsPerRows =
     8;  // A and B move once in so many steps: their sums cost as much as the leaves' moves
 
-// `leaf_size_m`: edge of the stage's finest leaves; densities are measured against it.
-LearningRates learning_rates(double progress, double leaf_size_m);
+LearningRates learning_rates(double progress);
 
 }  // namespace neuvv

@@ -1,5 +1,7 @@
 #include "training/slice_adjoint.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "spirv/rows_adjoint.comp.h"
@@ -17,8 +19,12 @@ AdamPush adam_push(const AdamSettings& adam) {
     return {adam.beta1, adam.beta2, adam.epsilon, bias(adam.beta1), bias(adam.beta2), adam.emit_only ? 1u : 0u};
 }
 
+size_t frame_words(const VOctree& tree) {
+    return (tree.frames + 31) / 32;
+}
+
 BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slice& slice,
-                         const SliceGradients& gradients, const Moments& moments) {
+                         const SliceGradients& gradients, const Moments& moments, const LeafTally& tally) {
     return BindingSet(pass, {{kAdjointWeights, &field.weights},
                              {kAdjointFirst, &moments.first},
                              {kAdjointSecond, &moments.second},
@@ -28,7 +34,9 @@ BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slic
                              {kAdjointCount, &gradients.touched_count},
                              {kAdjointGradients, &gradients.gradients},
                              {kAdjointReach, &gradients.reach},
-                             {kAdjointLeafReach, &gradients.leaf_reach},
+                             {kAdjointLeafUse, &tally.use},
+                             {kAdjointLeafFrames, &tally.frames},
+                             {kAdjointLeafEdge, &tally.edge},
                              {kAdjointPartials, &gradients.partials}});
 }
 
@@ -47,8 +55,46 @@ Moments::Moments(const Device& device, const Field& field)
     });
 }
 
+LeafTally::LeafTally(const Device& device, const VOctree& tree)
+    : use(device, "leaf use", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
+      frames(device, "leaf frames", uint64_t{4} * frame_words(tree) * tree.leaf_count, MemoryKind::kDevice,
+             VK_FORMAT_R32_UINT),
+      edge(device, "leaf edges", uint64_t{4} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT) {
+    run_once(device, "clear leaf use", [&](Commands& commands) {
+        fill(commands, use, 0);
+        fill(commands, frames, 0);
+        compute_barrier(commands);
+    });
+    std::vector<float> edges;
+    edges.reserve(tree.leaf_count);
+    for (const LeafPlace& place : leaf_places(tree))
+        edges.push_back(tree.box_size.x / static_cast<float>(1u << place.depth));
+    upload(device, edge, edges.data(), edges.size() * sizeof(float));
+}
+
+LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree) {
+    std::vector<glm::vec2> pairs(tree.leaf_count);
+    LeafUse use;
+    use.frames.resize(frame_words(tree) * tree.leaf_count);
+    download(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
+    download(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
+    for (const glm::vec2& pair : pairs) {
+        use.reach.push_back(pair.x);
+        use.pull.push_back(pair.y);
+    }
+    return use;
+}
+
+void write_use(const Device& device, const LeafTally& tally, const LeafUse& use) {
+    assert(use.reach.size() == use.pull.size() && "use of one tree");
+    std::vector<glm::vec2> pairs;
+    for (size_t i = 0; i < use.reach.size(); i++) pairs.push_back({use.reach[i], use.pull[i]});
+    upload(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
+    upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
+}
+
 SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice& slice,
-                           const SliceGradients& gradients, const Moments& moments)
+                           const SliceGradients& gradients, const Moments& moments, const LeafTally& tally)
     : field_(field),
       slice_(slice),
       gradients_(gradients),
@@ -62,8 +108,8 @@ SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice
                               {kTouchedLive, &slice.live},
                               {kTouchedSlots, &gradients.touched},
                               {kTouchedCount, &gradients.touched_count}}),
-      leaves_set_(leaf_bindings(leaves_, field, slice, gradients, moments)),
-      leaves_and_rows_set_(leaf_bindings(leaves_and_rows_, field, slice, gradients, moments)),
+      leaves_set_(leaf_bindings(leaves_, field, slice, gradients, moments, tally)),
+      leaves_and_rows_set_(leaf_bindings(leaves_and_rows_, field, slice, gradients, moments, tally)),
       rows_set_(rows_, {{kRowsAdjointPartials, &gradients.partials},
                         {kRowsAdjointCount, &gradients.touched_count},
                         {kRowsAdjointSigma, &field.sigma_basis},
@@ -79,8 +125,10 @@ void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float
     compute_barrier(commands);
     dispatch_indirect(commands, adjoint.touched_, adjoint.touched_set_, adjoint.slice_.live, 0, nullptr, 0);
     compute_barrier(commands);
-    const SliceAdjointPush push{adam_push(adam), field.leaf_count, rates.sigma,
-                                rates.gamma,     rates.colour,     rates.detail};
+    const SliceAdjointPush push{
+        adam_push(adam), field.leaf_count, static_cast<uint32_t>(std::lround(std::max(frame, 0.0f))),
+        adam.used_from,  rates.sigma,      rates.gamma,
+        rates.colour,    rates.detail};
     dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
                       learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_, adjoint.gradients_.touched_count,
                       0, push);

@@ -15,8 +15,27 @@ struct Moments {
     Buffer rows_first, rows_second;  // of A, then of B
 };
 
+// What rays said of each leaf since the tree last changed: what growth goes by.
+struct LeafUse {
+    std::vector<float> reach;      // largest blending weight
+    std::vector<float> pull;       // Σ |α ∂L/∂α| of its samples
+    std::vector<uint32_t> frames;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
+};
+
+// The same on the device. Starts at 0.
+struct LeafTally {
+    LeafTally(const Device& device, const VOctree& tree);
+
+    Buffer use;     // (reach, pull)
+    Buffer frames;  // bits
+    Buffer edge;    // metres
+};
+
+LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree);
+void write_use(const Device& device, const LeafTally& tally, const LeafUse& use);
+
 struct LearningRates {
-    float sigma = 0;                       // of w^σ, 1/m
+    float sigma = 0;                       // of w^σ, optical depths of the leaf's edge
     float gamma = 0;                       // of w^γ
     float colour = 0;                      // of w^HH with l = 0
     float detail = 0;                      // of w^HH with l > 0
@@ -27,12 +46,13 @@ struct AdamSettings {
     float beta1 = 0.9f, beta2 = 0.99f, epsilon = 1e-8f;
     uint32_t step = 1;       // since the moments were 0
     bool emit_only = false;  // no move; the first moments receive the gradient (tests)
+    float used_from = 0;     // blending weight from which a frame counts as using a leaf
 };
 
 class SliceAdjoint {
   public:
     SliceAdjoint(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients,
-                 const Moments& moments);
+                 const Moments& moments, const LeafTally& tally);
 
   private:
     friend void record_slice_adjoint(Commands&, const SliceAdjoint&, float, const LearningRates&, const AdamSettings&,

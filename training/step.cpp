@@ -8,8 +8,9 @@ namespace neuvv {
 void record_step(Commands& commands, TrainingStep& s, const StepSettings& settings) {
     record_slice(commands, s.slicer_, settings.frame);
     record_trace(commands, s.tracer_, settings.tiles, settings.stop);
-    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad);
-    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop, settings.lambda_point);
+    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad, settings.samples);
+    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop,
+                         settings.lambda_point / static_cast<float>(settings.samples * settings.samples));
     record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
                          settings.learn_rows);
     copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
@@ -36,13 +37,14 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       batch_(device, tiles),
       gradients_(device, field_, slice_),
       moments_(device, field_),
+      tally_(device, tree),
       sums_(device, "loss sums readback", uint64_t{16} * tiles, MemoryKind::kReadback),
       live_(device, "live count readback", sizeof(LiveCount), MemoryKind::kReadback),
       slicer_(device, field_, slice_),
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
       trace_adjoint_(device, field_, slice_, rays_, batch_, gradients_, best_atomic_add(device)),
-      slice_adjoint_(device, field_, slice_, gradients_, moments_),
+      slice_adjoint_(device, field_, slice_, gradients_, moments_, tally_),
       commands_(device, "training step") {}
 
 void TrainingStep::submit(const StepSettings& settings) {
@@ -84,17 +86,6 @@ void TrainingStep::download(VOctree& tree) const {
     weights_from_planes(planes, tree);
     neuvv::download(device_, field_.sigma_basis, tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
     neuvv::download(device_, field_.gamma_basis, tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
-}
-
-std::vector<float> TrainingStep::leaf_reach() const {
-    std::vector<float> reach(field_.leaf_count);
-    neuvv::download(device_, gradients_.leaf_reach, reach.data(), reach.size() * sizeof(float));
-    return reach;
-}
-
-void TrainingStep::restore_leaf_reach(const std::vector<float>& reach) const {
-    assert(reach.size() == field_.leaf_count && "reach of another tree");
-    upload(device_, gradients_.leaf_reach, reach.data(), reach.size() * sizeof(float));
 }
 
 }  // namespace neuvv

@@ -12,6 +12,7 @@ struct StepSettings {
     uint32_t tiles = 0;
     float lambda_grad = 0.1f;
     float lambda_point = 0.2f;
+    uint32_t samples = 1;  // rays a pixel, per side
     float stop = kStopTransmittance;
     LearningRates rates;
     AdamSettings adam;
@@ -30,7 +31,7 @@ struct StepResult {
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
 
 // The device's memory of a training run: field, slice, rays, gradients, moments. Fill rays() and batch() with the next
-// tiles, submit(), prepare the following ones meanwhile, wait().
+// tiles (load_batch() does), submit(), prepare the following ones meanwhile, wait().
 class TrainingStep {
   public:
     // At most `cameras` cameras and `tiles` tiles a step. Throws RuntimeFailure where the device cannot hold it.
@@ -47,9 +48,8 @@ class TrainingStep {
 
     // Weights and rows as they are now; the rest of `tree` (the same topology) stays.
     void download(VOctree& tree) const;
-    // Per leaf the largest blending weight that any ray saw since construction.
-    std::vector<float> leaf_reach() const;
-    void restore_leaf_reach(const std::vector<float>& reach) const;
+    // What rays said of the leaves since construction.
+    const LeafTally& tally() const { return tally_; }
 
   private:
     friend void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
@@ -60,6 +60,7 @@ class TrainingStep {
     LossBatch batch_;
     SliceGradients gradients_;
     Moments moments_;
+    LeafTally tally_;
     Buffer sums_, live_;  // host's copies
     Slicer slicer_;
     Tracer tracer_;

@@ -20,13 +20,11 @@ SliceGradients::SliceGradients(const Device& device, const Field& field, const S
       reach(device, "slot reach", uint64_t{4} * slice.capacity, MemoryKind::kDevice),
       touched(device, "touched slots", uint64_t{4} * slice.capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       touched_count(device, "touched count", sizeof(LiveCount), MemoryKind::kDevice),
-      leaf_reach(device, "leaf reach", uint64_t{4} * field.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT),
       partials(device, "row partials", uint64_t{8} * kMaxBases * ((slice.capacity + kSliceGroup - 1) / kSliceGroup),
                MemoryKind::kDevice) {
     run_once(device, "clear gradients", [&](Commands& commands) {
         fill(commands, gradients, 0);
         fill(commands, reach, 0);
-        fill(commands, leaf_reach, 0);
         compute_barrier(commands);
     });
 }

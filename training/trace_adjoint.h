@@ -16,8 +16,7 @@ struct SliceGradients {
     Buffer reach;      // per slot bits of the largest blending weight of the step
     Buffer touched;    // slots that rays of the step reached
     Buffer touched_count;
-    Buffer leaf_reach;  // per leaf the largest blending weight since it was made
-    Buffer partials;    // per workgroup of slots: sums for the rows
+    Buffer partials;  // per workgroup of slots: sums for the rows
 };
 
 // The most slots whose gradients fit one bound storage buffer of this device.

@@ -6,7 +6,6 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 #include "base/error.h"
@@ -17,8 +16,6 @@ namespace neuvv {
 
 namespace {
 
-constexpr double kCoverage = 0.25;  // epochs that a stage needs before "never reached" means anything
-constexpr float kTrainingStop = 1.0f / 256;
 constexpr double kCheckpointShare = 0.05;
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
 
@@ -54,27 +51,29 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          // Braces: begin() sets the seed that sampler_seed() reads, so it must come first.
-          sampler_{begin(), settings.tiles_per_step, sampler_seed()} {
+          // Braces: begin() sets the seed, so it must come first.
+          sampler_{begin(), settings.tiles_per_step, run_.seed} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other pictures than those of {}", dataset_.folder.string()),
                              "resume with the data set that the run began with");
         run_.dataset_hash = hash_of(dataset);
+        for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
     }
 
     TrainProgress operator()(const TrainCallback& callback);
 
   private:
     const Dataset& begin();
-    uint64_t sampler_seed() const { return run_.seed * 0x9e3779b97f4a7c15u + run_.step; }
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
     uint32_t max_leaves() const;
+    uint32_t samples_of(uint64_t step) const { return step < run_.several_from ? 1 : kSeveralRays; }
+    Batch next_batch(uint64_t step);
+    void fit_to_memory();
     void make_step();
     void begin_stage_if_due();
     void save();
-    void load_batch(const Batch& batch);
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
 
@@ -86,6 +85,8 @@ class Run {
     RunState run_;
     VOctree tree_;
     uint32_t finest_ = 0;  // octree depth of its finest leaves
+    uint64_t saved_step_ = 0;
+    uint64_t file_bytes_ = 0;  // of the last .nvv
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
@@ -110,6 +111,9 @@ const Dataset& Run::begin() {
         restore_moments(device_, *step_, checkpoint);
     } else {
         run_.seed = settings_.seed;
+        run_.max_leaves = settings_.max_leaves;
+        run_.max_bytes = settings_.max_bytes;
+        run_.adaptive = settings_.adaptive;
         tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
         if (tree_.leaf_count > max_leaves())
             throw InputError("--resolution", "",
@@ -128,9 +132,14 @@ const Dataset& Run::begin() {
     return dataset_;
 }
 
-// So many that all of them can be live at once.
+// So many that all of them can be live at once, and that the file stays within its bounds: leaves to come will take as
+// many bytes as those of the last checkpoint.
 uint32_t Run::max_leaves() const {
-    return std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
+    uint64_t most = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
+    if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
+    if (run_.max_bytes > 0 && file_bytes_ > 0)
+        most = std::min(most, std::max<uint64_t>(run_.max_bytes * tree_.leaf_count / file_bytes_, 1));
+    return static_cast<uint32_t>(most);
 }
 
 double Run::fraction() const {
@@ -145,24 +154,27 @@ void Run::make_step() {
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            settings_.tiles_per_step);
-    for (size_t i = 0; i < dataset_.cameras.size(); i++)
-        step_->rays().cameras.as<ShaderCamera>()[i] = shader_camera(dataset_.cameras[i]);
 }
 
 void Run::begin_stage_if_due() {
     if (run_.stage + 1 >= kStageCount || fraction() < kStages[run_.stage + 1].begins) return;
     const double epochs = static_cast<double>(run_.stage_rays) / static_cast<double>(sampler_.rays_per_epoch());
-    const bool covered = epochs > kCoverage, divides = run_.stage < kLevelsAbove;
-    if (!covered && !divides) return;  // a pruning waits until it knows
-    run_.stage++;
+    const bool covered = epochs > kCoverage, coarse = run_.stage < kLevelsAbove;
+    if (!covered && !coarse) return;  // it waits until it knows
+    if (run_.max_bytes > 0) save();   // to know how well this tree packs
+    const Stage& stage = kStages[++run_.stage];
+    if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
-    GrowSettings grow_settings;
-    grow_settings.max_depth = run_.max_depth;
-    grow_settings.prune_below = covered ? kStages[run_.stage].prune_below : 0;
+    GrowSettings settings;
+    settings.max_leaves = max_leaves();
+    settings.prune_below = covered && run_.adaptive ? stage.prune_below : 0;
+    settings.empty_unused = epochs > kFrameCoverage && !coarse;
+    settings.divide_share = stage.divide_share;
+    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
+    settings.divide_pixels = coarse ? 0 : kDividePixels;
     // Where few rays came yet, reach says nothing: then everything divides.
-    if (divides) grow_settings.divide_from = epochs > kDivideCoverage ? kDivideReach : 0;
-    grow_settings.max_leaves = max_leaves();
-    tree_ = grow(dataset_, tree_, step_->leaf_reach(), grow_settings);
+    settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
+    tree_ = grow(dataset_, tree_, read_use(device_, step_->tally(), tree_), settings);
     make_step();
     run_.adam_step = 0;
     run_.stage_rays = 0;
@@ -173,23 +185,39 @@ void Run::save() {
     RunState now = run_;
     now.elapsed_s = elapsed();
     save_checkpoint(output_, take_checkpoint(*step_, tree_, now));
+    file_bytes_ = std::filesystem::file_size(output_);
+    saved_step_ = run_.step;
     saved_at_ = seconds_now();
     save_took_ = saved_at_ - start;
 }
 
-void Run::load_batch(const Batch& batch) {
-    std::memcpy(step_->rays().tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
-    std::memcpy(step_->batch().target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
-    std::memcpy(step_->batch().background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));
+// Takes leaves of least reach out of a finished tree that is larger than wanted.
+void Run::fit_to_memory() {
+    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
+    step_->download(tree_);
+    const VOctree whole = tree_;
+    const LeafUse use = read_use(device_, step_->tally(), whole);
+    while (file_bytes_ > run_.max_bytes && tree_.leaf_count > 1) {
+        GrowSettings settings;
+        settings.max_leaves = std::min(max_leaves(), tree_.leaf_count - 1);
+        tree_ = grow(dataset_, whole, use, settings);
+        make_step();
+        save();
+    }
+}
+
+Batch Run::next_batch(uint64_t step) {
+    if (run_.several_from == UINT64_MAX && fraction() >= kSeveralRaysFrom) run_.several_from = step;
+    return sampler_.next(samples_of(step));
 }
 
 StepSettings Run::step_settings(double time) const {
-    const double leaf_size = static_cast<double>(tree_.box_size.x) / static_cast<double>(1u << finest_);
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
-    settings.rates = learning_rates(fraction(), leaf_size);
+    settings.rates = learning_rates(fraction());
     if (run_.stage < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
+    settings.adam.used_from = kStages[std::min(run_.stage + 1, kStageCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     // With as many bases as frames the first bases already span every course.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
@@ -227,20 +255,25 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
     save();
     bool go_on = true, first_saved = false;
-    Batch batch = sampler_.next();
+    Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
         begin_stage_if_due();
-        load_batch(batch);
+        load_batch(dataset_, batch, step_->rays(), step_->batch());
         run_.step++;
         run_.adam_step++;
         StepSettings settings = step_settings(batch.time);
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
+        settings.samples = batch.samples;
         step_->submit(settings);
-        batch = sampler_.next();
+        const double time = batch.time;
+        batch = next_batch(run_.step + 1);
         const StepResult result = step_->wait();
         if (!std::isfinite(result.rgb_loss))
-            throw RuntimeFailure(fmt::format("training diverged at step {}: the loss is not a number", run_.step));
+            throw RuntimeFailure(
+                fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
+                            "holds step {}, from which --resume goes on",
+                            run_.step, settings.tiles, time, state_path(output_).string(), saved_step_));
         if (result.overflow > 0)
             throw RuntimeFailure(
                 fmt::format("{} of {} live leaves found no slot on this device; choose a lower "
@@ -266,6 +299,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         }
     }
     save();
+    if (fraction() >= 1) fit_to_memory();
     TrainProgress last = progress();
     callback(last);
     last.field = nullptr;

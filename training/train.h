@@ -14,6 +14,9 @@ struct TrainSettings {
     uint64_t steps = 0;  // in steps; both 0: kDefaultMinutes, or what a resumed run had
     TreeShape shape;
     uint64_t seed = 1;
+    uint32_t max_leaves = 0;  // that the tree may have (0: as many as the device trains)
+    uint64_t max_bytes = 0;   // that the .nvv may have in the end (0: any)
+    bool adaptive = true;     // false: every leaf of the finest uniform level stays, none becomes finer
     uint32_t tiles_per_step = 512;
     bool resume = false;
     const VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all kLevelsAbove

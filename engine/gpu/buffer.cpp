@@ -15,6 +15,7 @@ uint32_t texel_bytes(VkFormat format) {
         case VK_FORMAT_R32_SFLOAT:
             return 4;
         case VK_FORMAT_R32G32_UINT:
+        case VK_FORMAT_R32G32_SFLOAT:
         case VK_FORMAT_R16G16B16A16_SFLOAT:
             return 8;
         case VK_FORMAT_R32G32B32A32_UINT:

@@ -15,6 +15,7 @@ CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unu
 
 struct LossPush {
     float lambda_grad;  // errata 16
+    uint samples;       // a pixel is the mean of samples × samples neighbouring rays; divides kTile
 };
 
 // trace_adjoint.comp: the bindings of trace.comp up to kTraceRadiance, and
@@ -29,13 +30,13 @@ struct TraceAdjointPush {
     float lambda_point;  // weight of the point loss
 };
 
-// Floats of one slot's gradient: ∂L/∂σ, then ∂L/∂k_lm (R, G, B) per SH function.
+// Floats of one slot's gradient: ∂L/∂σ, the pull Σ |α ∂L/∂α| of its samples, then ∂L/∂k_lm (R, G, B) per SH function.
 #ifdef __cplusplus
 constexpr
 #endif
     uint
     gradient_stride(uint degree) {
-    return 1u + 3u * sh_count(degree);
+    return 2u + 3u * sh_count(degree);
 }
 
 // touched.comp: the slots that rays reached, so that the passes after it run over those alone
@@ -54,8 +55,10 @@ CONSTEXPR uint kAdjointTouched = 5u;    // slots to run over
 CONSTEXPR uint kAdjointCount = 10u;     // how many
 CONSTEXPR uint kAdjointGradients = 6u;  // read and cleared
 CONSTEXPR uint kAdjointReach = 7u;      // read and cleared
-CONSTEXPR uint kAdjointLeafReach = 8u;  // per leaf: the largest blending weight since the tree last changed
+CONSTEXPR uint kAdjointLeafUse = 8u;    // per leaf since the tree last changed: largest blending weight, sum of pulls
 CONSTEXPR uint kAdjointPartials = 9u;   // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
+CONSTEXPR uint kAdjointLeafFrames = 11u;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
+CONSTEXPR uint kAdjointLeafEdge = 12u;    // per leaf: its edge, metres
 
 // rows_adjoint.comp
 CONSTEXPR uint kRowsAdjointPartials = 0u;
@@ -78,7 +81,9 @@ struct AdamPush {
 struct SliceAdjointPush {
     AdamPush adam;
     uint leaf_count;
-    float sigma_rate;   // learning rate of w^σ, 1/m
+    uint frame;         // nearest to that of the slice
+    float used_from;    // blending weight from which a frame counts as using a leaf
+    float sigma_rate;   // learning rate of w^σ, optical depths of the leaf's edge
     float gamma_rate;   // of w^γ
     float colour_rate;  // of w^HH with l = 0
     float detail_rate;  // of w^HH with l > 0
@@ -97,7 +102,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::TraceAdjointPush) == 36);
-static_assert(sizeof(neuvv::SliceAdjointPush) == 44);
+static_assert(sizeof(neuvv::SliceAdjointPush) == 52);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif
 #endif

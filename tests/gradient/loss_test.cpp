@@ -19,15 +19,16 @@ struct LossScene {
 };
 
 // Tile 0 is whole, 1 lies at the right edge of a picture, 2 at its bottom right corner. Errors keep away from the kinks
-// |P−I| = 0; a third of the pixels are dark, on the straight part of sRGB.
-LossScene random_loss_scene(uint64_t seed) {
+// |P−I| = 0; a third of the pixels are dark, on the straight part of sRGB. A pixel is seen by samples² rays.
+LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
     Random random(seed);
     const auto between = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
     LossScene scene;
     for (uint32_t i = 0; i < kTiles * kTilePixels; i++) {
         const uint32_t tile = i / kTilePixels, x = i % kTile, y = i % kTilePixels / kTile;
-        const bool inside = tile == 0 || (x < 5 && (tile == 1 || y < 3));
-        const bool dark = i % 3 == 0;
+        const bool inside = tile == 0 || (x < 4 && (tile == 1 || y < 4));
+        const uint32_t first = i - x % samples - y % samples * kTile;  // ray of this pixel
+        const bool dark = first % 3 == 0;
         const float alpha = between(0.1, 0.95), true_alpha = between(0, 1);
         glm::vec4 seen(0, 0, 0, alpha), truth(0, 0, 0, true_alpha), behind(0);
         for (int c = 0; c < 3; c++) {
@@ -37,8 +38,8 @@ LossScene random_loss_scene(uint64_t seed) {
         }
         if (!inside) truth = glm::vec4(0.3f, 0.2f, 0.1f, -1);
         scene.radiance.push_back(seen);
-        scene.target.push_back(truth);
-        scene.background.push_back(behind);
+        scene.target.push_back(first == i ? truth : glm::vec4(scene.target[first]));
+        scene.background.push_back(first == i ? behind : glm::vec4(scene.background[first]));
     }
     return scene;
 }
@@ -58,7 +59,7 @@ struct DeviceLoss {
     std::vector<glm::vec4> adjoint, sums;
 };
 
-DeviceLoss loss_on(const Device& device, const LossScene& scene) {
+DeviceLoss loss_on(const Device& device, const LossScene& scene, uint32_t samples = 1) {
     const RayBatch rays(device, 1, kTiles);
     const LossBatch batch(device, kTiles);
     const Loss loss(device, rays, batch);
@@ -67,41 +68,48 @@ DeviceLoss loss_on(const Device& device, const LossScene& scene) {
     std::copy(scene.target.begin(), scene.target.end(), batch.target.as<glm::vec4>());
     std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
     run_once(device, "loss",
-             [&](Commands& commands) { record_loss(commands, loss, kTiles, static_cast<float>(kLambda)); });
+             [&](Commands& commands) { record_loss(commands, loss, kTiles, static_cast<float>(kLambda), samples); });
     DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles)};
     download(device, batch.adjoint, result.adjoint.data(), bytes);
     download(device, batch.sums, result.sums.data(), kTiles * sizeof(glm::vec4));
     return result;
 }
 
-double by_central_difference(reference::Patch& patch, double& number) {
+double total_loss(const reference::Patch& patch, uint32_t samples) {
+    return reference::patch_loss(reference::pixel_means(patch, samples), 1).total(kLambda);
+}
+
+double by_central_difference(reference::Patch& patch, double& number, uint32_t samples) {
     constexpr double kNudge = 1e-7;  // far below the distance to any kink
     const double before = number;
     number = before + kNudge;
-    const double above = reference::patch_loss(patch, 1).total(kLambda);
+    const double above = total_loss(patch, samples);
     number = before - kNudge;
-    const double below = reference::patch_loss(patch, 1).total(kLambda);
+    const double below = total_loss(patch, samples);
     number = before;
     return (above - below) / (2 * kNudge);
 }
 
 using LossTest = GpuTest;
 
-TEST_F(LossTest, SumsAreThoseOfTheReference) {
-    const LossScene scene = random_loss_scene(1);
-    const DeviceLoss found = loss_on(device(), scene);
-    const float pixels[kTiles] = {64, 40, 15};
+class LossOfSamples : public GpuTest, public ::testing::WithParamInterface<uint32_t> {};
+
+TEST_P(LossOfSamples, SumsAreThoseOfTheReference) {
+    const LossScene scene = random_loss_scene(1, GetParam());
+    const DeviceLoss found = loss_on(device(), scene, GetParam());
+    const float rays[kTiles] = {64, 32, 16};
     for (uint32_t tile = 0; tile < kTiles; tile++) {
-        const reference::PatchLoss truth = reference::patch_loss(patch_of(scene, tile), 1);
+        const reference::PatchLoss truth =
+            reference::patch_loss(reference::pixel_means(patch_of(scene, tile), GetParam()), 1);
         EXPECT_NEAR(found.sums[tile].x, truth.rgb, 1e-5 * truth.rgb);
         EXPECT_NEAR(found.sums[tile].y, truth.grad, 1e-5 * truth.grad);
-        EXPECT_EQ(found.sums[tile].z, pixels[tile]);
+        EXPECT_EQ(found.sums[tile].z, rays[tile] / static_cast<float>(GetParam() * GetParam()));
     }
 }
 
-TEST_F(LossTest, AdjointIsTheDerivative) {
-    const LossScene scene = random_loss_scene(2);
-    const DeviceLoss found = loss_on(device(), scene);
+TEST_P(LossOfSamples, AdjointIsTheDerivative) {
+    const LossScene scene = random_loss_scene(2, GetParam());
+    const DeviceLoss found = loss_on(device(), scene, GetParam());
     std::vector<GradientPair> colours, alphas;
     for (uint32_t tile = 0; tile < kTiles; tile++) {
         reference::Patch patch = patch_of(scene, tile);
@@ -112,13 +120,15 @@ TEST_F(LossTest, AdjointIsTheDerivative) {
                 continue;
             }
             for (int c = 0; c < 3; c++)
-                colours.push_back({adjoint[c], by_central_difference(patch, patch[i].colour[c])});
-            alphas.push_back({adjoint.a, by_central_difference(patch, patch[i].alpha)});
+                colours.push_back({adjoint[c], by_central_difference(patch, patch[i].colour[c], GetParam())});
+            alphas.push_back({adjoint.a, by_central_difference(patch, patch[i].alpha, GetParam())});
         }
     }
     expect_gradients("colour", colours);
     expect_gradients("alpha", alphas);
 }
+
+INSTANTIATE_TEST_SUITE_P(RaysAPixel, LossOfSamples, ::testing::Values(1, 2, 4));
 
 TEST_F(LossTest, NeighboursBeyondThePictureChangeNothing) {
     LossScene scene = random_loss_scene(3);

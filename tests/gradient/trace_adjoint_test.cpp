@@ -49,7 +49,7 @@ SlotSums scatter_on(const Device& device, const Scene& scene, const std::vector<
     return sums;
 }
 
-// By leaf: ∂L/∂σ, ∂L/∂k, and the largest blending weight of a ray that has a derivative.
+// By leaf: ∂L/∂σ, the pull, ∂L/∂k, and the largest blending weight of a ray that has a derivative.
 struct LeafSums {
     std::vector<std::vector<double>> gradients;
     std::vector<double> reach;
@@ -58,15 +58,22 @@ struct LeafSums {
 void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices, const reference::Ray& ray,
              glm::dvec4 d_ray, LeafSums& sums) {
     const auto stop = static_cast<double>(scene.stop);
-    for (const reference::LeafSliceGradient& part :
-         reference::trace_adjoint(scene.tree, slices, ray, glm::dvec3(d_ray), d_ray.a, stop)) {
+    const std::vector<reference::Segment> segments = reference::intersect(scene.tree, ray);
+    const std::vector<reference::LeafSliceGradient> parts =
+        reference::trace_adjoint(scene.tree, slices, ray, glm::dvec3(d_ray), d_ray.a, stop);
+    for (size_t i = 0; i < parts.size(); i++) {
+        const reference::LeafSliceGradient& part = parts[i];
         std::vector<double>& leaf = sums.gradients[part.leaf];
         leaf[0] += part.sigma;
+        // |α ∂L/∂α| by the chain rule: ∂α/∂σ = δ (1 − α), with 1 − α held above e⁻⁸ as the shader does
+        const double delta = segments[i].t_exit - segments[i].t_enter;
+        const double clear = std::exp(-std::min(slices[part.leaf].sigma * delta, 8.0));
+        leaf[1] += std::abs(part.sigma) * (1 - clear) / (delta * clear);
         for (uint32_t j = 0; j < sh_count(scene.tree.hh_degree); j++)
-            for (uint32_t c = 0; c < 3; c++) leaf[1 + 3 * j + c] += part.k[c][j];
+            for (uint32_t c = 0; c < 3; c++) leaf[2 + 3 * j + c] += part.k[c][j];
     }
     double transmittance = 1;
-    for (const reference::Segment& segment : reference::intersect(scene.tree, ray)) {
+    for (const reference::Segment& segment : segments) {
         if (transmittance < stop) break;
         const double behind =
             transmittance * std::exp(-slices[segment.leaf].sigma * (segment.t_exit - segment.t_enter));
@@ -92,17 +99,19 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
 
 void expect_scatter(const Scene& scene, const SlotSums& found, const LeafSums& truth) {
     const uint32_t stride = gradient_stride(scene.tree.hh_degree);
-    std::vector<GradientPair> sigmas, coefficients, reaches;
+    std::vector<GradientPair> sigmas, pulls, coefficients, reaches;
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
         const auto [sigma_bits, slot] = std::pair(found.head[leaf].x, found.head[leaf].y);
         if (std::bit_cast<float>(sigma_bits) == 0 || truth.reach[leaf] == 0) continue;
         sigmas.push_back({found.gradients[size_t{slot} * stride], truth.gradients[leaf][0]});
-        for (uint32_t i = 1; i < stride; i++)
+        pulls.push_back({found.gradients[size_t{slot} * stride + 1], truth.gradients[leaf][1]});
+        for (uint32_t i = 2; i < stride; i++)
             coefficients.push_back({found.gradients[size_t{slot} * stride + i], truth.gradients[leaf][i]});
         reaches.push_back({std::bit_cast<float>(found.reach[slot]), truth.reach[leaf]});
     }
     EXPECT_GT(sigmas.size(), 30u);
     expect_gradients("sigma", sigmas);
+    expect_gradients("pull", pulls);
     expect_gradients("SH coefficients", coefficients);
     expect_gradients("reach", reaches);
 }

@@ -55,6 +55,22 @@ double display_slope(double linear) {
     return linear <= kLinearEnd ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
 }
 
+Patch pixel_means(const Patch& rays, size_t samples) {
+    Patch pixels;
+    for (PatchPixel& pixel : pixels) pixel.inside = false;
+    const double share = 1.0 / static_cast<double>(samples * samples);
+    for (size_t y = 0; y < kPatchSide; ++y)
+        for (size_t x = 0; x < kPatchSide; ++x) {
+            const PatchPixel& ray = rays[y * kPatchSide + x];
+            PatchPixel& pixel = pixels[y / samples * kPatchSide + x / samples];
+            const PatchPixel so_far = pixel;
+            pixel = ray;
+            pixel.colour = so_far.colour + share * ray.colour;
+            pixel.alpha = so_far.alpha + share * ray.alpha;
+        }
+    return pixels;
+}
+
 PatchLoss patch_loss(const Patch& patch, double batch_pixels) {
     const auto difference = differences(patch);
     PatchLoss loss;

@@ -32,6 +32,10 @@ struct PatchPixel {
 };
 using Patch = std::array<PatchPixel, kPatchPixels>;  // row-major
 
+// Rays as pixels: the means of samples² neighbours, which have target and background in common. They stand at the top
+// left; the rest of the patch takes no part.
+Patch pixel_means(const Patch& rays, size_t samples);
+
 struct PatchLoss {
     double rgb = 0;
     double grad = 0;

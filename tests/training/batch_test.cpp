@@ -110,6 +110,45 @@ TEST(Batch, TheSameSeedGivesTheSameBatches) {
     EXPECT_TRUE(differs);
 }
 
+TEST(Batch, ASkippedBatchChangesNothingThatFollows) {
+    BatchSampler whole(capture(), 9, 5), resumed(capture(), 9, 5);
+    for (int i = 0; i < 12; i++) {
+        const uint32_t samples = i < 7 ? 1 : 2;
+        whole.next(samples);
+        resumed.skip(samples);
+    }
+    for (int i = 0; i < 8; i++) {
+        const Batch a = whole.next(2), b = resumed.next(2);
+        EXPECT_EQ(a.time, b.time);
+        EXPECT_EQ(a.target, b.target);
+        EXPECT_EQ(a.background, b.background);
+        ASSERT_EQ(a.tiles.size(), b.tiles.size());
+        for (size_t k = 0; k < a.tiles.size(); k++) EXPECT_EQ(a.tiles[k].jitter, b.tiles[k].jitter);
+    }
+}
+
+TEST(Batch, SeveralRaysSeeOnePixel) {
+    BatchSampler sampler(capture(), 400, 6);
+    const Batch batch = sampler.next(2);
+    ASSERT_EQ(batch.tiles.size() % 4, 0u);
+    EXPECT_LE(batch.tiles.size(), 400u);
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, glm::vec4> pixels;
+    for (size_t i = 0; i < batch.target.size(); i++) {
+        const Tile& tile = batch.tiles[i / kTilePixels];
+        const auto x = static_cast<uint32_t>(tile.x + i % kTile) / 2,
+                   y = static_cast<uint32_t>(tile.y + i % kTilePixels / kTile) / 2;
+        const auto [found, fresh] = pixels.try_emplace({tile.camera, x, y}, batch.target[i]);
+        EXPECT_EQ(found->second, batch.target[i]);
+        const auto view = std::find_if(capture().views.begin(), capture().views.end(),
+                                       [&](const View& v) { return v.camera == tile.camera && v.time == batch.time; });
+        ASSERT_NE(view, capture().views.end());
+        if (x < kSize && y < kSize) {
+            EXPECT_EQ(batch.target[i], foreground(capture(), *view, x, y));
+        }
+    }
+    EXPECT_EQ(pixels.size() * 4, batch.target.size());
+}
+
 TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
     BatchSampler sampler(capture(), 100, 8);
     glm::dvec2 sum(0), squares(0);

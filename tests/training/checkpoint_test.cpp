@@ -34,13 +34,17 @@ RunState some_run() {
             .stage_rays = 1u << 31,
             .dataset_hash = 987654321,
             .max_depth = 4,
+            .several_from = 77,
+            .max_leaves = 123456,
+            .max_bytes = 60000000,
+            .adaptive = false,
             .elapsed_s = 12.5,
             .rays = 3e12,
             .minutes = 0.25,
             .steps = 0};
 }
 
-// Puts recognisable numbers into every moment and reach; returns those of the weights' first moments.
+// Puts recognisable numbers into every moment and the leaves' use; returns those of the weights' first moments.
 std::vector<float> fill_moments(const Device& device, const TrainingStep& step) {
     Random random(8);
     const auto put = [&](const Buffer& buffer, size_t count, double low) {
@@ -55,9 +59,14 @@ std::vector<float> fill_moments(const Device& device, const TrainingStep& step) 
     put(moments.second, numbers, 0);
     put(moments.rows_first, rows, -1);
     put(moments.rows_second, rows, 0);
-    std::vector<float> reach(step.field().leaf_count);
-    for (float& value : reach) value = static_cast<float>(random.uniform());
-    step.restore_leaf_reach(reach);
+    LeafUse use;
+    for (uint32_t i = 0; i < step.field().leaf_count; i++) {
+        use.reach.push_back(static_cast<float>(random.uniform()));
+        use.pull.push_back(static_cast<float>(random.uniform()));
+    }
+    for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; i++)
+        use.frames.push_back(static_cast<uint32_t>(random.below(1u << 31)));
+    write_use(device, step.tally(), use);
     return put(moments.first, numbers, -1);
 }
 
@@ -91,6 +100,10 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.stage_rays, run.stage_rays);
     EXPECT_EQ(loaded.run.dataset_hash, run.dataset_hash);
     EXPECT_EQ(loaded.run.max_depth, run.max_depth);
+    EXPECT_EQ(loaded.run.several_from, run.several_from);
+    EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
+    EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
+    EXPECT_EQ(loaded.run.adaptive, run.adaptive);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
     EXPECT_EQ(loaded.run.rays, run.rays);
     EXPECT_EQ(loaded.run.minutes, run.minutes);
@@ -116,7 +129,9 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     EXPECT_EQ(after.second, before.second);
     EXPECT_EQ(after.rows_first, before.rows_first);
     EXPECT_EQ(after.rows_second, before.rows_second);
-    EXPECT_EQ(after.reach, before.reach);
+    EXPECT_EQ(after.use.reach, before.use.reach);
+    EXPECT_EQ(after.use.pull, before.use.pull);
+    EXPECT_EQ(after.use.frames, before.use.frames);
 }
 
 // Files at rest; these need no device.
@@ -131,7 +146,9 @@ struct StateFile {
         checkpoint.second = checkpoint.first;
         checkpoint.rows_first.resize(size_t{2} * tree.frames * tree.bases);
         checkpoint.rows_second = checkpoint.rows_first;
-        checkpoint.reach.resize(tree.leaf_count);
+        checkpoint.use.reach.resize(tree.leaf_count);
+        checkpoint.use.pull.resize(tree.leaf_count);
+        checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
         save_checkpoint(nvv, checkpoint);
     }
     // Writes the state again with one chunk changed or (no bytes) left out.
@@ -212,9 +229,9 @@ TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(CheckpointFile, RefusesARunOutOfRange) {
-    const nlohmann::json good = {{"seed", 1},       {"step", 1},         {"adam_step", 1}, {"stage", 0},
-                                 {"stage_rays", 0}, {"dataset_hash", 1}, {"max_depth", 4}, {"elapsed_s", 1.0},
-                                 {"rays", 1.0},     {"minutes", 1.0},    {"steps", 0}};
+    const nlohmann::json good = {{"seed", 1},        {"step", 1},         {"adam_step", 1},    {"stage", 0},
+                                 {"stage_rays", 0},  {"dataset_hash", 1}, {"several_from", 9}, {"max_leaves", 0}, {"max_bytes", 0}, {"adaptive", true}, {"max_depth", 4},
+                                 {"elapsed_s", 1.0}, {"rays", 1.0},       {"minutes", 1.0},    {"steps", 0}};
     const StateFile file;
     const auto put = [&](const nlohmann::json& json) {
         const std::string text = json.dump();

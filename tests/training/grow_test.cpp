@@ -33,6 +33,11 @@ float sigma_at(const VOctree& tree, uint32_t leaf, uint32_t frame) {
     return tree.leaf(leaf)[frame];
 }
 
+// Every frame used every leaf, with these reaches and as much pull.
+LeafUse use_of(const VOctree& tree, std::vector<float> reach) {
+    return {reach, reach, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
+}
+
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
 void expect_sound(const VOctree& tree) {
     EXPECT_EQ(defect_of(tree), "");
@@ -103,7 +108,7 @@ TEST(Grow, PrunesWhatIsNotReached) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
     std::vector<float> reach(tree.leaf_count, 0.5f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) reach[leaf] = 0.001f;
-    const VOctree grown = grow(capture(), tree, reach, {.max_depth = 5, .prune_below = 0.01f});
+    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
     const std::vector<LeafPlace> places = leaf_places(grown);
@@ -116,8 +121,8 @@ TEST(Grow, PrunesWhatIsNotReached) {
 
 TEST(Grow, NothingReachedLeavesTheTree) {
     const VOctree tree = first_tree();
-    const VOctree grown =
-        grow(capture(), tree, std::vector<float>(tree.leaf_count), {.max_depth = 5, .prune_below = 0.01f});
+    const VOctree grown = grow(capture(), tree, use_of(tree, std::vector<float>(tree.leaf_count)),
+                               {.max_depth = 5, .prune_below = 0.01f});
     EXPECT_EQ(grown.weights, tree.weights);
 }
 
@@ -128,7 +133,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
         for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
     std::vector<float> reach(tree.leaf_count, 0.01f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) reach[leaf] = 0.9f;
-    const VOctree grown = grow(capture(), tree, reach, {.max_depth = 5, .divide_from = 0.5f});
+    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
     const std::vector<LeafPlace> places = leaf_places(grown);
@@ -158,10 +163,10 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
     std::vector<float> reach(tree.leaf_count);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
     const GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
-    EXPECT_EQ(grow(capture(), tree, reach, at_depth).leaf_count, tree.leaf_count);
+    EXPECT_EQ(grow(capture(), tree, use_of(tree, reach), at_depth).leaf_count, tree.leaf_count);
 
     const GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
-    const VOctree grown = grow(capture(), tree, reach, limited);
+    const VOctree grown = grow(capture(), tree, use_of(tree, reach), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
     const std::vector<LeafPlace> places = leaf_places(grown);
@@ -170,6 +175,69 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
             EXPECT_GE(find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
         }
     EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const LeafPlace& p) { return p.depth == 4; }));
+}
+
+TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
+    const VOctree tree = first_tree();
+    std::vector<float> reach(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
+    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
+    expect_sound(grown);
+    EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
+    for (const LeafPlace& place : leaf_places(grown)) EXPECT_LE(find_leaf(tree, middle_of(place)), 20u);
+}
+
+TEST(Grow, DividesWhereTheLossPullsHardest) {
+    const VOctree tree = first_tree();
+    LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.pull[leaf] = static_cast<float>(leaf * 7 % 101);
+    const VOctree grown = grow(capture(), tree, use, {.max_depth = 5, .divide_from = 0.1f, .divide_share = 0.25f});
+    expect_sound(grown);
+    float least_divided = 1000, most_whole = 0;
+    size_t whole = 0;
+    for (const LeafPlace& place : leaf_places(grown)) {
+        const float pull = use.pull[find_leaf(tree, middle_of(place))];
+        if (place.depth == 4)
+            least_divided = std::min(least_divided, pull);
+        else {
+            most_whole = std::max(most_whole, pull);
+            whole++;
+        }
+    }
+    EXPECT_GE(least_divided, most_whole);
+    EXPECT_EQ(whole, tree.leaf_count - tree.leaf_count / 4);
+}
+
+TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
+    const VOctree tree = first_tree();
+    const LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    const double edge = static_cast<double>(tree.box_size.x) / 8;
+    const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // in the middle of the ring
+    const GrowSettings too_small{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 2.5 * edge / footprint};
+    EXPECT_EQ(grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
+    const GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
+    const VOctree grown = grow(capture(), tree, use, large);
+    for (const LeafPlace& place : leaf_places(grown)) EXPECT_EQ(place.depth, 4u);
+}
+
+TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
+    const VOctree tree = first_tree();
+    LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
+    const VOctree grown = grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
+    ASSERT_EQ(grown.leaf_count, tree.leaf_count);
+    const std::vector<LeafPlace> places = leaf_places(grown);
+    size_t emptied = 0;
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+        const uint32_t before = find_leaf(tree, middle_of(places[leaf]));
+        for (uint32_t frame = 0; frame < 3; frame++) {
+            const bool unused = before % 2 == 1 && frame == 1;
+            const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);
+            EXPECT_TRUE(unused ? sigma < 0 : std::abs(sigma - was) < 1e-3f) << sigma << ' ' << was;
+            emptied += unused && sigma_at(tree, before, frame) > 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(emptied, 10u);
 }
 
 }  // namespace

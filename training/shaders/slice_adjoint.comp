@@ -20,7 +20,9 @@ layout(binding = kAdjointTouched) uniform utextureBuffer touched_slots;
 layout(binding = kAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]; };
 layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
-layout(binding = kAdjointLeafReach, r32f) uniform imageBuffer leaf_reach;
+layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
+layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
+layout(binding = kAdjointLeafEdge) uniform textureBuffer leaf_edge;
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
 layout(push_constant) uniform Push { SliceAdjointPush push; };
 
@@ -72,7 +74,7 @@ float band_adjoint(uint leaf, uint base, uint l, vec4 radial, vec4 radial_adjoin
     float d_gamma = 0.0;
     for (uint n = l; n <= kHhDegree; n++)
         for (uint j = l * l; j < (l + 1u) * (l + 1u); j++) {
-            const vec3 d_k = take_gradient(base + 1u + 3u * j);
+            const vec3 d_k = take_gradient(base + 2u + 3u * j);
             const uint function = kHhBase[n] + j;
             d_gamma += radial_adjoint[n] * dot(leaf_hh(leaf, function, push.leaf_count), d_k);
             move_plane(leaf, 2u * kBasisPlanes + function, vec4(radial[n] * d_k, 0.0), rate);
@@ -91,6 +93,15 @@ float colour_adjoint(uint leaf, uint base) {
     return d_gamma * gamma * (1.0 - gamma / kPi);
 }
 
+// What growth will ask: how much of a leaf rays saw, how hard the loss pulled at it, and in which frames it counted.
+void note_use(uint leaf, float weight, float pull) {
+    const vec2 before = imageLoad(leaf_use, int(leaf)).xy;
+    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + pull, 0.0, 0.0));
+    const int word = int((push.frame / 32u) * push.leaf_count + leaf);
+    const uint bit = weight >= push.used_from ? 1u << (push.frame % 32u) : 0u;
+    imageStore(leaf_frames, word, uvec4(imageLoad(leaf_frames, word).x | bit));
+}
+
 void main() {
     const bool inside = gl_GlobalInvocationID.x < count.slots;
     uint leaf = 0u;
@@ -99,7 +110,7 @@ void main() {
         const uint slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
         const uint base = slot * gradient_stride(kHhDegree);
         leaf = texelFetch(slot_leaf, int(slot)).x;
-        imageStore(leaf_reach, int(leaf), vec4(max(imageLoad(leaf_reach, int(leaf)).x, uintBitsToFloat(reach[slot]))));
+        note_use(leaf, uintBitsToFloat(reach[slot]), gradients[base + 1u]);
         reach[slot] = 0u;
         d_sigma = gradients[base];
         d_raw_gamma = colour_adjoint(leaf, base);
@@ -107,8 +118,9 @@ void main() {
     }
     if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
     if (!inside) return;
+    const float sigma_rate = push.sigma_rate / texelFetch(leaf_edge, int(leaf)).x;
     for (uint i = 0u; i < kBusyPlanes; i++) {
-        move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], push.sigma_rate);
+        move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
 }

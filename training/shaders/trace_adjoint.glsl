@@ -41,14 +41,17 @@ void gradient_add(uint index, float value) { atomicAdd(gradients[index], value);
 #include "ray.glsl"
 #include "slice_sample.glsl"
 
+const float kMaxPullDepth = 8.0;  // optical depth
+
 // ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `pull`: λ α*.
 vec3 point_adjoint(vec3 c, vec3 root, float pull) { return pull * (1.0 - root * inversesqrt(max(c, vec3(1e-6)))); }
 
 // Adds one sample's derivatives to its slot.
-void scatter(float weight, float d_sigma, vec3 d_raw) {
+void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
     atomicMax(reach[slot], max(floatBitsToUint(weight), 1u));
     uint at = slot * gradient_stride(kHhDegree);
     gradient_add(at++, d_sigma);
+    gradient_add(at++, pull);
     for (uint j = 0u; j < sh_count(kHhDegree); j++)
         for (uint channel = 0u; channel < 3u; channel++) gradient_add(at++, sh_y[j] * d_raw[channel]);
 }
@@ -71,6 +74,9 @@ void main() {
         const vec3 c = slice_colour();
         const float weight = composite_add(sum, sigma, delta, c, 0.0);
         const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
-        scatter(weight, composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a), d_c * c * (1.0 - c));
+        const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
+        // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
+        const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
+        scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
     }
 }

@@ -1,0 +1,75 @@
+// What is taken out of a tree before it is written must not show.
+#include "training/compact.h"
+
+#include <gtest/gtest.h>
+
+#include "reference/sample.h"
+#include "reference/slice.h"
+#include "support/random_tree.h"
+#include "training/bases.h"
+
+namespace neuvv::test {
+namespace {
+
+VOctree tree_of(uint32_t frames, uint32_t bases) {
+    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = 1});
+    tree.frames = frames;
+    tree.sigma_basis = tree.gamma_basis = hat_basis(frames, bases);
+    return tree;
+}
+
+TEST(Compact, NoFrameShowsADifference) {
+    const VOctree before = tree_of(6, 6);
+    VOctree after = before;
+    make_compact(after);
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
+    size_t live = 0;
+    double largest = 0;
+    for (uint32_t frame = 0; frame < before.frames; frame++) {
+        const std::vector<reference::LeafSlice> slices = reference::slice_tree(before, frame);
+        const std::vector<reference::LeafSlice> compact_slices = reference::slice_tree(after, frame);
+        for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
+            const reference::LeafSlice &was = slices[leaf], &is = compact_slices[leaf];
+            EXPECT_NEAR(is.sigma, was.sigma, was.sigma / 64);
+            if (was.sigma <= 0) continue;
+            live++;
+            const glm::dvec3 wrong = reference::sample_colour(is, before.hh_degree, direction) -
+                                     reference::sample_colour(was, before.hh_degree, direction);
+            largest = std::max({largest, std::abs(wrong.x), std::abs(wrong.y), std::abs(wrong.z)});
+        }
+    }
+    EXPECT_GT(live, 300u);
+    EXPECT_LT(largest, 0.02);  // linear light of single leaves; pixels average many
+    EXPECT_GT(largest, 0.0);
+}
+
+TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
+    VOctree tree = tree_of(6, 6);
+    make_compact(tree);
+    size_t empty = 0;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t c = 0; c < 6; c++) {
+            EXPECT_GE(tree.leaf(leaf)[c], 0);
+            if (tree.leaf(leaf)[c] > 0) continue;
+            EXPECT_EQ(tree.leaf(leaf)[6 + c], 0);
+            empty++;
+        }
+    EXPECT_GT(empty, 100u);
+}
+
+// A negative weight takes part in other frames than its own: it must stay.
+TEST(Compact, SharedBasesKeepNegativeWeights) {
+    const VOctree before = tree_of(9, 5);
+    VOctree after = before;
+    make_compact(after);
+    size_t negative = 0;
+    for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++)
+        for (uint32_t c = 0; c < 5; c++) {
+            EXPECT_NEAR(after.leaf(leaf)[c], before.leaf(leaf)[c], std::abs(before.leaf(leaf)[c]) / 64);
+            negative += before.leaf(leaf)[c] < 0 ? 1 : 0;
+        }
+    EXPECT_GT(negative, 100u);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,14 @@
+// What training leaves in a tree and no picture shows: taken out before the tree is written, so that the file packs
+// well.
+#pragma once
+
+#include "voctree/voctree.h"
+
+namespace neuvv {
+
+// Rounds every weight to a step that changes a pixel by far less than 1/255, and, where each frame has a basis of its
+// own (A and B are identities), zeroes w^σ and w^γ of frames in which a leaf is empty. A frame's picture stays as it
+// was; between two frames a leaf that comes or goes does so over the whole of the interval.
+void make_compact(VOctree& tree);
+
+}  // namespace neuvv
