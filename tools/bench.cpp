@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "base/error.h"
 #include "tools/commands.h"
 #include "tools/report.h"
 #include "training/schedule.h"
@@ -34,7 +35,7 @@ void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
     std::vector<std::string> names;
     std::vector<double> slots;
     std::map<std::string, std::vector<double>> times;
-    for (uint32_t i = 0; i < options.repeats; i++) {
+    for (uint32_t i = 0; i <= options.repeats; i++) {
         const Batch batch = sampler.next();
         load_batch(dataset, batch, step.rays(), step.batch());
         StepSettings settings;
@@ -44,6 +45,12 @@ void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
         settings.adam.step = i + 1;
         step.submit(settings);
         const StepResult result = step.wait();
+        if (result.overflow > 0)
+            throw RuntimeFailure(
+                fmt::format("{} live leaves found no slot on this device: the scene is too large to train "
+                            "on it",
+                            result.overflow));
+        if (i == 0) continue;  // the first step also warms caches
         slots.push_back(result.slots);
         names.clear();
         for (const PassTime& pass : step.pass_times()) {

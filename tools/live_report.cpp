@@ -46,8 +46,13 @@ LiveReport::LiveReport(const Device& device, const Dataset& training, const std:
 void LiveReport::update(const TrainProgress& now) {
     write_preview_if_due(now);
     if (options_.metrics.empty()) return;
-    if (!log_) log_.emplace(options_.metrics, now.began_at_step);
-    log_->add(now, score_);
+    try {
+        if (!log_) log_.emplace(options_.metrics, now.began_at_step);
+        log_->add(now, score_);
+    } catch (const RuntimeFailure& failure) {  // a run is worth more than its log
+        fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
+        options_.metrics.clear();
+    }
 }
 
 void LiveReport::write_preview_if_due(const TrainProgress& now) {

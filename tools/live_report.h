@@ -21,9 +21,8 @@ class LiveReport {
     // Loads a held-out picture where a preview is wanted; a data set without any gives one of the training's.
     LiveReport(const Device& device, const Dataset& training, const std::string& format, LiveOptions options);
 
-    // Call with every report of the run. Previews take at most a twentieth of the time; one that fails, for instance
-    // for want of device memory, is the last, and the run goes on. Throws RuntimeFailure where the log cannot be
-    // written.
+    // Call with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
+    // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.
     void update(const TrainProgress& now);
 
   private:

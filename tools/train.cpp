@@ -138,13 +138,15 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
         ->check(CLI::Range(1u, 1000000000u))
         ->excludes(psi_minutes);
-    verb->add_option("--max-leaves", options->settings.max_leaves,
-                     "The tree never has more (default: what the device trains)")
-        ->check(CLI::Range(64u, kMaxLeaves));
-    verb->add_option("--max-memory", options->max_megabytes, "MB that the finished .nvv takes at most (default: any)")
-        ->check(CLI::Range(0.1, 1e6));
-    verb->add_flag("--uniform", options->uniform,
-                   "Leaves stay of one size: no pruning, no division by the loss's pull");
+    CLI::Option* most_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
+                                                "The tree never has more (default: what the device trains)")
+                                   ->check(CLI::Range(64u, kMaxLeaves));
+    CLI::Option* most_memory = verb->add_option("--max-memory", options->max_megabytes,
+                                                "MB that the finished .nvv takes at most (default: any)")
+                                   ->check(CLI::Range(0.1, 1e6));
+    verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
+        ->excludes(most_leaves)
+        ->excludes(most_memory);
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
     verb->add_flag(
         "--resume", options->settings.resume,

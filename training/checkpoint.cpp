@@ -133,7 +133,7 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
     try {
         const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
         read_count(json, "seed", run.seed);
-        read_count(json, "step", run.step);
+        read_count(json, "step", run.step, kMaxSteps);
         read_count(json, "adam_step", run.adam_step, kMaxSteps);
         read_count(json, "stage", run.stage, kStageCount - 1);
         read_count(json, "stage_rays", run.stage_rays);
@@ -193,9 +193,12 @@ void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpo
          chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
          chunk("rech", checkpoint.use.reach), chunk("pull", checkpoint.use.pull), chunk("frms", checkpoint.use.frames)},
         1);
-    VOctree shown = checkpoint.tree;
-    make_compact(shown);
-    write_nvv(nvv, shown, {}, 1);
+    save_shown(nvv, checkpoint.tree);
+}
+
+void save_shown(const std::filesystem::path& nvv, VOctree tree) {
+    make_compact(tree);
+    write_nvv(nvv, tree, {}, 1);
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& nvv) {

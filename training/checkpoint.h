@@ -17,7 +17,7 @@ struct RunState {
     uint64_t dataset_hash = 0;           // tells the data set from others
     uint32_t max_depth = 0;              // octree depth of leaves of a pixel's size
     uint64_t several_from = UINT64_MAX;  // the first step that took several rays a pixel
-    uint32_t max_leaves = 0;  // the run's bounds; 0: none
+    uint32_t max_leaves = 0;             // the run's bounds; 0: none
     uint64_t max_bytes = 0;
     bool adaptive = true;
     double elapsed_s = 0;
@@ -43,6 +43,9 @@ Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const 
 // Replaces the state, then the .nvv: each is at any moment the old or the new one, and where there is a .nvv, a run can
 // be resumed. Throws RuntimeFailure.
 void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
+
+// Writes the .nvv alone, made compact.
+void save_shown(const std::filesystem::path& nvv, VOctree tree);
 
 // Throws InputError where the state file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);

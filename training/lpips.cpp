@@ -31,12 +31,12 @@ constexpr double kNormFloor = 1e-10;
 constexpr uint32_t kMaxChannels = 4096;
 constexpr uint32_t kColumns = 16, kRows = 4;  // outputs computed together: what a CPU's vector registers hold
 
-std::string text_of(const std::vector<uint32_t>& shape) {
+std::string text_of(const std::vector<uint64_t>& shape) {
     return fmt::format("({})", fmt::join(shape, ", "));
 }
 
 const FloatArray& array_of(const std::map<std::string, FloatArray>& arrays, const std::string& file,
-                           const std::string& name, const std::vector<uint32_t>& shape) {
+                           const std::string& name, const std::vector<uint64_t>& shape) {
     const auto found = arrays.find(name);
     if (found == arrays.end())
         throw InputError(file, name, "is missing", "export the weights as training/README.md says");
@@ -58,8 +58,9 @@ Lpips::Lpips(const std::filesystem::path& weights) {
         Layer& layer = layers_[i];
         const auto kernel = arrays.find(std::string(g.name) + ".weight");
         layer.in = in;  // a missing or empty kernel is refused by its shape
-        layer.out = kernel == arrays.end() || kernel->second.shape.empty() ? 1 : kernel->second.shape[0];
-        layer.out = std::clamp(layer.out, 1u, kMaxChannels);
+        const bool shapeless = kernel == arrays.end() || kernel->second.shape.empty();
+        layer.out =
+            static_cast<uint32_t>(std::clamp<uint64_t>(shapeless ? 1 : kernel->second.shape[0], 1, kMaxChannels));
         layer.kernel =
             array_of(arrays, file, std::string(g.name) + ".weight", {layer.out, in, g.kernel, g.kernel}).values;
         layer.bias = array_of(arrays, file, std::string(g.name) + ".bias", {layer.out}).values;

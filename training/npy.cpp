@@ -15,7 +15,7 @@ namespace {
 constexpr uint64_t kMaxBytes = uint64_t{1} << 28;
 constexpr size_t kMaxHeader = 4096;  // ours take a hundred bytes
 constexpr uint8_t kMagic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
-constexpr const char* kMend = "save it with numpy.save as a float64 array";
+constexpr const char* kMend = "save it with numpy from an array of float32 or float64";
 
 // What the header, a Python dictionary, says of a key; empty: nothing.
 std::string entry(const std::string& header, const char* key, const char* value_pattern) {
@@ -24,11 +24,11 @@ std::string entry(const std::string& header, const char* key, const char* value_
     return std::regex_search(header, match, pattern) ? match[1].str() : "";
 }
 
-std::vector<uint64_t> parse_shape(const std::string& text, const std::string& name) {
+std::vector<uint64_t> parse_shape(const std::string& text, const std::string& file, const std::string& place) {
     std::vector<uint64_t> shape;
     const std::regex number("[0-9]+");
     for (auto at = std::sregex_iterator(text.begin(), text.end(), number); at != std::sregex_iterator(); ++at) {
-        if (at->length() > 9) throw InputError(name, "header", "its shape is out of all proportion", kMend);
+        if (at->length() > 9) throw InputError(file, place, "its shape is out of all proportion", kMend);
         shape.push_back(std::stoull(at->str()));
     }
     return shape;
@@ -36,8 +36,8 @@ std::vector<uint64_t> parse_shape(const std::string& text, const std::string& na
 
 }  // namespace
 
-NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& name) {
-    const auto fail = [&](const std::string& problem) { throw InputError(name, "header", problem, kMend); };
+NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place) {
+    const auto fail = [&](const std::string& problem) { throw InputError(file, place, problem, kMend); };
     if (bytes.size() < 12 || std::memcmp(bytes.data(), kMagic, sizeof(kMagic)) != 0) fail("is no .npy file");
     const uint8_t version = bytes[6];
     if (version < 1 || version > 3) fail(fmt::format("is of version {}, not 1 to 3", version));
@@ -55,7 +55,7 @@ NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& name) {
     if (entry(header, "fortran_order", "(True|False)") != "False") fail("is not in C order");
     if (entry(header, "shape", "(\\([0-9, ]{0,200}\\))").empty()) fail("has no shape");
     NpyArray array;
-    array.shape = parse_shape(entry(header, "shape", "(\\([0-9, ]{0,200}\\))"), name);
+    array.shape = parse_shape(entry(header, "shape", "(\\([0-9, ]{0,200}\\))"), file, place);
     const size_t width = type == "<f8" ? 8 : 4, available = bytes.size() - begin - length;
     uint64_t count = 1;
     for (const uint64_t side : array.shape) {
@@ -76,7 +76,7 @@ NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& name) {
 }
 
 NpyArray read_npy(const std::filesystem::path& file) {
-    return parse_npy(read_file(file, kMaxBytes), file.string());
+    return parse_npy(read_file(file, kMaxBytes), file.string(), "header");
 }
 
 }  // namespace neuvv

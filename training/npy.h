@@ -16,6 +16,7 @@ struct NpyArray {
 // Versions 1 to 3 of the format, little-endian f4 or f8 in C order. Throws InputError naming the file for anything
 // else, pickled objects included, and where the file is shorter or longer than its shape.
 NpyArray read_npy(const std::filesystem::path& file);
-NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& name);
+// Its bytes out of another file; `place` says where, for errors.
+NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place);
 
 }  // namespace neuvv

@@ -10,15 +10,12 @@
 namespace neuvv {
 
 struct FloatArray {
-    std::vector<uint32_t> shape;  // outermost first
+    std::vector<uint64_t> shape;  // outermost first
     std::vector<float> values;    // as many as the shape says, the last index fastest
 };
 
 // Every array by its name, without ".npy". Throws InputError naming file and array: no zip file, a damaged or absurdly
-// large one, an array that is not of little-endian float32 in C order.
+// large one, an array that npy.h does not read.
 std::map<std::string, FloatArray> read_npz(const std::filesystem::path& file);
-
-// One array out of the bytes of a .npy file; `file` and `name` are for errors.
-FloatArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& name);
 
 }  // namespace neuvv

@@ -125,10 +125,16 @@ void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float
     compute_barrier(commands);
     dispatch_indirect(commands, adjoint.touched_, adjoint.touched_set_, adjoint.slice_.live, 0, nullptr, 0);
     compute_barrier(commands);
-    const SliceAdjointPush push{
-        adam_push(adam), field.leaf_count, static_cast<uint32_t>(std::lround(std::max(frame, 0.0f))),
-        adam.used_from,  rates.sigma,      rates.gamma,
-        rates.colour,    rates.detail};
+    const float last = static_cast<float>(field.frames - 1);
+    const SliceAdjointPush push{adam_push(adam),
+                                field.leaf_count,
+                                static_cast<uint32_t>(std::clamp(std::floor(frame), 0.0f, last)),
+                                static_cast<uint32_t>(std::clamp(std::ceil(frame), 0.0f, last)),
+                                adam.used_from,
+                                rates.sigma,
+                                rates.gamma,
+                                rates.colour,
+                                rates.detail};
     dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
                       learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_, adjoint.gradients_.touched_count,
                       0, push);

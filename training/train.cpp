@@ -23,7 +23,7 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// FNV-1a over sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
+// FNV-1a over cameras, sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {
     uint64_t hash = 0xcbf29ce484222325u;
     const auto add = [&](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
@@ -32,9 +32,14 @@ uint64_t hash_of(const Dataset& dataset) {
         add(image.height);
         for (size_t i = 0; i < image.rgba.size(); i += 101) add(image.rgba[i]);
     };
+    const auto add_number = [&](double value) { add(std::bit_cast<uint64_t>(value)); };
+    for (const Camera& camera : dataset.cameras) {
+        for (int i = 0; i < 12; i++) add_number(camera.world_from_camera[i / 3][i % 3]);
+        for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy}) add_number(number);
+    }
     for (const View& view : dataset.views) {
         add(view.camera);
-        add(std::bit_cast<uint64_t>(view.time));
+        add_number(view.time);
         add_image(view.image);
         for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
     }
@@ -54,9 +59,10 @@ class Run {
           // Braces: begin() sets the seed, so it must come first.
           sampler_{begin(), settings.tiles_per_step, run_.seed} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
-            throw InputError(state_path(output_).string(), "",
-                             fmt::format("is of a run on other pictures than those of {}", dataset_.folder.string()),
-                             "resume with the data set that the run began with");
+            throw InputError(
+                state_path(output_).string(), "",
+                fmt::format("is of a run on other pictures or cameras than those of {}", dataset_.folder.string()),
+                "resume with the data set that the run began with");
         run_.dataset_hash = hash_of(dataset);
         for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
     }
@@ -70,7 +76,7 @@ class Run {
     uint32_t max_leaves() const;
     uint32_t samples_of(uint64_t step) const { return step < run_.several_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
-    void fit_to_memory();
+    uint32_t fit_to_memory();
     void make_step();
     void begin_stage_if_due();
     void save();
@@ -115,6 +121,10 @@ const Dataset& Run::begin() {
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
         tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
+            throw InputError("--max-leaves", std::to_string(run_.max_leaves),
+                             fmt::format("already the first tree has {} leaves", tree_.leaf_count),
+                             "allow more, or choose a lower --resolution");
         if (tree_.leaf_count > max_leaves())
             throw InputError("--resolution", "",
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
@@ -191,19 +201,23 @@ void Run::save() {
     save_took_ = saved_at_ - start;
 }
 
-// Takes leaves of least reach out of a finished tree that is larger than wanted.
-void Run::fit_to_memory() {
-    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
+// Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole. Returns
+// how many leaves it has.
+uint32_t Run::fit_to_memory() {
+    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return tree_.leaf_count;
     step_->download(tree_);
-    const VOctree whole = tree_;
-    const LeafUse use = read_use(device_, step_->tally(), whole);
-    while (file_bytes_ > run_.max_bytes && tree_.leaf_count > 1) {
+    const LeafUse use = read_use(device_, step_->tally(), tree_);
+    uint32_t leaves = tree_.leaf_count;
+    while (file_bytes_ > run_.max_bytes && leaves > 1) {
         GrowSettings settings;
-        settings.max_leaves = std::min(max_leaves(), tree_.leaf_count - 1);
-        tree_ = grow(dataset_, whole, use, settings);
-        make_step();
-        save();
+        settings.max_leaves = std::min(static_cast<uint32_t>(run_.max_bytes * leaves / file_bytes_), leaves - 1);
+        settings.max_leaves = std::max(settings.max_leaves, 1u);
+        const VOctree shown = grow(dataset_, tree_, use, settings);
+        save_shown(output_, shown);
+        leaves = shown.leaf_count;
+        file_bytes_ = std::filesystem::file_size(output_);
     }
+    return leaves;
 }
 
 Batch Run::next_batch(uint64_t step) {
@@ -299,8 +313,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         }
     }
     save();
-    if (fraction() >= 1) fit_to_memory();
     TrainProgress last = progress();
+    if (last.fraction >= 1) last.leaves = fit_to_memory();
     callback(last);
     last.field = nullptr;
     return last;

@@ -81,7 +81,8 @@ struct AdamPush {
 struct SliceAdjointPush {
     AdamPush adam;
     uint leaf_count;
-    uint frame;         // nearest to that of the slice
+    uint frame;         // at or before that of the slice
+    uint frame_after;   // the same, or the next where it lies between
     float used_from;    // blending weight from which a frame counts as using a leaf
     float sigma_rate;   // learning rate of w^σ, optical depths of the leaf's edge
     float gamma_rate;   // of w^γ
@@ -102,7 +103,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::TraceAdjointPush) == 36);
-static_assert(sizeof(neuvv::SliceAdjointPush) == 52);
+static_assert(sizeof(neuvv::SliceAdjointPush) == 56);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif
 #endif

@@ -109,6 +109,37 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     EXPECT_GT(rows.kept, 30u);
 }
 
+// Between two frames both use a leaf; what a later step says is added.
+TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
+    Scene scene = random_scene({.tree = {.seed = 54, .leaves = 300, .bases = 5, .hh_degree = 1}});
+    ASSERT_GE(scene.tree.frames, 3u);
+    TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
+    StepSettings settings = settings_of(scene);
+    settings.adam.used_from = 0.05f;
+    const auto run_at = [&](float frame) {
+        load_scene(step, scene);
+        settings.frame = frame;
+        step.submit(settings);
+        step.wait();
+        return read_use(device(), step.tally(), scene.tree);
+    };
+    const LeafUse once = run_at(0.5f), twice = run_at(2);
+    size_t reached = 0, weakly = 0, grown = 0;
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+        EXPECT_EQ(once.frames[leaf], once.reach[leaf] >= 0.05f ? 0b011u : 0u);
+        EXPECT_EQ(once.frames[leaf] & ~twice.frames[leaf], 0u);
+        EXPECT_GE(twice.reach[leaf], once.reach[leaf]);
+        EXPECT_GE(twice.pull[leaf], once.pull[leaf]);
+        EXPECT_TRUE(once.reach[leaf] > 0 || once.pull[leaf] == 0);
+        reached += once.frames[leaf] != 0 ? 1 : 0;
+        weakly += once.reach[leaf] > 0 && once.frames[leaf] == 0 ? 1 : 0;
+        grown += twice.frames[leaf] == 0b111u && twice.pull[leaf] > once.pull[leaf] ? 1 : 0;
+    }
+    EXPECT_GT(reached, 20u);
+    EXPECT_GT(weakly, 5u);
+    EXPECT_GT(grown, 10u);
+}
+
 TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {
     const Scene scene = random_scene({.tree = {.seed = 52, .leaves = 300, .bases = 5, .hh_degree = 1}});
     TrainingStep step(device(), scene.tree, 2, 7);

@@ -28,7 +28,7 @@ VOctree some_tree() {
 
 RunState some_run() {
     return {.seed = 0xfedcba9876543210u,
-            .step = 123456789012,
+            .step = 1234567890,
             .adam_step = 77,
             .stage = 2,
             .stage_rays = 1u << 31,

@@ -32,7 +32,7 @@ std::string bytes_of(const std::vector<T>& values) {
 }
 
 NpyArray parse(const std::string& file) {
-    return parse_npy({file.begin(), file.end()}, "a.npy");
+    return parse_npy({file.begin(), file.end()}, "a.npy", "header");
 }
 
 const char kTwoByThree[] = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";

@@ -95,6 +95,31 @@ TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     EXPECT_LT(mean_psnr(truths, shifted), 25);
 }
 
+// Moments, batches, stages and use go on where they stood: the two runs differ as two runs of one seed do.
+TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
+    const TemporaryFolder folder;
+    const std::filesystem::path whole = folder.path / "whole.nvv", parts = folder.path / "parts.nvv";
+    TrainSettings settings = small_run(240);
+    train(device(), capture(), settings, whole, go_on);
+    std::vector<uint64_t> ends;
+    do {
+        bool first = true;
+        const TrainProgress last = train(device(), capture(), settings, parts, [&](const TrainProgress& now) {
+            const bool goes_on = !first || now.step >= 200;
+            first = false;
+            return goes_on;
+        });
+        ends.push_back(last.step);
+        settings.resume = true;
+    } while (ends.back() < 240 && ends.size() < 100);
+    EXPECT_EQ(ends.back(), 240u);
+    EXPECT_GT(ends.size(), 1u) << "never interrupted";
+    const std::vector<Image> truths = held_out_truths();
+    EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), parts)),
+                mean_psnr(truths, held_out_renders(device(), whole)), 0.5);
+    EXPECT_GT(mean_psnr(held_out_renders(device(), whole), held_out_renders(device(), parts)), 40);
+}
+
 TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv", small = folder.path / "small.nvv";

@@ -1,7 +1,8 @@
 // Slice, backwards, and the optimiser: what rays said to a slot's σ and SH becomes a move of its leaf's weights.
 //   ∂w^σ = ∂σ A_t,  ∂w_nlm = R_nl(γ) ∂k_lm,  ∂γ = Σ w_nlm R'_nl(γ)·∂k_lm,  ∂w^γ = ∂γ π s(1−s) B_t   (errata 7, 9)
-// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step. With kLearnRows also leaves each workgroup's sums of ∂A_t and ∂B_t. Bound by memory: weights and two moments
-// are read and written, 96 bytes for each plane with a gradient.
+// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step and notes each leaf's use. With
+// kLearnRows also leaves each workgroup's sums of ∂A_t and ∂B_t. Bound by memory: weights and two moments are read and
+// written, 96 bytes for each plane with a gradient.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -93,13 +94,18 @@ float colour_adjoint(uint leaf, uint base) {
     return d_gamma * gamma * (1.0 - gamma / kPi);
 }
 
+void note_frame(uint leaf, uint frame, bool used) {
+    const int word = int((frame / 32u) * push.leaf_count + leaf);
+    const uint bit = used ? 1u << (frame % 32u) : 0u;
+    imageStore(leaf_frames, word, uvec4(imageLoad(leaf_frames, word).x | bit));
+}
+
 // What growth will ask: how much of a leaf rays saw, how hard the loss pulled at it, and in which frames it counted.
 void note_use(uint leaf, float weight, float pull) {
     const vec2 before = imageLoad(leaf_use, int(leaf)).xy;
     imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + pull, 0.0, 0.0));
-    const int word = int((push.frame / 32u) * push.leaf_count + leaf);
-    const uint bit = weight >= push.used_from ? 1u << (push.frame % 32u) : 0u;
-    imageStore(leaf_frames, word, uvec4(imageLoad(leaf_frames, word).x | bit));
+    note_frame(leaf, push.frame, weight >= push.used_from);
+    note_frame(leaf, push.frame_after, weight >= push.used_from);
 }
 
 void main() {
