@@ -11,9 +11,9 @@ NEUVV_SHARED
 
 CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
 
-// Rows A_t and B_t at one (fractional) frame; a uniform buffer. Bases that training has not spread are 0 in most planes:
-// those that are not stand first, and the rest is 0 in the first one's place, so that loops over Field::busy_planes
-// miss nothing.
+// Rows A_t and B_t at one (fractional) frame; a uniform buffer. Bases that training has not spread are 0 in most
+// planes: those that are not stand first, and the rest is 0 in the first one's place, so that loops over
+// Field::busy_planes miss nothing.
 struct BasisRows {
     vec4 sigma[kMaxBasisPlanes];
     vec4 gamma[kMaxBasisPlanes];

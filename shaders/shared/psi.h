@@ -102,8 +102,8 @@ struct PsiRayPush {
 // psi_forward.comp, psi_adjoint.comp, psi_composite.comp, psi_composite_adjoint.comp
 struct PsiBlockPush {
     uint blocks;
-    uint per_ray;  // samples a ray
-    uint keep;     // kPsiKeep…
+    uint per_ray;   // samples a ray
+    uint keep;      // kPsiKeep…
     float revival;  // 1/m, psi_head.glsl; negative: none
 };
 
