@@ -182,6 +182,8 @@ void Run::begin_stage_if_due() {
     settings.divide_share = stage.divide_share;
     settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
     settings.divide_pixels = coarse ? 0 : kDividePixels;
+    // Finer leaves need rays: a run too short to see its pictures once a stage is better off without.
+    if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
     // Where few rays came yet, reach says nothing: then everything divides.
     settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
     tree_ = grow(dataset_, tree_, read_use(device_, step_->tally(), tree_), settings);
@@ -221,7 +223,9 @@ uint32_t Run::fit_to_memory() {
 }
 
 Batch Run::next_batch(uint64_t step) {
-    if (run_.several_from == UINT64_MAX && fraction() >= kSeveralRaysFrom) run_.several_from = step;
+    const double epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
+    if (run_.several_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
+        run_.several_from = step;
     return sampler_.next(samples_of(step));
 }
 
