@@ -31,7 +31,7 @@ constexpr uint32_t kMaxTrainingLeaves = 2'000'000;  // 1.3 kB each of device mem
 // One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs
 // edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the pictures that they are measured by.
 constexpr double kSeveralRaysFrom = 0.7;
-constexpr uint32_t kSeveralRays = 2;  // per side
+constexpr uint32_t kSeveralRays = 2;      // per side
 constexpr double kSeveralRaysEpochs = 4;  // that must have passed: a short run needs its rays for more pixels
 
 constexpr float kTrainingStop = 1.0f / 256;  // rays end where transmittance falls below
