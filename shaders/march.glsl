@@ -5,12 +5,13 @@
 // paid at every empty cell.)
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
-// exactly, the other axes are clamped to the cell that was left. Bound by dependent texel fetches (two per node level).
-// Expects bindings `tree_nodes` and `tree_children`, and the specialisation constant kNodeLevels.
+// exactly, the other axes are clamped to the cell that was left. Bound by dependent texel fetches (one, and two per node level below
+// the top grid). Expects bindings `tree_top`, `tree_nodes` and `tree_children`, and the specialisation constant kNodeLevels.
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 
-// The includer's: whether this leaf holds anything now.
+// The includer's: which of a node's cells may hold anything now (mask_lo, mask_hi), and whether this leaf does.
+uvec2 march_cells(uint node);
 bool march_wants(uint leaf);
 
 struct March {
@@ -36,23 +37,30 @@ vec2 march_range(March march) {
 }
 
 // The largest known cell around q: its leaf, or kNoLeaf where it is empty. `shift`: log2 of its side.
-const uint kNoLeaf = 0xffffffffu;
-
 uint march_cell(ivec3 q, out uint shift) {
-    uint node = 0u;
-    for (uint level = kNodeLevels; level-- > 0u;) {
+    const uint top = top_levels(kNodeLevels);
+    const ivec3 at = q >> int(2u * (kNodeLevels - top));
+    const uvec2 begin = texelFetch(tree_top, at.x | at.y << int(2u * top) | at.z << int(4u * top)).xy;
+    shift = begin.y;
+    if (begin.x == kNoLeaf) return kNoLeaf;
+    if ((begin.x & kLeafBit) != 0u) return begin.x & kLeafIndexMask;
+    uint node = begin.x;
+    for (uint level = kNodeLevels - top; level-- > 0u;) {
         shift = 2u * level;
         const uvec3 cell = uvec3(q >> int(shift)) & 3u;
         const uvec3 high = cell >> 1u, low = cell & 1u;
         const uint octant = high.x | high.y << 1u | high.z << 2u;
         const uint bit = octant << 3u | low.x | low.y << 1u | low.z << 2u;
-        const uvec4 entry = texelFetch(tree_nodes, int(node));
-        const uint word = octant < 4u ? entry.x : entry.y;
         const uint in_word = bit & 31u;
-        if ((word >> in_word & 1u) == 0u) {
-            if ((word >> (in_word & 24u) & 0xffu) == 0u) shift += 1u;  // the whole octant is empty
+        const uvec2 cells = march_cells(node);
+        const uint here = octant < 4u ? cells.x : cells.y;
+        if ((here >> in_word & 1u) == 0u) {
+            // Perhaps the whole octant is empty, or the whole node.
+            if ((here >> (in_word & 24u) & 0xffu) == 0u) shift += cells == uvec2(0u) ? 2u : 1u;
             return kNoLeaf;
         }
+        const uvec4 entry = texelFetch(tree_nodes, int(node));
+        const uint word = octant < 4u ? entry.x : entry.y;
         const uint below = bitCount(word & ((1u << in_word) - 1u)) + (octant < 4u ? 0u : bitCount(entry.x));
         const uint child = texelFetch(tree_children, int(entry.z + below)).x;
         if ((child & kLeafBit) != 0u) {

@@ -1,6 +1,8 @@
 // Slice, first half: σ(t) of every leaf; leaves with σ > 0 get a slot.
-// Reads w^σ (⌈C/4⌉ texels a leaf); writes head (σ 1/m, slot) a leaf, leaf a slot, and the live count with the group count of
-// the passes that run over slots. One thread per leaf. Bound by memory: 16·⌈C/4⌉ + 8 bytes a leaf.
+// Reads w^σ (⌈C/4⌉ texels a leaf); writes head (σ 1/m, slot) a leaf, leaf a slot, which
+// cells of a node walks need to enter, and the live count with the group count of
+// the passes that run over slots. One thread per kLeavesPerThread leaves, so that the workgroup's barriers and its one atomic
+// addition count for many. Bound by memory: 16·⌈C/4⌉ + 8 bytes a leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice.h"
@@ -14,21 +16,38 @@ layout(binding = kSliceRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kSliceHead, rg32ui) writeonly uniform uimageBuffer head;
 layout(binding = kSliceLeaves, r32ui) writeonly uniform uimageBuffer slot_leaf;
 layout(binding = kSliceLive, std430) buffer Live { LiveCount live; };
+layout(binding = kSliceLeafCells) uniform utextureBuffer leaf_cells;
+layout(binding = kSliceNodeLive, std430) buffer NodeLive { uint node_live[]; };
 layout(push_constant) uniform Push { SlicePush push; };
 #include "weights.glsl"
 
 shared uint group_count;
 shared uint group_first;
 
+void store_leaf(uint leaf, float sigma, uint slot) {
+    const bool overflows = sigma > 0.0 && slot >= push.capacity;
+    if (overflows) atomicAdd(live.overflow, 1u);
+    imageStore(head, int(leaf), uvec4(overflows ? 0u : floatBitsToUint(sigma), slot, 0u, 0u));
+    if (sigma <= 0.0 || overflows) return;
+    imageStore(slot_leaf, int(slot), uvec4(leaf));
+    const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
+    atomicOr(node_live[cells.x], cells.y);
+}
+
 void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    const uint leaf = group * kSliceGroup + gl_LocalInvocationID.x;
-    const bool inside = leaf < push.leaf_count;
+    const uint first_leaf = (group * kSliceGroup + gl_LocalInvocationID.x) * kLeavesPerThread;
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();
 
-    float sigma = inside ? leaf_sigma(leaf, push.leaf_count) : 0.0;
-    const uint place = sigma > 0.0 ? atomicAdd(group_count, 1u) : 0u;
+    vec4 sigma;
+    uint live_leaves = 0u;
+    for (uint i = 0u; i < kLeavesPerThread; i++) {
+        const uint leaf = first_leaf + i;
+        sigma[i] = leaf < push.leaf_count ? leaf_sigma(leaf, push.leaf_count) : 0.0;
+        live_leaves += sigma[i] > 0.0 ? 1u : 0u;
+    }
+    const uint place = live_leaves > 0u ? atomicAdd(group_count, live_leaves) : 0u;
     barrier();
     if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
         group_first = atomicAdd(live.slots, group_count);
@@ -37,12 +56,10 @@ void main() {
     }
     barrier();
 
-    const uint slot = group_first + place;
-    if (sigma > 0.0 && slot >= push.capacity) {
-        atomicAdd(live.overflow, 1u);
-        sigma = 0.0;
+    uint slot = group_first + place;
+    for (uint i = 0u; i < kLeavesPerThread; i++) {
+        const uint leaf = first_leaf + i;
+        if (leaf < push.leaf_count) store_leaf(leaf, sigma[i], slot);
+        if (sigma[i] > 0.0) slot++;
     }
-    if (!inside) return;
-    imageStore(head, int(leaf), uvec4(floatBitsToUint(sigma), slot, 0u, 0u));
-    if (sigma > 0.0) imageStore(slot_leaf, int(slot), uvec4(leaf));
 }

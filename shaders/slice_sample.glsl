@@ -1,5 +1,5 @@
-// What a ray meets in a slice: march_wants stops the walk at live leaves, slice_colour is theirs along the ray. The
-// includer binds utextureBuffer `head` and textureBuffer `slice_sh`, and sets sh_y to its ray's sh_basis.
+// What a ray meets in a slice: march_wants stops the walk at live leaves, sample_colour is theirs along the ray. The
+// includer binds utextureBuffers `node_live` and `head` and textureBuffer `slice_sh`, and sets sh_y to its ray's sh_basis.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
 #include "sh.glsl"
@@ -8,6 +8,8 @@ float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at
 uint slot;
 
+uvec2 march_cells(uint node) { return texelFetch(node_live, int(node)).xy; }
+
 bool march_wants(uint leaf) {
     const uvec2 entry = texelFetch(head, int(leaf)).xy;
     sigma = uintBitsToFloat(entry.x);
@@ -15,7 +17,7 @@ bool march_wants(uint leaf) {
     return sigma > 0.0;
 }
 
-vec3 slice_colour() {
+vec3 sample_colour() {
     vec3 raw = vec3(0.0);
     const int first = int(slot * sh_count(kHhDegree));
     for (uint j = 0u; j < sh_count(kHhDegree); j++) raw += sh_y[j] * texelFetch(slice_sh, first + int(j)).rgb;

@@ -10,24 +10,20 @@ void record_step(Commands& commands, TrainingStep& s, const StepSettings& settin
     record_trace(commands, s.tracer_, settings.tiles, settings.stop);
     record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad, settings.samples);
     record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop,
-                         settings.lambda_point / static_cast<float>(settings.samples * settings.samples));
+                         settings.pixel_lambda_point());
     record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
                          settings.learn_rows);
     copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
     copy(commands, s.slice_.live, s.live_, sizeof(LiveCount));
+    copy(commands, s.gradients_.touched_count, s.touched_, sizeof(LiveCount));
     host_barrier(commands);
 }
 
-namespace {
-
-// Where A and B may learn, none of their planes stays 0 for good.
 Field training_field(const Device& device, const VOctree& tree) {
     Field field = upload_field(device, tree, WeightPrecision::kFloat);
     if (tree.bases < tree.frames) field.busy_planes = field.basis_planes();
     return field;
 }
-
-}  // namespace
 
 TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles)
     : device_(device),
@@ -40,6 +36,7 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       tally_(device, tree),
       sums_(device, "loss sums readback", uint64_t{16} * tiles, MemoryKind::kReadback),
       live_(device, "live count readback", sizeof(LiveCount), MemoryKind::kReadback),
+      touched_(device, "touched count readback", sizeof(LiveCount), MemoryKind::kReadback),
       slicer_(device, field_, slice_),
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
@@ -76,6 +73,7 @@ StepResult TrainingStep::wait() {
     const LiveCount& live = *live_.as<LiveCount>();
     result.slots = std::min(live.slots, slice_.capacity);
     result.overflow = live.overflow;
+    result.touched = touched_.as<LiveCount>()->slots;
     return result;
 }
 

@@ -17,6 +17,9 @@ struct StepSettings {
     LearningRates rates;
     AdamSettings adam;
     bool learn_rows = false;
+
+    // A pixel's point loss is the mean over its rays.
+    float pixel_lambda_point() const { return lambda_point / static_cast<float>(samples * samples); }
 };
 
 struct StepResult {
@@ -25,7 +28,11 @@ struct StepResult {
     uint64_t pixels = 0;
     uint32_t slots = 0;     // live leaves
     uint32_t overflow = 0;  // live leaves that found no slot
+    uint32_t touched = 0;   // live leaves that rays reached
 };
+
+// The tree's weights as training holds them. Where A and B may learn, all planes count as busy.
+Field training_field(const Device& device, const VOctree& tree);
 
 // What loss.comp left for each tile (LossBatch::sums), as one; no slots.
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
@@ -61,7 +68,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    Buffer sums_, live_;  // host's copies
+    Buffer sums_, live_, touched_;  // host's copies
     Slicer slicer_;
     Tracer tracer_;
     Loss loss_;

@@ -45,8 +45,10 @@ TraceAdjoint::TraceAdjoint(const Device& device, const Field& field, const Slice
             atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
                                           : std::span<const uint32_t>(trace_adjoint_cas_comp),
             {field.hh_degree, field.node_levels}),
-      set_(pass_, {{kTraceNodes, &field.nodes},
+      set_(pass_, {{kTraceTop, &field.top},
+                   {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
+                   {kTraceNodeLive, &slice.node_live},
                    {kTraceHead, &slice.head},
                    {kTraceSh, &slice.sh},
                    {kTraceCameras, &rays.cameras},
@@ -62,7 +64,7 @@ void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint3
     const PassScope scope(commands, "trace adjoint");
     const TracePush trace = trace_push(adjoint.field_, stop);
     dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
-             TraceAdjointPush{trace.box_min, trace.box_size, lambda_point});
+             TraceAdjointPush{trace.box_min, trace.box_size, lambda_point, trace.leaf_count});
     compute_barrier(commands);
 }
 

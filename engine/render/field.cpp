@@ -43,6 +43,79 @@ std::vector<uint32_t> mark_wide_leaves(const VOctree& tree) {
     return marked;
 }
 
+// The grid over the tree's upper levels (shared/tree.h).
+class TopGrid {
+  public:
+    explicit TopGrid(const VOctree& tree, const std::vector<uint32_t>& marked_children)
+        : tree_(tree), children_(marked_children), lowest_(tree.node_levels - top_levels(tree.node_levels)) {
+        side_ = 1u << (2 * top_levels(tree.node_levels));
+        cells_.resize(size_t{side_} * side_ * side_);
+        fill_node(0, tree.node_levels, glm::uvec3(0));
+    }
+    const std::vector<glm::uvec2>& cells() const { return cells_; }
+
+  private:
+    // `level`: of the node's parent cell, whose side is 4^level finest cells; `corner` in those.
+    void fill_node(uint32_t node, uint32_t level, glm::uvec3 corner) {
+        if (level == lowest_) return fill(corner, level, {node, 0});
+        const TreeNode& entry = tree_.nodes[node];
+        const uint64_t mask = uint64_t{entry.mask_hi} << 32 | entry.mask_lo;
+        uint32_t child = entry.first_child;
+        for (uint32_t bit = 0; bit < 64; bit++) {
+            const glm::uvec3 cell = 4u * corner + 2u * octant_place(bit >> 3) + octant_place(bit & 7);
+            const uint32_t shift = 2 * (level - 1);
+            if (!(mask >> bit & 1)) {
+                fill(cell, level - 1, {kNoLeaf, shift + ((mask >> (bit & 56) & 0xff) == 0 ? 1 : 0)});
+            } else if (const uint32_t word = children_[child++]; word & kLeafBit) {
+                fill(cell, level - 1, {word & ~kWideLeafBit, shift + (word & kWideLeafBit ? 1 : 0)});
+            } else {
+                fill_node(word, level - 1, cell);
+            }
+        }
+    }
+
+    void fill(glm::uvec3 corner, uint32_t level, glm::uvec2 value) {
+        const uint32_t size = 1u << (2 * (level - lowest_));
+        const glm::uvec3 first = corner * size;
+        for (uint32_t z = first.z; z < first.z + size; z++)
+            for (uint32_t y = first.y; y < first.y + size; y++) {
+                const auto row = cells_.begin() + static_cast<ptrdiff_t>((size_t{z} * side_ + y) * side_ + first.x);
+                std::fill(row, row + size, value);
+            }
+    }
+
+    static glm::uvec3 octant_place(uint32_t octant) { return {octant & 1, octant >> 1 & 1, octant >> 2}; }
+
+    const VOctree& tree_;
+    const std::vector<uint32_t>& children_;
+    uint32_t lowest_, side_;
+    std::vector<glm::uvec2> cells_;
+};
+
+// Which cells of which node belong to each leaf, and which to nodes.
+struct Cells {
+    std::vector<glm::uvec2> of_leaves, inner;
+};
+
+Cells find_cells(const VOctree& tree) {
+    Cells cells{std::vector<glm::uvec2>(tree.leaf_count), std::vector<glm::uvec2>(tree.nodes.size())};
+    for (uint32_t node = 0; node < tree.nodes.size(); node++) {
+        uint32_t child = tree.nodes[node].first_child;
+        for (uint32_t bit = 0; bit < 64; bit++) {
+            const uint32_t word = bit / 32, flag = 1u << bit % 32;
+            if (!((word == 0 ? tree.nodes[node].mask_lo : tree.nodes[node].mask_hi) & flag)) continue;
+            const uint32_t entry = tree.children[child++];
+            if (entry & kLeafBit) {
+                glm::uvec2& leaf = cells.of_leaves[entry & kLeafIndexMask];
+                leaf = {2 * node + word, leaf.y | flag};  // an octant's eight cells share a word
+            } else {
+                cells.inner[node][static_cast<int>(word)] |= flag;
+            }
+        }
+    }
+    return cells;
+}
+
 // Between two frames rows mix, so neighbours count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
     uint32_t most = 1;
@@ -101,7 +174,12 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
     field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
                                  count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
     field.nodes = uploaded(device, "tree nodes", tree.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    field.children = uploaded(device, "tree children", mark_wide_leaves(tree), VK_FORMAT_R32_UINT);
+    const std::vector<uint32_t> children = mark_wide_leaves(tree);
+    field.children = uploaded(device, "tree children", children, VK_FORMAT_R32_UINT);
+    const Cells cells = find_cells(tree);
+    field.leaf_cells = uploaded(device, "leaf cells", cells.of_leaves, VK_FORMAT_R32G32_UINT);
+    field.inner_cells = uploaded(device, "inner cells", cells.inner, VK_FORMAT_R32G32_UINT);
+    field.top = uploaded(device, "tree top", TopGrid(tree, children).cells(), VK_FORMAT_R32G32_UINT);
     field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
     field.gamma_basis = uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
     const std::vector<float> planes = weights_to_planes(tree);

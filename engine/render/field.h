@@ -10,7 +10,9 @@ namespace neuvv {
 enum class WeightPrecision { kHalf, kFloat };  // shaders read either; training writes, so it needs kFloat
 
 struct Field {
-    Buffer nodes, children, weights, sigma_basis, gamma_basis;
+    Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
+    Buffer leaf_cells;   // per leaf: word of Slice::node_live and its bits there
+    Buffer inner_cells;  // per node: mask of the cells that are nodes
     glm::vec3 box_min{0}, box_size{1};
     uint32_t node_levels = 1, leaf_count = 0, bases = 1, hh_degree = 0, frames = 1;
     uint32_t busy_planes = 1;  // the most planes of A_t or B_t at any t that are not 0; who moves A or B sets it to all

@@ -43,11 +43,13 @@ std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint3
 
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
-    record_slice(commands, r.slicer_, settings.frame);
-    if (settings.mode == TraceMode::kSlice)
+    if (settings.mode == TraceMode::kSlice) {
+        record_slice(commands, r.slicer_, settings.frame);
         record_trace(commands, r.tracer_, tiles, settings.stop);
-    else
+    } else {
+        record_rows(commands, r.slicer_, settings.frame);
         record_direct(commands, r.direct_, tiles, settings.stop);
+    }
     record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
     copy(commands, r.picture_, r.readback_, uint64_t{4} * settings.width * settings.height);
     host_barrier(commands);

@@ -15,6 +15,7 @@ namespace neuvv {
 Slice::Slice(const Device& device, const Field& field, uint32_t slots)
     : capacity(std::max(slots, 1u)),
       rows(device, "basis rows", sizeof(BasisRows), MemoryKind::kDevice),
+      node_live(device, "live cells", field.inner_cells.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       head(device, "slice head", uint64_t{8} * field.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice),
@@ -39,20 +40,30 @@ Slicer::Slicer(const Device& device, const Field& field, const Slice& slice)
                               {kSliceRows, &slice.rows},
                               {kSliceHead, &slice.head},
                               {kSliceLeaves, &slice.slot_leaf},
-                              {kSliceLive, &slice.live}}),
+                              {kSliceLive, &slice.live},
+                              {kSliceLeafCells, &field.leaf_cells},
+                              {kSliceNodeLive, &slice.node_live}}),
       colour_set_(colour_, {{kSliceWeights, &field.weights},
                             {kSliceRows, &slice.rows},
                             {kSliceLeaves, &slice.slot_leaf},
                             {kSliceLive, &slice.live},
                             {kSliceSh, &slice.sh}}) {}
 
-void record_slice(Commands& commands, const Slicer& slicer, float frame) {
-    const PassScope scope(commands, "slice");
+void record_rows(Commands& commands, const Slicer& slicer, float frame) {
     const Field& field = slicer.field_;
     dispatch(commands, slicer.rows_, slicer.rows_set_, 1, RowsPush{frame, field.frames, field.bases});
     compute_barrier(commands);
+}
+
+void record_slice(Commands& commands, const Slicer& slicer, float frame) {
+    const PassScope scope(commands, "slice");
+    const Field& field = slicer.field_;
+    copy(commands, field.inner_cells, slicer.slice_.node_live, field.inner_cells.bytes);
+    record_rows(commands, slicer, frame);
     const SlicePush push{field.leaf_count, slicer.slice_.capacity};
-    dispatch(commands, slicer.density_, slicer.density_set_, (field.leaf_count + kSliceGroup - 1) / kSliceGroup, push);
+    constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
+    dispatch(commands, slicer.density_, slicer.density_set_, (field.leaf_count + kGroupLeaves - 1) / kGroupLeaves,
+             push);
     compute_barrier(commands);
     dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0, push);
     compute_barrier(commands);

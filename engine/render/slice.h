@@ -14,6 +14,7 @@ struct Slice {
 
     uint32_t capacity;
     Buffer rows;       // BasisRows of the frame
+    Buffer node_live;  // per node: cells with live leaves or nodes
     Buffer head;       // per leaf (σ bits, slot)
     Buffer slot_leaf;  // per slot its leaf
     Buffer live;       // LiveCount
@@ -26,12 +27,16 @@ class Slicer {
     Slicer(const Device& device, const Field& field, const Slice& slice);
 
   private:
+    friend void record_rows(Commands& commands, const Slicer& slicer, float frame);
     friend void record_slice(Commands& commands, const Slicer& slicer, float frame);
     const Field& field_;
     const Slice& slice_;
     ComputePass rows_, density_, colour_;
     BindingSet rows_set_, density_set_, colour_set_;
 };
+
+// The rows A_t and B_t alone, which is all that the direct passes need.
+void record_rows(Commands& commands, const Slicer& slicer, float frame);
 
 // Frame 0..frames−1, fractions interpolate (errata 9). Ends with a barrier: passes after it may read the slice.
 void record_slice(Commands& commands, const Slicer& slicer, float frame);

@@ -44,7 +44,7 @@ class Tracer {
 // Traces the first `tiles` tiles of the batch. `stop` is the transmittance below which rays end (0: never).
 void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
-// The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_slice, or rows alone).
+// The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 class DirectTracer {
   public:
     DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays);

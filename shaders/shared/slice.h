@@ -6,6 +6,7 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kSliceGroup = 64u;
+CONSTEXPR uint kLeavesPerThread = 4u;  // of slice_density.comp
 
 // rows.comp: interpolates A and B (errata 9).
 CONSTEXPR uint kRowsSigmaBasis = 0u;
@@ -19,6 +20,8 @@ CONSTEXPR uint kSliceRows = 1u;
 CONSTEXPR uint kSliceHead = 2u;    // per leaf: (σ bits, slot); σ 0 where the leaf is dead
 CONSTEXPR uint kSliceLeaves = 3u;  // per slot: its leaf
 CONSTEXPR uint kSliceLive = 4u;
+CONSTEXPR uint kSliceLeafCells = 6u;  // per leaf: (word of kSliceNodeLive, its bits there)
+CONSTEXPR uint kSliceNodeLive = 7u;   // per node: mask_lo and mask_hi of the cells that hold live leaves or nodes
 CONSTEXPR uint kSliceSh = 5u;  // per slot: (n_max+1)² texels (R, G, B, unused)
 
 struct RowsPush {

@@ -18,9 +18,9 @@ struct LossPush {
     uint samples;       // a pixel is the mean of samples × samples neighbouring rays; divides kTile
 };
 
-// trace_adjoint.comp: the bindings of trace.comp up to kTraceRadiance, and
+// trace_adjoint.comp and direct_adjoint.comp: the bindings of trace.comp and direct.comp up to kTraceRadiance, and
 CONSTEXPR uint kTraceAdjoint = 10u;
-CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats
+CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats; direct: laid out as the weights
 CONSTEXPR uint kTraceTarget = 13u;     // per ray, as kLossTarget
 CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step; 0: no ray came
 
@@ -28,6 +28,7 @@ struct TraceAdjointPush {
     vec4 box_min;  // as in TracePush
     vec4 box_size;
     float lambda_point;  // weight of the point loss
+    uint leaf_count;     // direct_adjoint.comp alone reads it
 };
 
 // Floats of one slot's gradient: ∂L/∂σ, the pull Σ |α ∂L/∂α| of its samples, then ∂L/∂k_lm (R, G, B) per SH function.
@@ -102,7 +103,7 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::TraceAdjointPush) == 36);
+static_assert(sizeof(neuvv::TraceAdjointPush) == 40);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 56);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

@@ -6,6 +6,7 @@
 
 #include "gradient/agreement.h"
 #include "support/gpu_test.h"
+#include "training/direct_step.h"
 
 namespace neuvv::test {
 namespace {
@@ -151,6 +152,24 @@ TEST_F(ChainGradient, ASecondStepStartsClean) {
     }
     EXPECT_GT(touched, 1000u);
     for (size_t i = 0; i < truth.rows.size(); i++) ASSERT_NEAR(again.rows[i], truth.rows[i], 1e-4f * largest);
+}
+
+TEST_F(ChainGradient, TheDirectStepsIsThatOfTheReferenceWithBothAtomics) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+        SCOPED_TRACE("degree " + std::to_string(degree));
+        const Scene scene = random_scene(
+            {.tree = {.seed = 51 + degree, .leaves = 300, .bases = 3 + 2 * degree, .hh_degree = degree}});
+        Chain chain(scene);
+        for (const AtomicAdd atomics : {best_atomic_add(device()), AtomicAdd::kCompareAndSwap}) {
+            DirectStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()), atomics);
+            load_scene(step, scene);
+            step.run(settings_of(scene));
+            const size_t floats = step.gradients().bytes / sizeof(float);
+            const Gradients gradients{download_floats(device(), step.gradients(), floats), {}};
+            expect_weight_gradients(scene, chain, gradients);
+            expect_nothing_elsewhere(scene, chain, gradients);
+        }
+    }
 }
 
 // The comparison must notice a wrong derivative.

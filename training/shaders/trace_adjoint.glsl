@@ -1,15 +1,14 @@
-// Trace, backwards: walks each ray again and scatters what the loss says to the σ and SH of every leaf it crosses.
-// To it adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which asks each sample's colour c_i, not
-// only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
-// blending weights w_i count as constants there: it colours matter and never moves it.
+// Trace, backwards (ray_adjoint.glsl): scatters what the loss says to the σ and SH of every leaf that a ray crosses.
 // Reads the slice as trace.comp does; adds gradient_stride floats a sample to its slot. Bound by those atomic adds.
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
+layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
 layout(binding = kTraceHead) uniform utextureBuffer head;
 layout(binding = kTraceSh) uniform textureBuffer slice_sh;
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
@@ -19,32 +18,10 @@ layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
 layout(binding = kTraceTarget) uniform textureBuffer target;
 layout(binding = kTraceReach, std430) buffer Reach { uint reach[]; };
 layout(push_constant) uniform Push { TraceAdjointPush push; };
-
-#ifdef NEUVV_CAS_ATOMICS
-layout(binding = kTraceGradients, std430) buffer Gradients { uint gradients[]; };
-
-void gradient_add(uint index, float value) {
-    uint seen = gradients[index], expected;
-    do {
-        expected = seen;
-        seen = atomicCompSwap(gradients[index], expected, floatBitsToUint(uintBitsToFloat(expected) + value));
-    } while (seen != expected);
-}
-#else
-layout(binding = kTraceGradients, std430) buffer Gradients { float gradients[]; };
-
-void gradient_add(uint index, float value) { atomicAdd(gradients[index], value); }
-#endif
-
-#include "composite.glsl"
-#include "march.glsl"
-#include "ray.glsl"
+#define NEUVV_GRADIENTS_BINDING kTraceGradients
+#include "gradient_add.glsl"
 #include "slice_sample.glsl"
-
-const float kMaxPullDepth = 8.0;  // optical depth
-
-// ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `pull`: λ α*.
-vec3 point_adjoint(vec3 c, vec3 root, float pull) { return pull * (1.0 - root * inversesqrt(max(c, vec3(1e-6)))); }
+#include "ray_adjoint.glsl"
 
 // Adds one sample's derivatives to its slot.
 void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
@@ -54,29 +31,4 @@ void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
     gradient_add(at++, pull);
     for (uint j = 0u; j < sh_count(kHhDegree); j++)
         for (uint channel = 0u; channel < 3u; channel++) gradient_add(at++, sh_y[j] * d_raw[channel]);
-}
-
-void main() {
-    const Ray ray = tile_ray();
-    const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
-    const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
-    const vec4 truth = texelFetch(target, int(ray.index));
-    const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
-    const float pull = push.lambda_point * max(truth.a, 0.0);
-    sh_y = sh_basis(ray.direction_world);
-    Composite sum = composite_begin();
-    March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
-                              ray.direction_world / push.box_size.xyz);
-    march.inside = march.inside && ray.inside && d_ray != vec4(0.0);
-    MarchSegment part;
-    while (sum.transmittance >= push.box_min.w && march_next(march, part)) {
-        const float delta = part.t_out - part.t_in;
-        const vec3 c = slice_colour();
-        const float weight = composite_add(sum, sigma, delta, c, 0.0);
-        const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
-        const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
-        // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
-        const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
-        scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
-    }
 }

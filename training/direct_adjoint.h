@@ -1,0 +1,28 @@
+// The paper's backward pass, from rays to every weight of the leaves they crossed, without a slice: what the slice's
+// adjoints are measured and checked against.
+#pragma once
+
+#include "render/trace.h"
+#include "training/loss.h"
+#include "training/trace_adjoint.h"
+
+namespace neuvv {
+
+class DirectAdjoint {
+  public:
+    // `gradients`: as many bytes as field.weights, laid out as they are.
+    DirectAdjoint(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays,
+                  const LossBatch& batch, const Buffer& gradients, AtomicAdd atomics);
+
+  private:
+    friend void record_direct_adjoint(Commands&, const DirectAdjoint&, uint32_t, float, float);
+    const Field& field_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// As record_trace_adjoint, after record_direct. Adds to the gradients. Needs only the rows of a slice.
+void record_direct_adjoint(Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
+                           float lambda_point);
+
+}  // namespace neuvv

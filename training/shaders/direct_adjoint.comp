@@ -1,0 +1,5 @@
+// direct_adjoint.glsl for devices with atomic float addition.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_atomic_float : require
+#include "direct_adjoint.glsl"

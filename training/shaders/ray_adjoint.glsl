@@ -1,0 +1,42 @@
+// Trace, backwards: walks each ray again and says what the loss wants of every sample; main() of the trace adjoint and of
+// the direct adjoint. The includer's scatter() keeps it.
+// To it adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which asks each sample's colour c_i, not
+// only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
+// blending weights w_i count as constants there: it colours matter and never moves it.
+#include "composite.glsl"
+#include "march.glsl"
+#include "ray.glsl"
+
+const float kMaxPullDepth = 8.0;  // optical depth
+
+// ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `pull`: λ α*.
+vec3 point_adjoint(vec3 c, vec3 root, float pull) { return pull * (1.0 - root * inversesqrt(max(c, vec3(1e-6)))); }
+
+// The includer's: takes the derivatives of the sample that the walk stopped at, by its σ and by its colour before the
+// sigmoid. `pull`: |α ∂L/∂α|.
+void scatter(float weight, float d_sigma, float pull, vec3 d_raw);
+
+void main() {
+    const Ray ray = tile_ray();
+    const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
+    const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
+    const vec4 truth = texelFetch(target, int(ray.index));
+    const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
+    const float pull = push.lambda_point * max(truth.a, 0.0);
+    sh_y = sh_basis(ray.direction_world);
+    Composite sum = composite_begin();
+    March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
+                              ray.direction_world / push.box_size.xyz);
+    march.inside = march.inside && ray.inside && d_ray != vec4(0.0);
+    MarchSegment part;
+    while (sum.transmittance >= push.box_min.w && march_next(march, part)) {
+        const float delta = part.t_out - part.t_in;
+        const vec3 c = sample_colour();
+        const float weight = composite_add(sum, sigma, delta, c, 0.0);
+        const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
+        const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
+        // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
+        const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
+        scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
+    }
+}
