@@ -15,22 +15,10 @@ layout(binding = kSliceLeaves) uniform utextureBuffer slot_leaf;
 layout(binding = kSliceLive, std430) readonly buffer Live { LiveCount live; };
 layout(binding = kSliceSh, rgba32f) writeonly uniform imageBuffer slice_sh;
 layout(push_constant) uniform Push { SlicePush push; };
-#include "weights.glsl"
-
-void store_band(uint slot, uint leaf, uint l, vec4 radial) {
-    for (uint j = l * l; j < (l + 1u) * (l + 1u); j++) {
-        const vec3 k = slice_coefficient(leaf, j, radial, l, push.leaf_count);
-        imageStore(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));
-    }
-}
+#include "slice_leaf.glsl"
 
 void main() {
     const uint slot = gl_GlobalInvocationID.x;
     if (slot >= min(live.slots, push.capacity)) return;
-    const uint leaf = texelFetch(slot_leaf, int(slot)).x;
-    const HhRadial radial = hh_radial(leaf_gamma(leaf, push.leaf_count));
-    store_band(slot, leaf, 0u, radial.l0);
-    if (kHhDegree >= 1u) store_band(slot, leaf, 1u, radial.l1);
-    if (kHhDegree >= 2u) store_band(slot, leaf, 2u, radial.l2);
-    if (kHhDegree >= 3u) store_band(slot, leaf, 3u, radial.l3);
+    store_slice_colour(slot, texelFetch(slot_leaf, int(slot)).x, push.leaf_count);
 }

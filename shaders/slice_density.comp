@@ -28,7 +28,7 @@ void store_leaf(uint leaf, float sigma, uint slot) {
     const bool overflows = sigma > 0.0 && slot >= push.capacity;
     if (overflows) atomicAdd(live.overflow, 1u);
     imageStore(head, int(leaf), uvec4(overflows ? 0u : floatBitsToUint(sigma), slot, 0u, 0u));
-    if (sigma <= 0.0 || overflows) return;
+    if (!(sigma > 0.0) || overflows) return;
     imageStore(slot_leaf, int(slot), uvec4(leaf));
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
     atomicOr(node_live[cells.x], cells.y);

@@ -15,7 +15,7 @@
 #include "tools/report.h"
 #include "training/direct_step.h"
 #include "training/schedule.h"
-#include "training/step.h"
+#include "training/train.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -43,7 +43,14 @@ class PassTable {
         }
     }
     const std::vector<std::string>& names() const { return names_; }
-    double median_of(const std::string& name) const { return median(times_.at(name)); }
+    // Of a step: a pass that only some steps have counts by its share of them.
+    double milliseconds(const std::string& name) const {
+        size_t steps = 0;
+        for (const auto& [other, times] : times_) steps = std::max(steps, times.size());
+        if (!times_.contains(name)) return 0;  // no step had it
+        const std::vector<double>& times = times_.at(name);
+        return median(times) * static_cast<double>(times.size()) / static_cast<double>(steps);
+    }
 
   private:
     std::vector<std::string> names_;
@@ -60,7 +67,8 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// How long the device takes to copy the weights once: reads and writes of as many bytes as the optimiser's buffers have.
+// How long the device takes to copy the weights once: reads and writes of as many bytes as the optimiser's buffers
+// have.
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
     Commands commands(device, "copy");
     commands.begin();
@@ -80,7 +88,7 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
     std::optional<DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, best_atomic_add(device));
-    BatchSampler sampler(dataset, options.tiles, 1);
+    BatchSampler sampler(dataset, options.tiles, 1, kBatchesPerInstant);
     BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
     Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
@@ -90,16 +98,16 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
         settings.stop = kTrainingStop;
         settings.adam.step = i + 1;
-        settings.learn_rows = tree.bases < tree.frames;
+        settings.learn_rows = tree.bases < tree.frames && i % kStepsPerRows == 0;
+        settings.lambda_smooth = TrainSettings().lambda_smooth;
         load_batch(dataset, batch, step.rays(), step.batch());
         const double start = seconds_now();
         step.submit(settings);
         const StepResult found = step.wait();
         const double took = seconds_now() - start;
         if (found.overflow > 0)
-            throw RuntimeFailure(
-                fmt::format("{} live leaves found no slot on this device: the scene is too large to train on it",
-                            found.overflow));
+            throw RuntimeFailure(fmt::format(
+                "{} live leaves found no slot on this device: the scene is too large to train on it", found.overflow));
         if (direct) {
             load_batch(dataset, batch, direct->rays(), direct->batch());
             direct->run(settings);
@@ -118,15 +126,15 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
     return result;
 }
 
-// Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written; the
-// slot's gradient, read and cleared.
+// Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written, and
+// the weights once more for the slice that it keeps; the slot's gradient, read and cleared; its σ and SH, written.
 double optimiser_bytes(const Field& field, double touched) {
     const double planes = 2.0 * field.busy_planes + hh_count(field.hh_degree);
-    return touched * (96 * planes + 8.0 * gradient_stride(field.hh_degree));
+    return touched * (112 * planes + 8.0 * gradient_stride(field.hh_degree) + 8 + 16.0 * sh_count(field.hh_degree));
 }
 
 void print_passes(const PassTable& table) {
-    for (const std::string& name : table.names()) fmt::print("  {:<16} {:>9.2f} ms\n", name, table.median_of(name));
+    for (const std::string& name : table.names()) fmt::print("  {:<16} {:>9.2f} ms\n", name, table.milliseconds(name));
 }
 
 // Slice-space against direct gradients.
@@ -139,14 +147,14 @@ void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
     print_passes(result.direct);
     const auto sum = [](const PassTable& table, std::initializer_list<const char*> names) {
         double total = 0;
-        for (const char* name : names) total += table.median_of(name);
+        for (const char* name : names) total += table.milliseconds(name);
         return total;
     };
     fmt::print("scattering gradients from rays: slice-space {:.1f} times as fast as direct\n",
                sum(result.direct, {"direct adjoint"}) / sum(result.slice, {"trace adjoint"}));
-    fmt::print("forwards and backwards: {:.1f} times as fast (slice-space with, direct without the optimiser)\n",
+    fmt::print("forwards and backwards: {:.1f} times as fast (slice-space with the optimiser, direct without)\n",
                sum(result.direct, {"direct", "direct adjoint"}) /
-                   sum(result.slice, {"slice", "trace", "trace adjoint", "slice adjoint"}));
+                   sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
 void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
@@ -165,7 +173,8 @@ void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
     print_ratio(result, 8 * field.busy_planes + 3 * hh_count(tree.hh_degree));
     fmt::print("training: {:.0f}k rays/s\n", rays / median(result.step_seconds) / 1000);
     const double copied = 2 * static_cast<double>(field.weights.bytes) / median(result.copy_ms) / 1e6;
-    const double optimised = optimiser_bytes(field, median(result.touched)) / result.slice.median_of("slice adjoint") / 1e6;
+    const double optimised =
+        optimiser_bytes(field, median(result.touched)) / result.slice.milliseconds("slice adjoint") / 1e6;
     fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
                100 * optimised / copied, copied);
 }
@@ -182,13 +191,13 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     add_format_option(*training, options->format);
     training->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
     training->add_option("--repeats", options->repeats, "Steps that the medians are over")->check(CLI::Range(1, 10000));
-    training->footer(std::string("Runs steps of training on the scene as it is, each also the paper's way (every number of "
-                                 "a leaf at every sample),\n"
-                                 "and prints the median GPU time of each pass, their ratio, and the share of the device's "
-                                 "bandwidth that the\n"
-                                 "optimiser reaches. Weights stay as they are. ") +
-                     kDeviceHelp + kExamplesHead +
-                     "  neuvv bench train build/performer.nvv build/performer --repeats 50");
+    training->footer(
+        std::string("Runs steps of training on the scene as it is, each also the paper's way (every number of "
+                    "a leaf at every sample),\n"
+                    "and prints the median GPU time of each pass, their ratio, and the share of the device's "
+                    "bandwidth that the\n"
+                    "optimiser reaches. Weights stay as they are. ") +
+        kDeviceHelp + kExamplesHead + "  neuvv bench train build/performer.nvv build/performer --repeats 50");
     training->callback([options, &common] { run_train(*options, common); });
 }
 

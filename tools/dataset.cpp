@@ -195,13 +195,10 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
                 hull.found ? text(*hull.found) + ", what the mattes leave at the instants looked at" : hull.missing);
 }
 
-// Pictures are held as RGBA bytes.
-void print_memory(const Rig& rig, const Dataset& seen) {
-    double pixels = 0;
-    for (const Camera& camera : seen.cameras) pixels += static_cast<double>(camera.width) * camera.height;
-    const double bytes = 4 * pixels / static_cast<double>(seen.cameras.size()) * static_cast<double>(rig.shots.size());
+void print_memory(const Rig& rig) {
     print_field("memory",
-                size_text(static_cast<uint64_t>(bytes)) + " for these pictures in training, next to the model");
+                fmt::format("{} for these pictures in training, next to the model; half of what is free is {}",
+                            size_text(picture_need(rig).bytes), size_text(picture_budget())));
 }
 
 void draw(const std::filesystem::path& folder, const Rig& rig, const std::vector<RigCamera>& train,
@@ -249,7 +246,7 @@ void run(const DatasetOptions& options) {
     print_frames(rig);
     print_layers(rig, options, matte);
     print_box(rig.box, hull);
-    print_memory(rig, seen);
+    print_memory(rig);
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<Rig>& split) {
         return split.found ? split.found->cameras : std::vector<RigCamera>();

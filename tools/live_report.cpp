@@ -22,10 +22,10 @@ void expect_extension(const char* option, const std::filesystem::path& file, con
     prepare_output_file(option, file);
 }
 
-Dataset shown_dataset(const Dataset& training, const std::string& format) {
+Dataset shown_dataset(const Dataset& training, const LoadOptions& load) {
     try {
-        return preview_dataset(load_dataset(training.folder, Split::kTest, {.format = format}));
-    } catch (const InputError& error) {
+        return preview_dataset(load_dataset(training.folder, Split::kTest, load));
+    } catch (const std::runtime_error& error) {
         fmt::print(stderr, "the preview shows a training picture, as no held-out one can be read: {}\n", error.what());
         return preview_dataset(training);
     }
@@ -38,9 +38,9 @@ void prepare_live_outputs(const LiveOptions& options) {
     if (!options.metrics.empty()) expect_extension("--metrics", options.metrics, ".jsonl");
 }
 
-LiveReport::LiveReport(const Device& device, const Dataset& training, const std::string& format, LiveOptions options)
+LiveReport::LiveReport(const Device& device, const Dataset& training, const LoadOptions& load, LiveOptions options)
     : device_(device), options_(std::move(options)) {
-    if (!options_.preview.empty()) shown_ = shown_dataset(training, format);
+    if (!options_.preview.empty()) shown_ = shown_dataset(training, load);
 }
 
 void LiveReport::update(const TrainProgress& now) {

@@ -19,7 +19,7 @@ void prepare_live_outputs(const LiveOptions& options);
 class LiveReport {
   public:
     // Loads a held-out picture where a preview is wanted; a data set without any gives one of the training's.
-    LiveReport(const Device& device, const Dataset& training, const std::string& format, LiveOptions options);
+    LiveReport(const Device& device, const Dataset& training, const LoadOptions& load, LiveOptions options);
 
     // Call with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
     // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.

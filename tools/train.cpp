@@ -10,6 +10,8 @@
 #include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
+#include "training/formats.h"
+#include "training/pictures.h"
 #include "training/psi_tree.h"
 #include "training/schedule.h"
 #include "training/train.h"
@@ -22,7 +24,7 @@ struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string format = kAnyFormat;
     TrainSettings settings;
-    double max_megabytes = 0;
+    double max_megabytes = 0, picture_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
     std::string init = "hull";
@@ -71,17 +73,34 @@ void prepare_output(const std::filesystem::path& output) {
     prepare_output_file("--output", output);
 }
 
+LoadOptions load_options(const TrainOptions& options) {
+    const bool given = options.picture_gigabytes > 0;
+    return {.format = options.format,
+            .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.picture_gigabytes) : picture_budget()};
+}
+
+// Says what the pictures will take before it reads them.
+Dataset load_pictures(const TrainOptions& options, const LoadOptions& load) {
+    const uint64_t budget = load.memory_bytes;
+    const Rig rig = read_rig(options.dataset, Split::kTrain, options.format);
+    const PictureNeed need = picture_need(rig);
+    fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures of {}x{} = {}, budget {}{}\n", options.dataset.string(),
+               need.cameras, need.frames, need.pictures, need.width, need.height, size_text(need.bytes),
+               size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
+    return read_pictures(rig, load);
+}
+
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
     prepare_live_outputs(options.live);
     catch_stop_signals();
     const Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    const Dataset dataset = load_dataset(options.dataset, Split::kTrain, {.format = options.format});
-    fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures\n", options.dataset.string(), dataset.cameras.size(),
-               dataset.times.size(), dataset.views.size());
-    LiveReport live(device, dataset, options.format, options.live);
+    const LoadOptions load = load_options(options);
+    const Dataset dataset = load_pictures(options, load);
+    LiveReport live(device, dataset, load, options.live);
     TrainSettings settings = options.settings;
+    settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     VOctree first_tree;
@@ -147,10 +166,23 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
         ->excludes(most_leaves)
         ->excludes(most_memory);
+    verb->add_option("--lambda-grad", options->settings.lambda_grad, "Weight of the gradient loss L_grad")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str();
+    verb->add_option("--lambda-point", options->settings.lambda_point, "Weight of the loss of each sample's own colour")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str();
+    verb->add_option("--lambda-smooth", options->settings.lambda_smooth,
+                     "Weight of the difference in opacity of neighbouring leaves")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str();
+    verb->add_option("--picture-memory", options->picture_gigabytes,
+                     "GB that pictures may take in memory; more are streamed from disk (default: half of what is free)")
+        ->check(CLI::Range(1e-6, 1e6));
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
     verb->add_flag(
         "--resume", options->settings.resume,
-        "Go on from OUTPUT.state; shape, bounds and seed are the run's, --minutes or --steps its whole budget");
+        "Go on from OUTPUT.state; shape, bounds, losses and seed are the run's, --minutes or --steps its whole budget");
     verb->add_option("--preview", options->live.preview,
                      "Keep this PNG showing a held-out picture: truth, render, error; rewritten every few seconds");
     verb->add_option("--metrics", options->live.metrics,

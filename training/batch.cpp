@@ -35,10 +35,11 @@ std::vector<bool> find_foreground(const Image& image) {
 
 }  // namespace
 
-BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed)
+BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row)
     : dataset_(dataset),
       tiles_per_batch_(tiles_per_batch),
       seed_(seed),
+      in_a_row_(in_a_row),
       random_(seed),
       has_foreground_(dataset.views.size()) {
     parallel_for(dataset.views.size(), 8, [&](size_t begin, size_t end) {
@@ -75,19 +76,22 @@ void BatchSampler::refill(Instant& instant) {
 }
 
 BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
+    if (left_ == 0 && !round_.empty()) round_.pop_back();
     if (round_.empty()) {
         round_.resize(instants_.size());
         std::iota(round_.begin(), round_.end(), 0u);
         shuffle(round_);
     }
+    if (left_ == 0) left_ = in_a_row_;
+    left_--;
     Drawn drawn{round_.back(), {}};
-    round_.pop_back();
     Instant& instant = instants_[drawn.instant];
     if (instant.queue.empty()) refill(instant);
     const size_t wanted = std::max<size_t>(tiles_per_batch_ / (samples * samples), 1);
     const auto first = instant.queue.end() - static_cast<ptrdiff_t>(std::min(wanted, instant.queue.size()));
     drawn.tiles.assign(first, instant.queue.end());
     instant.queue.erase(first, instant.queue.end());
+    if (instant.queue.empty()) left_ = 0;
     drawn_++;
     return drawn;
 }

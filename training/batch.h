@@ -18,14 +18,15 @@ struct Batch {
     uint32_t samples = 1;               // rays a pixel, per side: tiles are of pictures enlarged so much
 };
 
-// Draws batches: instants in random rounds; of an instant's pictures every tile with foreground once an epoch, and a
-// fifth of the tiles without. A tile's rays all leave from one random place inside their pixels: a pixel is a mean over
-// its area, and what the field shows at its centre must not stand for the rest. Behind the rays stands the captured
-// plate where there is one, else one random colour a tile. The same seed and data give the same batches.
+// Draws batches: instants in random rounds, `in_a_row` batches each where its epoch lasts as long; of an instant's
+// pictures every tile with foreground once an epoch, and a fifth of the tiles without. A tile's rays all leave from one
+// random place inside their pixels: a pixel is a mean over its area, and what the field shows at its centre must not
+// stand for the rest. Behind the rays stands the captured plate where there is one, else one random colour a tile. The
+// same seed and data give the same batches.
 class BatchSampler {
   public:
     // The data set must outlive it.
-    BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed);
+    BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1);
 
     // At most tiles_per_batch tiles (or one picture tile's samples²), never none. `samples` divides kTile.
     Batch next(uint32_t samples = 1);
@@ -59,9 +60,11 @@ class BatchSampler {
     const Dataset& dataset_;
     uint32_t tiles_per_batch_;
     uint64_t seed_, drawn_ = 0;
+    uint32_t in_a_row_;
     std::mt19937_64 random_;
     std::vector<Instant> instants_;
-    std::vector<uint32_t> round_;                    // instants left of this round
+    std::vector<uint32_t> round_;                    // instants left of this round, the last one drawn from
+    uint32_t left_ = 0;                              // batches that it still gives
     std::vector<std::vector<bool>> has_foreground_;  // per view, per tile
     uint64_t rays_per_epoch_ = 0;
 };

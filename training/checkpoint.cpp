@@ -19,7 +19,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr uint32_t kMaxSteps = 1u << 31;
+constexpr uint32_t kMaxSteps = 1u << 31, kMaxTilesPerStep = 65536;
 
 // bfloat16, rounded to nearest: moments steer steps, three digits are enough.
 uint16_t bfloat_from_float(float value) {
@@ -114,7 +114,12 @@ NvvChunk run_chunk(const RunState& run) {
                                  {"elapsed_s", run.elapsed_s},
                                  {"rays", run.rays},
                                  {"minutes", run.minutes},
-                                 {"steps", run.steps}};
+                                 {"steps", run.steps},
+                                 {"tiles_per_step", run.tiles_per_step},
+                                 {"lambda_grad", run.lambda_grad},
+                                 {"lambda_point", run.lambda_point},
+                                 {"lambda_smooth", run.lambda_smooth},
+                                 {"program", run.program}};
     const std::string text = json.dump();
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
@@ -147,18 +152,23 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
         json.at("rays").get_to(run.rays);
         json.at("minutes").get_to(run.minutes);
         read_count(json, "steps", run.steps);
+        read_count(json, "tiles_per_step", run.tiles_per_step, kMaxTilesPerStep);
+        json.at("lambda_grad").get_to(run.lambda_grad);
+        json.at("lambda_point").get_to(run.lambda_point);
+        json.at("lambda_smooth").get_to(run.lambda_smooth);
+        json.at("program").get_to(run.program);
     } catch (const nlohmann::json::exception&) {
         throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
     } catch (const std::out_of_range& key) {
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
                          "train without --resume");
     }
-    for (const double amount : {run.elapsed_s, run.rays, run.minutes})
-        if (!(amount >= 0))
+    for (const double amount : {run.elapsed_s, run.rays, run.minutes, double{run.lambda_grad}, double{run.lambda_point},
+                                double{run.lambda_smooth}})
+        if (!(amount >= 0) || !std::isfinite(amount))
             throw InputError(path.string(), "chunk run0", "holds a number out of range", "train without --resume");
-    if (run.max_depth < 1)
-        throw InputError(path.string(), "chunk run0", "holds a number out of range: \"max_depth\"",
-                         "train without --resume");
+    if (run.max_depth < 1 || run.tiles_per_step < 1)
+        throw InputError(path.string(), "chunk run0", "holds a 0 where none can be", "train without --resume");
     return run;
 }
 

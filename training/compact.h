@@ -6,10 +6,11 @@
 
 namespace neuvv {
 
-// Rounds every weight: a leaf's colour moves by 0.012 in linear light at most and a tenth of that mostly, its optical
-// depth by 1 %, and pixels are means of many leaves (mage: 0.001 dB). And, where each frame has a basis of its
-// own (A and B are identities), zeroes w^σ and w^γ of frames in which a leaf is empty. A frame's picture stays as it
-// was; between two frames a leaf that comes or goes does so over the whole of the interval.
+// Rounds every weight: where each frame has a basis of its own, a leaf's colour moves by hundredths of linear light at
+// most and its optical depth by 3 %; where frames share bases, weights by 1 %. Pixels are means of many leaves
+// (RESULTS.md: what it costs). And, where each frame has a basis of its own (A and B are identities), zeroes w^σ and
+// w^γ of frames in which a leaf is empty. A frame's picture stays as it was; between two frames a leaf that comes or
+// goes does so over the whole of the interval.
 void make_compact(VOctree& tree);
 
 }  // namespace neuvv

@@ -1,7 +1,9 @@
 #include "training/dataset.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/platform.h"
 #include "training/formats.h"
 #include "training/pictures.h"
 
@@ -9,6 +11,10 @@ namespace neuvv {
 
 Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options) {
     return read_pictures(read_rig(folder, split, options.format), options);
+}
+
+uint64_t picture_budget() {
+    return std::max<uint64_t>(available_memory_bytes() / 2, 1);
 }
 
 double frame_of_time(double time, uint32_t frames) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct View {
 };
 
 struct Dataset {
+    std::shared_ptr<std::pmr::memory_resource> spool;  // what the views' pixels lie in (null: plain memory); goes last
     std::filesystem::path folder;
     std::vector<Camera> cameras;  // distinct poses and intrinsics, in order of first use
     std::vector<View> views;
@@ -43,7 +45,11 @@ enum class Split { kTrain, kTest, kVal };  // kVal: of the layouts that know it
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()
     bool mattes_needed = true;    // false: pictures without a matte are taken as they are
+    uint64_t memory_bytes = 0;    // that pictures may take (0: picture_budget()); more of them wait on disk
 };
+
+// Bytes that pictures may take where nothing else is said: a share of what is free, as the model wants room, too.
+uint64_t picture_budget();
 
 // Recognises the folder's layout (training/README.md), and reads the cameras and pictures of a split. Throws
 // InputError naming file, place and mend for anything missing, mistyped, non-finite, not a rigid pose, of zero size, or

@@ -20,7 +20,7 @@ void DirectStep::run(const StepSettings& settings) {
     record_rows(commands_, slicer_, settings.frame);
     record_direct(commands_, tracer_, settings.tiles, settings.stop);
     record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
-    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.pixel_lambda_point());
+    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.share() * settings.lambda_point);
     commands_.submit();
     commands_.wait();
 }

@@ -1,5 +1,5 @@
-// A step of training the paper's way, forwards and backwards without a slice: the reference that a TrainingStep is measured
-// and checked against. No weight moves.
+// A step of training the paper's way, forwards and backwards without a slice: the reference that a TrainingStep is
+// measured and checked against. No weight moves.
 #pragma once
 
 #include "training/direct_adjoint.h"
@@ -17,7 +17,7 @@ class DirectStep {
     const Field& field() const { return field_; }
     const Buffer& gradients() const { return gradients_; }  // ∂L/∂weights of the last run, laid out as the field's
 
-    // Blocks until it is done. Takes frame, tiles, samples, stop and the losses' weights from the settings.
+    // Blocks until it is done. Takes frame, tiles, samples, stop and the rays' losses from the settings.
     void run(const StepSettings& settings);
     std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/platform.h"
 #include "training/picture_reader.h"
 #include "training/undistort.h"
 
@@ -162,6 +163,40 @@ class CameraLoader {
     PictureReader pictures_, masks_, mattes_;
 };
 
+std::vector<Camera> cameras_of(const Rig& rig) {
+    std::vector<const Shot*> first(rig.cameras.size());
+    for (const Shot& shot : rig.shots)
+        if (!first[shot.camera]) first[shot.camera] = &shot;
+    std::vector<Camera> cameras;
+    for (size_t c = 0; c < rig.cameras.size(); ++c) {
+        const Lens& lens = rig.cameras[c].lens;
+        const ImageSize size = lens.width ? ImageSize{lens.width, lens.height} : size_of(first[c]->picture);
+        cameras.push_back(make_camera(rig.cameras[c], size));
+    }
+    return cameras;
+}
+
+uint64_t bytes_of(const Rig& rig, const std::vector<Camera>& cameras) {
+    uint64_t bytes = 0;
+    for (const Shot& shot : rig.shots) bytes += uint64_t{4} * cameras[shot.camera].width * cameras[shot.camera].height;
+    return bytes;
+}
+
+// Where pictures would not fit, their pixels go to a file that the system pages from (else null).
+std::shared_ptr<std::pmr::memory_resource> make_room(const Rig& rig, uint64_t bytes, const LoadOptions& options) {
+    if (bytes <= (options.memory_bytes > 0 ? options.memory_bytes : picture_budget())) return nullptr;
+    const std::filesystem::path cache = cache_folder();
+    constexpr uint64_t kRounding = 64;  // of each picture
+    try {
+        return spooled_memory(cache.empty() ? "/var/tmp" : cache, bytes + kRounding * rig.shots.size());
+    } catch (const RuntimeFailure& failure) {
+        throw RuntimeFailure(
+            fmt::format("{}; point XDG_CACHE_HOME to a folder on a disk with room for these pictures, or "
+                        "take fewer or smaller ones",
+                        failure.what()));
+    }
+}
+
 void expect_matte(const Rig& rig, const Dataset& dataset) {
     bool clear = false, solid = false;
     for (const View& view : dataset.views)
@@ -183,6 +218,19 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
 
 }  // namespace
 
+PictureNeed picture_need(const Rig& rig) {
+    const std::vector<Camera> cameras = cameras_of(rig);
+    PictureNeed need{.pictures = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
+    std::set<double> times;
+    for (const Shot& shot : rig.shots) times.insert(shot.time);
+    need.frames = times.size();
+    for (const Camera& camera : cameras) {
+        need.width = std::max(need.width, camera.width);
+        need.height = std::max(need.height, camera.height);
+    }
+    return need;
+}
+
 Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
     Dataset dataset;
     dataset.folder = rig.folder;
@@ -190,17 +238,16 @@ Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
     dataset.fps = rig.fps;
     std::set<double> times;
     std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // by camera, in their order
-    for (const Shot& shot : rig.shots) {
-        shots[shot.camera].push_back(static_cast<uint32_t>(dataset.views.size()));
-        dataset.views.push_back({shot.name, shot.camera, shot.time, {}});
-        times.insert(shot.time);
+    for (uint32_t i = 0; i < rig.shots.size(); i++) {
+        shots[rig.shots[i].camera].push_back(i);
+        times.insert(rig.shots[i].time);
     }
     dataset.times.assign(times.begin(), times.end());
-    for (size_t c = 0; c < rig.cameras.size(); ++c) {
-        const Lens& lens = rig.cameras[c].lens;
-        dataset.cameras.push_back(make_camera(rig.cameras[c], lens.width ? ImageSize{lens.width, lens.height}
-                                                                         : size_of(rig.shots[shots[c].at(0)].picture)));
-    }
+    dataset.cameras = cameras_of(rig);
+    dataset.spool = make_room(rig, bytes_of(rig, dataset.cameras), options);
+    for (const Shot& shot : rig.shots)
+        dataset.views.push_back({shot.name, shot.camera, shot.time,
+                                 Image(dataset.spool ? dataset.spool.get() : std::pmr::get_default_resource())});
     dataset.plates.resize(rig.cameras.size());
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);

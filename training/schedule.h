@@ -13,8 +13,8 @@ struct Stage {
     float prune_below;
     float divide_share;
 };
-constexpr Stage kStages[] = {{0, 0, 0},           {0.01, 0.003f, 1},    {0.05, 0.003f, 1}, {0.15, 0.03f, 0},
-                             {0.3, 0.05f, 0.05f}, {0.45, 0.05f, 0.05f}, {0.7, 0.05f, 0}};
+constexpr Stage kStages[] = {{0, 0, 0},          {0.01, 0.003f, 1},   {0.05, 0.003f, 1}, {0.15, 0.03f, 0},
+                             {0.3, 0.05f, 0.1f}, {0.45, 0.05f, 0.1f}, {0.7, 0.05f, 0}};
 constexpr uint32_t kStageCount = sizeof(kStages) / sizeof(kStages[0]);
 constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
 constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel
@@ -26,13 +26,16 @@ constexpr double kFrameCoverage = 1;      // and before it does for single frame
 constexpr double kDivideCoverage = 0.05;  // epochs that a stage needs before its reach says what not to divide
 constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
 constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
-constexpr uint32_t kMaxTrainingLeaves = 2'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
+constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
 // One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs
 // edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the pictures that they are measured by.
 constexpr double kSeveralRaysFrom = 0.7;
 constexpr uint32_t kSeveralRays = 2;      // per side
 constexpr double kSeveralRaysEpochs = 4;  // that must have passed: a short run needs its rays for more pixels
+
+// Steps of one instant in a row: all but the first need not slice.
+constexpr uint32_t kBatchesPerInstant = 4;
 
 constexpr float kTrainingStop = 1.0f / 256;  // rays end where transmittance falls below
 

@@ -6,7 +6,6 @@
 
 #include "spirv/rows_adjoint.comp.h"
 #include "spirv/slice_adjoint.comp.h"
-#include "spirv/touched.comp.h"
 
 namespace neuvv {
 
@@ -36,7 +35,9 @@ BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slic
                              {kAdjointReach, &gradients.reach},
                              {kAdjointLeafUse, &tally.use},
                              {kAdjointLeafFrames, &tally.frames},
-                             {kAdjointLeafEdge, &tally.edge},
+                             {kAdjointPlaces, &tally.places},
+                             {kAdjointHead, &slice.head},
+                             {kAdjointSh, &slice.sh},
                              {kAdjointPartials, &gradients.partials}});
 }
 
@@ -59,17 +60,17 @@ LeafTally::LeafTally(const Device& device, const VOctree& tree)
     : use(device, "leaf use", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
       frames(device, "leaf frames", uint64_t{4} * frame_words(tree) * tree.leaf_count, MemoryKind::kDevice,
              VK_FORMAT_R32_UINT),
-      edge(device, "leaf edges", uint64_t{4} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT) {
+      places(device, "leaf places", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT) {
     run_once(device, "clear leaf use", [&](Commands& commands) {
         fill(commands, use, 0);
         fill(commands, frames, 0);
         compute_barrier(commands);
     });
-    std::vector<float> edges;
-    edges.reserve(tree.leaf_count);
+    std::vector<glm::uvec2> packed;
+    packed.reserve(tree.leaf_count);
     for (const LeafPlace& place : leaf_places(tree))
-        edges.push_back(tree.box_size.x / static_cast<float>(1u << place.depth));
-    upload(device, edge, edges.data(), edges.size() * sizeof(float));
+        packed.push_back({place.x | place.y << 16, place.z | place.depth << 16});
+    upload(device, places, packed.data(), packed.size() * sizeof(glm::uvec2));
 }
 
 LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree) {
@@ -96,18 +97,12 @@ void write_use(const Device& device, const LeafTally& tally, const LeafUse& use)
 SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice& slice,
                            const SliceGradients& gradients, const Moments& moments, const LeafTally& tally)
     : field_(field),
-      slice_(slice),
       gradients_(gradients),
-      touched_(device, "touched", touched_comp),
       leaves_(device, "slice adjoint", slice_adjoint_comp,
               {field.hh_degree, field.basis_planes(), 0, field.busy_planes}),
       leaves_and_rows_(device, "slice adjoint with rows", slice_adjoint_comp,
                        {field.hh_degree, field.basis_planes(), 1, field.busy_planes}),
       rows_(device, "rows adjoint", rows_adjoint_comp),
-      touched_set_(touched_, {{kTouchedReach, &gradients.reach},
-                              {kTouchedLive, &slice.live},
-                              {kTouchedSlots, &gradients.touched},
-                              {kTouchedCount, &gradients.touched_count}}),
       leaves_set_(leaf_bindings(leaves_, field, slice, gradients, moments, tally)),
       leaves_and_rows_set_(leaf_bindings(leaves_and_rows_, field, slice, gradients, moments, tally)),
       rows_set_(rows_, {{kRowsAdjointPartials, &gradients.partials},
@@ -121,10 +116,6 @@ void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float
                           const AdamSettings& adam, bool learn_rows) {
     const PassScope scope(commands, "slice adjoint");
     const Field& field = adjoint.field_;
-    update(commands, adjoint.gradients_.touched_count, LiveCount{0, 1, 1, 0, 0});
-    compute_barrier(commands);
-    dispatch_indirect(commands, adjoint.touched_, adjoint.touched_set_, adjoint.slice_.live, 0, nullptr, 0);
-    compute_barrier(commands);
     const float last = static_cast<float>(field.frames - 1);
     const SliceAdjointPush push{adam_push(adam),
                                 field.leaf_count,
@@ -134,7 +125,8 @@ void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float
                                 rates.sigma,
                                 rates.gamma,
                                 rates.colour,
-                                rates.detail};
+                                rates.detail,
+                                field.box_size.x};
     dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
                       learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_, adjoint.gradients_.touched_count,
                       0, push);

@@ -28,7 +28,7 @@ struct LeafTally {
 
     Buffer use;     // (reach, pull)
     Buffer frames;  // bits
-    Buffer edge;    // metres
+    Buffer places;  // (x | y << 16, z | depth << 16): cell coordinates at the leaf's own depth
 };
 
 LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree);
@@ -58,13 +58,13 @@ class SliceAdjoint {
     friend void record_slice_adjoint(Commands&, const SliceAdjoint&, float, const LearningRates&, const AdamSettings&,
                                      bool);
     const Field& field_;
-    const Slice& slice_;
     const SliceGradients& gradients_;
-    ComputePass touched_, leaves_, leaves_and_rows_, rows_;
-    BindingSet touched_set_, leaves_set_, leaves_and_rows_set_, rows_set_;
+    ComputePass leaves_, leaves_and_rows_, rows_;
+    BindingSet leaves_set_, leaves_and_rows_set_, rows_set_;
 };
 
-// `frame` is that of the slice. Rows move too where `learn_rows`.
+// After record_touched. `frame` is that of the slice. Rows move too where `learn_rows`; where they do not, the slice is
+// still that of the field afterwards.
 void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows);
 

@@ -6,11 +6,15 @@
 namespace neuvv {
 
 void record_step(Commands& commands, TrainingStep& s, const StepSettings& settings) {
-    record_slice(commands, s.slicer_, settings.frame);
+    if (s.sliced_ != settings.frame) record_slice(commands, s.slicer_, settings.frame);
+    s.sliced_ = settings.frame;
+    if (settings.learn_rows) s.sliced_.reset();
     record_trace(commands, s.tracer_, settings.tiles, settings.stop);
     record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad, settings.samples);
     record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop,
-                         settings.pixel_lambda_point());
+                         settings.share() * settings.lambda_point);
+    record_touched(commands, s.touched_list_);
+    if (settings.lambda_smooth > 0) record_smooth(commands, s.smoother_, settings.share() * settings.lambda_smooth);
     record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
                          settings.learn_rows);
     copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
@@ -41,6 +45,8 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
       trace_adjoint_(device, field_, slice_, rays_, batch_, gradients_, best_atomic_add(device)),
+      touched_list_(device, slice_, gradients_),
+      smoother_(device, field_, slice_, gradients_, tally_),
       slice_adjoint_(device, field_, slice_, gradients_, moments_, tally_),
       commands_(device, "training step") {}
 

@@ -1,8 +1,12 @@
 // One step of training on the device: a batch of tiles of one frame, forwards and backwards.
 #pragma once
 
+#include <optional>
+
 #include "training/loss.h"
 #include "training/slice_adjoint.h"
+#include "training/smooth.h"
+#include "training/touched.h"
 #include "training/trace_adjoint.h"
 
 namespace neuvv {
@@ -12,14 +16,15 @@ struct StepSettings {
     uint32_t tiles = 0;
     float lambda_grad = 0.1f;
     float lambda_point = 0.2f;
+    float lambda_smooth = 0;
     uint32_t samples = 1;  // rays a pixel, per side
     float stop = kStopTransmittance;
     LearningRates rates;
     AdamSettings adam;
     bool learn_rows = false;
 
-    // A pixel's point loss is the mean over its rays.
-    float pixel_lambda_point() const { return lambda_point / static_cast<float>(samples * samples); }
+    // What a ray takes of its pixel.
+    float share() const { return 1.0f / static_cast<float>(samples * samples); }
 };
 
 struct StepResult {
@@ -73,12 +78,15 @@ class TrainingStep {
     Tracer tracer_;
     Loss loss_;
     TraceAdjoint trace_adjoint_;
+    TouchedList touched_list_;
+    Smoother smoother_;
     SliceAdjoint slice_adjoint_;
     Commands commands_;
     uint32_t tiles_ = 0;
+    std::optional<float> sliced_;  // the frame that slice_ is of, where it is that of the weights as they are
 };
 
-// The whole step, pass by pass.
+// The whole step, pass by pass. Slices only where the step before was not at the same frame.
 void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
 
 }  // namespace neuvv

@@ -57,7 +57,7 @@ class Run {
           output_(std::move(output)),
           began_(seconds_now()),
           // Braces: begin() sets the seed, so it must come first.
-          sampler_{begin(), settings.tiles_per_step, run_.seed} {
+          sampler_{begin(), run_.tiles_per_step, run_.seed, kBatchesPerInstant} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(
                 state_path(output_).string(), "",
@@ -120,6 +120,11 @@ const Dataset& Run::begin() {
         run_.max_leaves = settings_.max_leaves;
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
+        run_.tiles_per_step = settings_.tiles_per_step;
+        run_.lambda_grad = settings_.lambda_grad;
+        run_.lambda_point = settings_.lambda_point;
+        run_.lambda_smooth = settings_.lambda_smooth;
+        run_.program = settings_.program;
         tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
             throw InputError("--max-leaves", std::to_string(run_.max_leaves),
@@ -146,6 +151,9 @@ const Dataset& Run::begin() {
 // many bytes as those of the last checkpoint.
 uint32_t Run::max_leaves() const {
     uint64_t most = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
+    const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
+    most = std::min<uint64_t>(most, device_.limits().maxTexelBufferElements / planes);
+    most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
     if (run_.max_bytes > 0 && file_bytes_ > 0)
         most = std::min(most, std::max<uint64_t>(run_.max_bytes * tree_.leaf_count / file_bytes_, 1));
@@ -163,7 +171,7 @@ void Run::make_step() {
     for (const LeafPlace& place : leaf_places(tree_)) finest_ = std::max(finest_, place.depth);
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
-                                           settings_.tiles_per_step);
+                                           run_.tiles_per_step);
 }
 
 void Run::begin_stage_if_due() {
@@ -237,6 +245,9 @@ StepSettings Run::step_settings(double time) const {
     settings.adam.step = run_.adam_step;
     settings.adam.used_from = kStages[std::min(run_.stage + 1, kStageCount - 1)].prune_below;
     settings.stop = kTrainingStop;
+    settings.lambda_grad = run_.lambda_grad;
+    settings.lambda_point = run_.lambda_point;
+    settings.lambda_smooth = run_.lambda_smooth;
     // With as many bases as frames the first bases already span every course.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;

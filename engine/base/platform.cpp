@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -10,6 +11,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <mutex>
 
 #include "base/error.h"
 
@@ -29,6 +32,52 @@ struct FileDescriptor {
 
 [[noreturn]] void fail_write(const std::filesystem::path& path, const char* what) {
     throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
+}
+
+// Hands out pieces of one mapping, and takes none back.
+class SpooledMemory : public std::pmr::memory_resource {
+  public:
+    SpooledMemory(const std::filesystem::path& folder, uint64_t bytes) : bytes_(std::max<uint64_t>(bytes, 1)) {
+        std::string name = (folder / "neuvv-spool-XXXXXX").string();
+        const FileDescriptor file(mkstemp(name.data()));
+        if (file.fd < 0) fail_write(name, "create");
+        unlink(name.c_str());
+        // Reserves the room: a page without a place on disk would kill the process when it is first written to.
+        errno = posix_fallocate(file.fd, 0, static_cast<off_t>(bytes_));
+        if (errno != 0) fail_write(folder, fmt::format("keep {:.1f} GB", static_cast<double>(bytes_) / 1e9).c_str());
+        void* mapped = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
+        if (mapped == MAP_FAILED) fail_write(folder, "map a file");
+        base_ = static_cast<std::byte*>(mapped);
+    }
+    ~SpooledMemory() override { munmap(base_, bytes_); }
+
+  private:
+    void* do_allocate(size_t bytes, size_t) override {
+        const std::lock_guard lock(mutex_);
+        const uint64_t room = (uint64_t{bytes} + 63) / 64 * 64;
+        if (room > bytes_ - used_) throw std::bad_alloc();
+        used_ += room;
+        return base_ + (used_ - room);
+    }
+    void do_deallocate(void*, size_t, size_t) override {}
+    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
+
+    uint64_t bytes_, used_ = 0;
+    std::byte* base_ = nullptr;
+    std::mutex mutex_;
+};
+
+// The number in a file of /proc or /sys, in units of `unit`; `most` where there is none.
+uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t most) {
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with(label)) continue;
+        char* end = nullptr;
+        const char* digits = line.c_str() + label.size();
+        const uint64_t value = std::strtoull(digits, &end, 10);
+        return end == digits ? most : value * unit;
+    }
+    return most;
 }
 
 volatile std::sig_atomic_t g_stop = 0;
@@ -100,6 +149,20 @@ uint64_t peak_memory_bytes() {
     struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+uint64_t available_memory_bytes() {
+    const uint64_t system = number_after("/proc/meminfo", "MemAvailable:", 1024, UINT64_MAX);
+    const uint64_t group = number_after("/sys/fs/cgroup/memory.max", "", 1, UINT64_MAX);
+    // The group's cached files count as used, but give way.
+    const uint64_t cached = number_after("/sys/fs/cgroup/memory.stat", "inactive_file ", 1, 0);
+    const uint64_t current = number_after("/sys/fs/cgroup/memory.current", "", 1, 0);
+    const uint64_t used = current - std::min(current, cached);
+    return std::min(system, group == UINT64_MAX ? group : group - std::min(group, used));
+}
+
+std::unique_ptr<std::pmr::memory_resource> spooled_memory(const std::filesystem::path& folder, uint64_t bytes) {
+    return std::make_unique<SpooledMemory>(folder, bytes);
 }
 
 void catch_stop_signals() {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <memory_resource>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,13 @@ bool folder_is_writable(const std::filesystem::path& folder);
 
 // Peak resident memory of this process, in bytes.
 uint64_t peak_memory_bytes();
+
+// What this process may still take: the least of the system's free memory and its control group's limit, in bytes.
+uint64_t available_memory_bytes();
+
+// Memory for up to `bytes` (each piece rounded up to 64), backed by a file without a name in `folder`: what does not
+// fit in RAM waits there. Freed all at once with the resource. Throws RuntimeFailure where the disk has no room.
+std::unique_ptr<std::pmr::memory_resource> spooled_memory(const std::filesystem::path& folder, uint64_t bytes);
 
 // After this, SIGINT and SIGTERM set a flag instead of ending the program; a second one ends it.
 void catch_stop_signals();

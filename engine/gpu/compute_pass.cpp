@@ -67,12 +67,36 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, std::spa
 
 }  // namespace
 
+namespace {
+
+void require_bindings(const Device& device, const ShaderInterface& interface, const std::string& name) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    const struct {
+        VkDescriptorType type;
+        uint32_t most;
+        const char* what;
+    } kinds[] = {
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, limits.maxPerStageDescriptorStorageBuffers, "storage buffers"},
+        {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, limits.maxPerStageDescriptorStorageImages, "storage texel buffers"},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, limits.maxPerStageDescriptorSampledImages, "texel buffers"}};
+    for (const auto& kind : kinds) {
+        const auto wanted = std::count_if(interface.bindings.begin(), interface.bindings.end(),
+                                          [&](const BindingSlot& slot) { return slot.type == kind.type; });
+        if (wanted > kind.most)
+            throw RuntimeFailure(fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}", name, wanted, kind.what,
+                                             device.summary().name, kind.most));
+    }
+}
+
+}  // namespace
+
 ComputePass::ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                          const std::vector<uint32_t>& constants)
     : device_(device), name_(std::move(name)), interface_(reflect(spirv, name_)) {
     if (interface_.push_bytes > device.limits().maxPushConstantsSize)
         throw RuntimeFailure(fmt::format("pass \"{}\": {} bytes of push constants, the device takes {}", name_,
                                          interface_.push_bytes, device.limits().maxPushConstantsSize));
+    require_bindings(device, interface_, name_);
     set_layout_ = make_set_layout(device, interface_, name_);
     layout_ = make_pipeline_layout(device, set_layout_, interface_.push_bytes, name_);
     pipeline_ = make_pipeline(device, layout_, spirv, constants, name_);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory_resource>
 #include <vector>
 
 namespace neuvv {
@@ -12,9 +13,10 @@ namespace neuvv {
 struct Image {
     uint32_t width = 0;
     uint32_t height = 0;
-    std::vector<uint8_t> rgba;
+    std::pmr::vector<uint8_t> rgba;  // keeps its memory resource for life, as vectors of pmr do
 
     Image() = default;
+    explicit Image(std::pmr::memory_resource* memory) : rgba(memory) {}
     Image(uint32_t w, uint32_t h) : width(w), height(h), rgba(size_t{4} * w * h) {}
     uint8_t* at(uint32_t x, uint32_t y) { return &rgba[(size_t{y} * width + x) * 4]; }
     const uint8_t* at(uint32_t x, uint32_t y) const { return &rgba[(size_t{y} * width + x) * 4]; }

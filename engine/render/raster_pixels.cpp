@@ -81,14 +81,14 @@ Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, 
 }
 
 std::vector<std::vector<uint8_t>> mip_levels(const Image& image) {
-    std::vector<std::vector<uint8_t>> levels{image.rgba};
+    std::vector<std::vector<uint8_t>> levels{{image.rgba.begin(), image.rgba.end()}};
     Image level = image;
     while (level.width > 1 || level.height > 1) {
         Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
         for (uint32_t y = 0; y < next.height; y++)
             for (uint32_t x = 0; x < next.width; x++) shrink_pixel(level, x, y, next.at(x, y));
         level = std::move(next);
-        levels.push_back(level.rgba);
+        levels.emplace_back(level.rgba.begin(), level.rgba.end());
     }
     return levels;
 }

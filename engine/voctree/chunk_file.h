@@ -12,7 +12,7 @@
 
 namespace neuvv {
 
-constexpr uint32_t kNvvVersion = 1;
+constexpr uint32_t kNvvVersion = 2;
 
 struct ChunkHeader {
     std::string name;  // four ASCII letters or digits, or "END "

@@ -37,6 +37,30 @@ WeightRange weight_range(const VOctree& tree, int chunk) {
     return {2 * tree.bases, 3 * hh_count(tree.hh_degree)};
 }
 
+// Entries less the one before them, mostly 1, in four planes of bytes, low ones first.
+std::vector<uint8_t> pack_children(const std::vector<uint32_t>& children) {
+    std::vector<uint8_t> bytes(4 * children.size());
+    uint32_t before = 0;
+    for (size_t i = 0; i < children.size(); ++i) {
+        const uint32_t step = children[i] - before;
+        before = children[i];
+        for (size_t plane = 0; plane < 4; ++plane)
+            bytes[plane * children.size() + i] = static_cast<uint8_t>(step >> (8 * plane));
+    }
+    return bytes;
+}
+
+std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes) {
+    std::vector<uint32_t> children(bytes.size() / 4);
+    uint32_t before = 0;
+    for (size_t i = 0; i < children.size(); ++i) {
+        for (size_t plane = 0; plane < 4; ++plane)
+            before += uint32_t{bytes[plane * children.size() + i]} << (8 * plane);
+        children[i] = before;
+    }
+    return children;
+}
+
 // A plane is one weight of all leaves: first the low bytes of their halves, then the high bytes (which pack well).
 std::vector<uint8_t> pack_planes(const VOctree& tree, WeightRange range) {
     const size_t leaves = tree.leaf_count, stride = tree.weights_per_leaf();
@@ -147,7 +171,7 @@ void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree) {
             break;
         }
         case kChld: {
-            take_array(file, tree.children, head.child_count);
+            tree.children = unpack_children(file.take(uint64_t{4} * head.child_count));
             const std::string defect = defect_of_topology(tree);
             if (!defect.empty()) file.fail(defect, "write the file again");
             break;
@@ -187,7 +211,8 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
         file.add(kChunkNames[kHead], &head, sizeof head);
         const std::vector<uint8_t> nodes = pack_nodes(tree);
         file.add(kChunkNames[kNode], nodes.data(), nodes.size());
-        file.add(kChunkNames[kChld], tree.children.data(), tree.children.size() * sizeof(uint32_t));
+        const std::vector<uint8_t> children = pack_children(tree.children);
+        file.add(kChunkNames[kChld], children.data(), children.size());
         file.add(kChunkNames[kBasA], tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
         file.add(kChunkNames[kBasB], tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
         for (int chunk = kWSig; chunk <= kWHhc; ++chunk) {

@@ -46,6 +46,18 @@ CONSTEXPR uint kTouchedLive = 1u;
 CONSTEXPR uint kTouchedSlots = 2u;  // slots, in the order of the workgroups that found them
 CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
+// smooth.comp: the bindings of trace.comp but for rays and radiance, and
+CONSTEXPR uint kSmoothLeaves = 4u;     // per slot: its leaf
+CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: (x | y << 16, z | depth << 16)
+CONSTEXPR uint kSmoothTouched = 6u;    // slots to run over
+CONSTEXPR uint kSmoothCount = 7u;      // how many
+CONSTEXPR uint kSmoothGradients = 8u;  // as kTraceGradients
+
+struct SmoothPush {
+    float box_size;  // the tree's edge, metres
+    float lambda;
+};
+
 // slice_adjoint.comp
 CONSTEXPR uint kAdjointWeights = 0u;
 CONSTEXPR uint kAdjointFirst = 1u;   // first moments, laid out as the weights
@@ -59,7 +71,9 @@ CONSTEXPR uint kAdjointReach = 7u;        // read and cleared
 CONSTEXPR uint kAdjointLeafUse = 8u;      // per leaf since the tree last changed: largest blending weight, sum of pulls
 CONSTEXPR uint kAdjointPartials = 9u;     // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
 CONSTEXPR uint kAdjointLeafFrames = 11u;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
-CONSTEXPR uint kAdjointLeafEdge = 12u;    // per leaf: its edge, metres
+CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as LeafTally::places
+CONSTEXPR uint kAdjointHead = 13u;        // the slice, kept as the moved weights have it: as kSliceHead
+CONSTEXPR uint kAdjointSh = 14u;          // as kSliceSh
 
 // rows_adjoint.comp
 CONSTEXPR uint kRowsAdjointPartials = 0u;
@@ -89,6 +103,7 @@ struct SliceAdjointPush {
     float gamma_rate;   // of w^γ
     float colour_rate;  // of w^HH with l = 0
     float detail_rate;  // of w^HH with l > 0
+    float box_size;     // the tree's edge, metres
 };
 
 struct RowsAdjointPush {
@@ -104,7 +119,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::TraceAdjointPush) == 40);
-static_assert(sizeof(neuvv::SliceAdjointPush) == 56);
+static_assert(sizeof(neuvv::SliceAdjointPush) == 60);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif
 #endif

@@ -1,6 +1,9 @@
 #include "gradient/chain.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "reference/smooth.h"
 
 namespace neuvv::test {
 namespace {
@@ -56,6 +59,8 @@ Chain::Chain(const Scene& scene)
         }
     slice_rows();
     for (const reference::LeafSlice& slice : slices_) first_sigmas_.push_back(slice.sigma);
+    places_ = leaf_places(scene.tree);
+    seen_ = seen_leaves();
 }
 
 void Chain::slice_leaf(uint32_t leaf) {
@@ -114,7 +119,18 @@ double Chain::tile_loss(size_t tile) const {
 double Chain::loss() const {
     double sum = 0;
     for (size_t tile = 0; tile < scene_.tiles.size(); tile++) sum += tile_loss(tile);
+    if (scene_.lambda_smooth > 0)
+        for (const uint32_t leaf : seen_) sum += leaf_smoothness(leaf);
     return sum;
+}
+
+// A leaf's own term, weighted: its density as it is now, its neighbours' as they were at first.
+double Chain::leaf_smoothness(uint32_t leaf) const {
+    std::array<double, 6> neighbours{};
+    const std::array<uint32_t, 6> found = reference::face_neighbours(places_, leaf, 2 * scene_.tree.node_levels);
+    for (size_t i = 0; i < 6; i++) neighbours[i] = found[i] == UINT32_MAX ? 0 : first_sigmas_[found[i]];
+    const double edge = static_cast<double>(scene_.tree.box_size.x) / (1u << places_[leaf].depth);
+    return static_cast<double>(scene_.lambda_smooth) * reference::smoothness(slices_[leaf].sigma, edge, neighbours);
 }
 
 double Chain::by_weight(uint32_t leaf, uint32_t weight) {
@@ -123,6 +139,8 @@ double Chain::by_weight(uint32_t leaf, uint32_t weight) {
         slice_leaf(leaf);
         double sum = 0;
         for (const size_t tile : tiles_of_leaf_[leaf]) sum += tile_loss(tile);
+        if (scene_.lambda_smooth > 0 && std::binary_search(seen_.begin(), seen_.end(), leaf))
+            sum += leaf_smoothness(leaf);
         return sum;
     });
 }

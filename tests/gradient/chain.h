@@ -12,7 +12,8 @@ class Chain {
   public:
     explicit Chain(const Scene& scene);
 
-    // The sum over pixels, as the device takes it, and the point loss.
+    // The sum over pixels, as the device takes it, with the point loss and the smoothness of the leaves that were seen
+    // at first.
     double loss() const;
     // Central differences.
     double by_weight(uint32_t leaf, uint32_t weight);
@@ -32,6 +33,7 @@ class Chain {
     std::vector<reference::Sample> samples(const PathRay& ray) const;
     double ray_point_loss(const PathRay& ray, glm::dvec4 truth) const;
     double tile_loss(size_t tile) const;
+    double leaf_smoothness(uint32_t leaf) const;
 
     const Scene& scene_;
     std::vector<PathRay> rays_;
@@ -40,6 +42,8 @@ class Chain {
     std::vector<reference::LeafSlice> slices_;
     std::vector<double> first_sigmas_;  // by leaf, before any nudge
     std::vector<std::vector<size_t>> tiles_of_leaf_;
+    std::vector<LeafPlace> places_;
+    std::vector<uint32_t> seen_;
 };
 
 }  // namespace neuvv::test

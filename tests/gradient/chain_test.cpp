@@ -117,6 +117,17 @@ TEST_F(ChainGradient, IsThatOfTheReferenceWhereRaysEndEarly) {
     expect_chain(device(), scene);
 }
 
+TEST_F(ChainGradient, SmoothnessIsThatOfTheReference) {
+    for (const uint32_t levels : {2u, 3u, 5u}) {
+        SCOPED_TRACE("levels " + std::to_string(levels));
+        Scene scene = random_scene(
+            {.tree = {.seed = 70 + levels, .node_levels = levels, .leaves = 700, .bases = 5, .hh_degree = 1}});
+        scene.lambda_grad = 0;    // its |e| has kinks, which a difference over a nudge may straddle
+        scene.lambda_smooth = 2;  // so much that it shows beside the rays' losses
+        expect_chain(device(), scene);
+    }
+}
+
 TEST_F(ChainGradient, LossAndCountAreThoseOfTheReference) {
     const Scene scene = random_scene({.tree = {.seed = 31, .leaves = 300, .bases = 5, .hh_degree = 2}});
     TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
@@ -154,11 +165,40 @@ TEST_F(ChainGradient, ASecondStepStartsClean) {
     for (size_t i = 0; i < truth.rows.size(); i++) ASSERT_NEAR(again.rows[i], truth.rows[i], 1e-4f * largest);
 }
 
+// Steps at one frame keep the slice that they move, in place of slicing again.
+TEST_F(ChainGradient, AKeptSliceIsThatOfTheMovedWeights) {
+    const Scene scene = random_scene({.tree = {.seed = 61, .leaves = 300, .bases = 5, .hh_degree = 2}});
+    const auto tiles = static_cast<uint32_t>(scene.tiles.size());
+    TrainingStep kept(device(), scene.tree, 2, tiles);
+    load_scene(kept, scene);
+    StepSettings settings = settings_of(scene);
+    settings.learn_rows = false;
+    settings.rates = {.sigma = 0.5f, .gamma = 0.1f, .colour = 0.3f, .detail = 0.2f};
+    for (settings.adam.step = 1; settings.adam.step <= 3; settings.adam.step++) {
+        kept.submit(settings);
+        kept.wait();
+    }
+    VOctree moved = scene.tree;
+    kept.download(moved);
+    TrainingStep fresh(device(), moved, 2, tiles);
+    const Gradients found = emitted_gradients(device(), kept, scene), truth = emitted_gradients(device(), fresh, scene),
+                    before = emitted_gradients(device(),
+                                               *std::make_unique<TrainingStep>(device(), scene.tree, 2, tiles), scene);
+    float largest = 0, moved_by = 0;
+    for (size_t i = 0; i < truth.weights.size(); i++) {
+        largest = std::max(largest, std::abs(truth.weights[i]));
+        moved_by = std::max(moved_by, std::abs(truth.weights[i] - before.weights[i]));
+    }
+    EXPECT_GT(moved_by, 0.1f * largest);
+    for (size_t i = 0; i < truth.weights.size(); i++)
+        ASSERT_NEAR(found.weights[i], truth.weights[i], 1e-5f * largest) << i;
+}
+
 TEST_F(ChainGradient, TheDirectStepsIsThatOfTheReferenceWithBothAtomics) {
     for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
         SCOPED_TRACE("degree " + std::to_string(degree));
-        const Scene scene = random_scene(
-            {.tree = {.seed = 51 + degree, .leaves = 300, .bases = 3 + 2 * degree, .hh_degree = degree}});
+        const Scene scene =
+            random_scene({.tree = {.seed = 51 + degree, .leaves = 300, .bases = 3 + 2 * degree, .hh_degree = degree}});
         Chain chain(scene);
         for (const AtomicAdd atomics : {best_atomic_add(device()), AtomicAdd::kCompareAndSwap}) {
             DirectStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()), atomics);

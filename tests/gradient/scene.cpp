@@ -61,6 +61,7 @@ StepSettings settings_of(const Scene& scene) {
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
     settings.lambda_grad = scene.lambda_grad;
     settings.lambda_point = scene.lambda_point;
+    settings.lambda_smooth = scene.lambda_smooth;
     settings.stop = scene.stop;
     settings.learn_rows = true;
     return settings;

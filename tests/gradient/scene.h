@@ -18,6 +18,7 @@ struct Scene {
     float frame = 1.3f;                         // between two rows
     float lambda_grad = 0.1f;
     float lambda_point = 0.3f;
+    float lambda_smooth = 0;
     float stop = 0;  // 0: rays never end early
 };
 

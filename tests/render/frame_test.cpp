@@ -188,6 +188,8 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
         {.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5, .hh_degree = 1},
         {.seed = 3, .node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 2},
         {.seed = 4, .node_levels = 4, .leaves = 3000, .bases = 7, .hh_degree = 3},
+        {.seed = 5, .node_levels = 5, .leaves = 3000, .bases = 3, .hh_degree = 1},
+        {.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3, .hh_degree = 1},
     };
     for (const RandomTreeOptions& options : kTrees) {
         SCOPED_TRACE("node levels " + std::to_string(options.node_levels));

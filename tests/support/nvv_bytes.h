@@ -54,7 +54,7 @@ inline void append_chunk(Bytes& file, const Chunk& chunk, uint64_t& previous_che
     file.insert(file.end(), stored.begin(), stored.end());
 }
 
-inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 1) {
+inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 2) {
     Bytes file = {0x89, 'N', 'V', 'V', 0x0d, 0x0a, 0x1a, 0x0a};
     append(file, version);
     uint64_t checksum = 0;
@@ -77,7 +77,10 @@ inline std::vector<Chunk> chunks_of(const VOctree& tree) {
         for (int axis = 0; axis < 3; ++axis) append(chunks[0].raw, corner[axis]);
     for (const TreeNode& node : tree.nodes)
         for (const uint32_t word : {node.mask_lo, node.mask_hi, node.first_child}) append(chunks[1].raw, word);
-    for (const uint32_t entry : tree.children) append(chunks[2].raw, entry);
+    for (const int shift : {0, 8, 16, 24})
+        for (size_t i = 0; i < tree.children.size(); ++i)
+            chunks[2].raw.push_back(
+                static_cast<uint8_t>((tree.children[i] - (i > 0 ? tree.children[i - 1] : 0)) >> shift));
     for (const float value : tree.sigma_basis) append(chunks[3].raw, value);
     for (const float value : tree.gamma_basis) append(chunks[4].raw, value);
     for (uint32_t weight = 0; weight < tree.weights_per_leaf(); ++weight) {

@@ -141,7 +141,7 @@ TEST_F(CliGpu, AnEmptySceneRenders) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("o_%d.png"), "--frames", "0", "--size", "16x16"});
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(read_png(file("o_0.png")).rgba, std::vector<uint8_t>(16 * 16 * 4, 0));
+    EXPECT_EQ(read_png(file("o_0.png")).rgba, std::pmr::vector<uint8_t>(16 * 16 * 4, 0));
 }
 
 TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {

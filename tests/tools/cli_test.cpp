@@ -71,7 +71,7 @@ TEST_F(Cli, InfoSaysWhatTheFileHolds) {
     ASSERT_EQ(result.code, 0) << result.err;
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("file"), scene);
-    EXPECT_EQ(json.at("version"), 1);
+    EXPECT_EQ(json.at("version"), 2);
     EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(scene));
     EXPECT_EQ(json.at("leaves"), tree.leaf_count);
     EXPECT_EQ(json.at("nodes"), tree.nodes.size());

@@ -74,6 +74,20 @@ TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
     EXPECT_NEAR(static_cast<double>(rays), expected, 0.1 * expected);
 }
 
+TEST(Batch, InstantsComeInRunsAndEvenly) {
+    constexpr uint32_t kInARow = 3;
+    BatchSampler sampler(capture(), 2, 8, kInARow);
+    std::map<double, int> batches;
+    std::vector<double> times;
+    for (uint32_t i = 0; i < 8 * kInARow; i++) {
+        times.push_back(sampler.next().time);
+        batches[times.back()]++;
+    }
+    for (uint32_t i = 1; i < times.size(); i++) EXPECT_TRUE(i % kInARow == 0 || times[i] == times[i - 1]) << i;
+    ASSERT_EQ(batches.size(), 2u);
+    for (const auto& [time, count] : batches) EXPECT_EQ(count, 4 * static_cast<int>(kInARow)) << time;
+}
+
 TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
     BatchSampler sampler(capture(), 7, 4);
     std::map<TileKey, uint32_t> draws;

@@ -41,7 +41,12 @@ RunState some_run() {
             .elapsed_s = 12.5,
             .rays = 3e12,
             .minutes = 0.25,
-            .steps = 0};
+            .steps = 0,
+            .tiles_per_step = 300,
+            .lambda_grad = 0.25f,
+            .lambda_point = 0.5f,
+            .lambda_smooth = 0.125f,
+            .program = "NeuVV of the past"};
 }
 
 // Puts recognisable numbers into every moment and the leaves' use; returns those of the weights' first moments.
@@ -108,6 +113,11 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.rays, run.rays);
     EXPECT_EQ(loaded.run.minutes, run.minutes);
     EXPECT_EQ(loaded.run.steps, run.steps);
+    EXPECT_EQ(loaded.run.tiles_per_step, run.tiles_per_step);
+    EXPECT_EQ(loaded.run.lambda_grad, run.lambda_grad);
+    EXPECT_EQ(loaded.run.lambda_point, run.lambda_point);
+    EXPECT_EQ(loaded.run.lambda_smooth, run.lambda_smooth);
+    EXPECT_EQ(loaded.run.program, run.program);
     EXPECT_EQ(folder.entries(), 2u) << "nothing lies about";
     EXPECT_EQ(read_nvv(nvv).leaf_count, tree.leaf_count);
 }
@@ -229,10 +239,12 @@ TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(CheckpointFile, RefusesARunOutOfRange) {
-    const nlohmann::json good = {{"seed", 1},       {"step", 1},         {"adam_step", 1},    {"stage", 0},
-                                 {"stage_rays", 0}, {"dataset_hash", 1}, {"several_from", 9}, {"max_leaves", 0},
-                                 {"max_bytes", 0},  {"adaptive", true},  {"max_depth", 4},    {"elapsed_s", 1.0},
-                                 {"rays", 1.0},     {"minutes", 1.0},    {"steps", 0}};
+    const nlohmann::json good = {
+        {"seed", 1},          {"step", 1},           {"adam_step", 1},       {"stage", 0},
+        {"stage_rays", 0},    {"dataset_hash", 1},   {"several_from", 9},    {"max_leaves", 0},
+        {"max_bytes", 0},     {"adaptive", true},    {"max_depth", 4},       {"elapsed_s", 1.0},
+        {"rays", 1.0},        {"minutes", 1.0},      {"steps", 0},           {"tiles_per_step", 512},
+        {"lambda_grad", 0.1}, {"lambda_point", 0.2}, {"lambda_smooth", 0.0}, {"program", "NeuVV"}};
     const StateFile file;
     const auto put = [&](const nlohmann::json& json) {
         const std::string text = json.dump();
@@ -242,10 +254,13 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
     put(good);
     EXPECT_EQ(load_checkpoint(file.nvv).run.max_depth, 4u);
     const std::pair<const char*, nlohmann::json> kBad[] = {
-        {"max_depth", 0},       {"max_depth", 5},  // the tree has four levels
-        {"max_depth", 999},     {"elapsed_s", -1},     {"minutes", -1},           {"step", "many"},
-        {"stage", kStageCount}, {"stage", 4294967297}, {"adam_step", 4294967295}, {"step", 1e300},
-        {"rays", -1},           {"adam_step", -1},     {"seed", nullptr}};
+        {"max_depth", 0},          {"max_depth", 5},  // the tree has four levels
+        {"max_depth", 999},        {"elapsed_s", -1},      {"minutes", -1},
+        {"step", "many"},          {"stage", kStageCount}, {"stage", 4294967297},
+        {"adam_step", 4294967295}, {"step", 1e300},        {"rays", -1},
+        {"adam_step", -1},         {"seed", nullptr},      {"tiles_per_step", 0},
+        {"tiles_per_step", 65537}, {"lambda_grad", -1},    {"lambda_point", 1e300},
+        {"lambda_smooth", "much"}, {"program", 7}};
     for (const auto& [key, value] : kBad) {
         SCOPED_TRACE(key);
         nlohmann::json bad = good;

@@ -11,8 +11,8 @@
 namespace neuvv::test {
 namespace {
 
-VOctree tree_of(uint32_t frames, uint32_t bases) {
-    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = 1});
+VOctree tree_of(uint32_t frames, uint32_t bases, uint32_t hh_degree = 1) {
+    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = hh_degree});
     tree.frames = frames;
     tree.sigma_basis = tree.gamma_basis = hat_basis(frames, bases);
     return tree;
@@ -30,7 +30,7 @@ TEST(Compact, NoFrameShowsADifference) {
         const std::vector<reference::LeafSlice> compact_slices = reference::slice_tree(after, frame);
         for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
             const reference::LeafSlice &was = slices[leaf], &is = compact_slices[leaf];
-            EXPECT_NEAR(is.sigma, was.sigma, was.sigma / 64);
+            EXPECT_NEAR(is.sigma, was.sigma, was.sigma / 32);
             if (was.sigma <= 0) continue;
             live++;
             const glm::dvec3 wrong = reference::sample_colour(is, before.hh_degree, direction) -
@@ -39,7 +39,7 @@ TEST(Compact, NoFrameShowsADifference) {
         }
     }
     EXPECT_GT(live, 300u);
-    EXPECT_LT(largest, 0.012);  // linear light of single leaves
+    EXPECT_LT(largest, 0.03);  // linear light of single leaves
     EXPECT_GT(largest, 0.0);
 }
 

@@ -140,7 +140,7 @@ TEST(Metrics, ErrorPictureIsWhiteFromAQuarter) {
     result.at(1, 0)[0] = 110;
     result.at(2, 0)[2] = 0;
     const Image error = error_picture(truth, result);
-    EXPECT_EQ(error.rgba, (std::vector<uint8_t>{0, 0, 0, 255, 40, 0, 0, 255, 0, 0, 255, 255}));
+    EXPECT_EQ(error.rgba, (std::pmr::vector<uint8_t>{0, 0, 0, 255, 40, 0, 0, 255, 0, 0, 255, 255}));
     EXPECT_EQ(error_picture(result, truth).rgba, error.rgba);
 }
 

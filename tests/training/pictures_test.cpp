@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -69,6 +71,26 @@ TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
     EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
     EXPECT_EQ(data.cameras.at(1).fx, 20);
     EXPECT_TRUE(data.views[0].ignored.empty());
+}
+
+TEST_F(PicturesTest, BeyondTheBudgetPixelsWaitOnDisk) {
+    const Dataset inside = read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
+    const Dataset outside = read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1});
+    EXPECT_EQ(inside.spool, nullptr);
+    ASSERT_NE(outside.spool, nullptr);
+    ASSERT_EQ(outside.views.size(), 2u);
+    for (size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(outside.views[i].image.rgba.get_allocator().resource(), outside.spool.get());
+        EXPECT_EQ(outside.views[i].image.rgba, inside.views[i].image.rgba);
+    }
+}
+
+TEST_F(PicturesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
+    EXPECT_THROW(spooled_memory(folder.path, uint64_t{1} << 60), RuntimeFailure);
+    EXPECT_THROW(spooled_memory(folder.path / "nowhere", 64), RuntimeFailure);
+    const auto memory = spooled_memory(folder.path, 128);
+    EXPECT_NE(memory->allocate(1), memory->allocate(64));
+    EXPECT_THROW((void)memory->allocate(1), std::bad_alloc);
 }
 
 TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {

@@ -195,7 +195,9 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const double before = mean_psnr(truths, held_out_renders(device(), nvv));
     TrainSettings settings = small_run(70);
     settings.resume = true;
-    settings.shape.hh_degree = 3;  // the run's own shape stays
+    settings.shape.hh_degree = 3;  // the run's own shape stays, and its losses and batches
+    settings.lambda_grad = 50;
+    settings.tiles_per_step = 1;
     std::vector<Image> seen_in_callback;
     const TrainProgress last = train(device(), capture(), settings, nvv, [&](const TrainProgress& now) {
         EXPECT_EQ(now.began_at_step, 8u);
@@ -208,7 +210,10 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     // The last call came after the last step: what it saw is what the file holds, up to rounding to half precision.
     EXPECT_GT(mean_psnr(held_out_renders(device(), nvv), seen_in_callback), 50);
     EXPECT_EQ(read_nvv(nvv).hh_degree, 1u);
-    EXPECT_EQ(load_checkpoint(nvv).run.step, 70u);
+    const RunState run = load_checkpoint(nvv).run;
+    EXPECT_EQ(run.step, 70u);
+    EXPECT_EQ(run.lambda_grad, TrainSettings().lambda_grad);
+    EXPECT_EQ(run.tiles_per_step, small_run(8).tiles_per_step);
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
 }
 

@@ -158,7 +158,7 @@ TEST_F(Nvv, SummaryListsChunks) {
     const VOctree tree = small_tree();
     write_nvv(path_, tree, {{"adam", Bytes(1000)}});
     const NvvSummary summary = summarise_nvv(path_);
-    EXPECT_EQ(1u, summary.version);
+    EXPECT_EQ(2u, summary.version);
     EXPECT_EQ(std::filesystem::file_size(path_), summary.file_bytes);
     EXPECT_EQ(tree.leaf_count, summary.head.leaf_count);
     EXPECT_EQ(tree.box_size, summary.head.box_size);
@@ -178,7 +178,7 @@ TEST_F(Nvv, SummaryListsChunks) {
 TEST_F(Nvv, FileStartsAreTold) {
     Bytes bytes = nvv_of(chunks_of(small_tree()));
     EXPECT_EQ("", complaint(bytes));
-    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), 2));
+    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), 3));
     bytes.erase(bytes.begin() + 4);  // CRLF became LF
     expect_complaint("text-mode", bytes);
     bytes[0] &= 0x7f;

@@ -1,6 +1,7 @@
 // Slice, backwards, and the optimiser: what rays said to a slot's σ and SH becomes a move of its leaf's weights.
 //   ∂w^σ = ∂σ A_t,  ∂w_nlm = R_nl(γ) ∂k_lm,  ∂γ = Σ w_nlm R'_nl(γ)·∂k_lm,  ∂w^γ = ∂γ π s(1−s) B_t   (errata 7, 9)
-// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step and notes each leaf's use. With
+// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step, notes each leaf's use,
+// and keeps the slice true to the weights that it moved, so that a next step at this frame need not slice again. With
 // kLearnRows also leaves each workgroup's sums of ∂A_t and ∂B_t. Bound by memory: weights and two moments are read and
 // written, 96 bytes for each plane with a gradient.
 #version 460
@@ -23,14 +24,16 @@ layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]
 layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
 layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
 layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
-layout(binding = kAdjointLeafEdge) uniform textureBuffer leaf_edge;
+layout(binding = kAdjointPlaces) uniform utextureBuffer leaf_places;
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
+layout(binding = kAdjointHead, rg32ui) writeonly uniform uimageBuffer head;
+layout(binding = kAdjointSh, rgba32f) writeonly uniform imageBuffer slice_sh;
 layout(push_constant) uniform Push { SliceAdjointPush push; };
 
 vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return imageLoad(weights, int(plane * leaf_count + leaf)); }
 #define NEUVV_FETCH_WEIGHTS
 #include "adam.glsl"
-#include "weights.glsl"
+#include "slice_leaf.glsl"
 
 shared vec4 share[kSliceGroup];
 
@@ -110,10 +113,10 @@ void note_use(uint leaf, float weight, float pull) {
 
 void main() {
     const bool inside = gl_GlobalInvocationID.x < count.slots;
-    uint leaf = 0u;
+    uint leaf = 0u, slot = 0u;
     float d_sigma = 0.0, d_raw_gamma = 0.0;
     if (inside) {
-        const uint slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+        slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
         const uint base = slot * gradient_stride(kHhDegree);
         leaf = texelFetch(slot_leaf, int(slot)).x;
         note_use(leaf, uintBitsToFloat(reach[slot]), gradients[base + 1u]);
@@ -124,9 +127,12 @@ void main() {
     }
     if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
     if (!inside) return;
-    const float sigma_rate = push.sigma_rate / texelFetch(leaf_edge, int(leaf)).x;
+    const uint depth = texelFetch(leaf_places, int(leaf)).y >> 16u;
+    const float sigma_rate = push.sigma_rate * float(1u << depth) / push.box_size;
     for (uint i = 0u; i < kBusyPlanes; i++) {
         move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
+    imageStore(head, int(leaf), uvec4(floatBitsToUint(leaf_sigma(leaf, push.leaf_count)), slot, 0u, 0u));
+    store_slice_colour(slot, leaf, push.leaf_count);
 }

@@ -1,0 +1,65 @@
+// The smoothness loss, forwards and backwards in one: what the opacity of a leaf that rays reached differs by from the
+// leaves at its six faces (total variation of α, as Plenoxels have it; Fridovich-Keil and Yu et al. 2022).
+//   L_i = λ Σ_n √((α_i − α_n)² + ε²),  α = 1 − e^(−σ edge_i)
+// Neighbours count as constants: each has a term of its own. An empty one has α_n = 0, a finer one is that at the face's
+// middle. Adds ∂L_i/∂σ_i to the slot's gradient. One thread per touched slot, dispatched indirectly. Bound by the dependent
+// fetches of six descents into the tree.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/training.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(binding = kTraceTop) uniform utextureBuffer tree_top;
+layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
+layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
+layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
+layout(binding = kTraceHead) uniform utextureBuffer head;
+layout(binding = kTraceSh) uniform textureBuffer slice_sh;
+layout(binding = kSmoothLeaves) uniform utextureBuffer slot_leaf;
+layout(binding = kSmoothPlaces) uniform utextureBuffer leaf_places;
+layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
+layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
+layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
+layout(push_constant) uniform Push { SmoothPush push; };
+#include "march.glsl"
+#include "slice_sample.glsl"
+
+const float kEpsilon = 0.1;  // of α: smaller differences count by their squares
+
+// α of the live leaf at a finest cell, over the length of `edge`; 0 beyond the tree and where there is none.
+float alpha_at(ivec3 cell, float edge) {
+    const int side = 1 << (2u * kNodeLevels);
+    if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(side)))) return 0.0;
+    uint shift;
+    const uint leaf = march_cell(cell, shift);
+    if (leaf == kNoLeaf || !march_wants(leaf)) return 0.0;
+    return 1.0 - exp(-sigma * edge);
+}
+
+// Σ_n ∂√(…)/∂α_i over the leaf's faces.
+float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
+    float d_alpha = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+        for (int face = 0; face < 2; face++) {
+            ivec3 cell = low + size / 2;
+            cell[axis] = face == 0 ? low[axis] - 1 : low[axis] + size;
+            const float d = alpha - alpha_at(cell, edge);
+            d_alpha += d * inversesqrt(d * d + kEpsilon * kEpsilon);
+        }
+    return d_alpha;
+}
+
+void main() {
+    if (gl_GlobalInvocationID.x >= count.slots) return;
+    const uint own = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    const uint leaf = texelFetch(slot_leaf, int(own)).x;
+    const uvec2 place = texelFetch(leaf_places, int(leaf)).xy;
+    const uint depth = place.y >> 16u, shift = 2u * kNodeLevels - depth;
+    const float edge = push.box_size / float(1u << depth);
+    const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);
+    const ivec3 low = ivec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) << int(shift);
+    gradients[own * gradient_stride(kHhDegree)] +=
+        push.lambda * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
+}

@@ -1,0 +1,31 @@
+#include "training/smooth.h"
+
+#include "spirv/smooth.comp.h"
+
+namespace neuvv {
+
+Smoother::Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients,
+                   const LeafTally& tally)
+    : field_(field),
+      gradients_(gradients),
+      pass_(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels}),
+      set_(pass_, {{kTraceTop, &field.top},
+                   {kTraceNodes, &field.nodes},
+                   {kTraceChildren, &field.children},
+                   {kTraceNodeLive, &slice.node_live},
+                   {kTraceHead, &slice.head},
+                   {kTraceSh, &slice.sh},
+                   {kSmoothLeaves, &slice.slot_leaf},
+                   {kSmoothPlaces, &tally.places},
+                   {kSmoothTouched, &gradients.touched},
+                   {kSmoothCount, &gradients.touched_count},
+                   {kSmoothGradients, &gradients.gradients}}) {}
+
+void record_smooth(Commands& commands, const Smoother& smoother, float lambda) {
+    const PassScope scope(commands, "smooth");
+    dispatch_indirect(commands, smoother.pass_, smoother.set_, smoother.gradients_.touched_count, 0,
+                      SmoothPush{smoother.field_.box_size.x, lambda});
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv
