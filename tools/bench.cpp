@@ -88,7 +88,7 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
     std::optional<DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, best_atomic_add(device));
-    BatchSampler sampler(dataset, options.tiles, 1, kBatchesPerInstant);
+    BatchSampler sampler(dataset, options.tiles, 1, batches_in_a_row(tree));
     BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
     Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {

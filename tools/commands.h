@@ -2,6 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
 #include <string>
 
 #include "training/formats.h"
@@ -12,6 +15,18 @@ namespace neuvv {
 struct CommonOptions {
     std::string device;  // index or part of a name; empty: NEUVV_DEVICE, else the best
 };
+
+// CLI::Range, but NaN is no number between anything.
+inline CLI::Validator number_between(double low, double high) {
+    return CLI::Validator(
+        [low, high](const std::string& text) {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= low && value <= high) return std::string();
+            return fmt::format("{} is no number from {} to {}", text, low, high);
+        },
+        fmt::format("[{} - {}]", low, high));
+}
 
 // --samples, for the verbs that render: rays a pixel along each side.
 constexpr uint32_t kDefaultSamples = 2;

@@ -58,7 +58,7 @@ void add_matte(CLI::App& app, CommonOptions&) {
                          "picture NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
     verb->add_option("--threshold", what.settings.threshold,
                      "What differs from the background by so many times the camera's noise is the performer")
-        ->check(CLI::Range(1.0, 250.0))
+        ->check(number_between(1, 250))
         ->capture_default_str()
         ->excludes(from);
     verb->add_flag("--overwrite", options->overwrite, "Replace mattes that are there");

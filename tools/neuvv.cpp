@@ -1,6 +1,8 @@
 // neuvv: one program, one verb each for capture, training, measuring and rendering of volumetric video.
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
@@ -63,7 +65,10 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     try {
-        return run(argc, argv);
+        const int code = run(argc, argv);
+        if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+        fmt::print(stderr, "neuvv: the results could not be written to the standard output\n");
+        return kFailure;
     } catch (const neuvv::InputError& error) {
         fmt::print(stderr, "neuvv: {}\n", error.what());
         return kBadInput;

@@ -121,8 +121,19 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     if (stderr_is_terminal()) fmt::print(stderr, "\n");
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
+    if (settings.resume && last.step == last.began_at_step)
+        fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
     if (stop_requested() && last.fraction < 1)
         fmt::print("interrupted; the same command with --resume goes on from here\n");
+}
+
+// What a resumed run keeps, whatever is given now.
+void say_what_is_ignored(const CLI::App& verb) {
+    std::string given;
+    for (const char* name : {"--resolution", "--bases", "--hh-degree", "--init", "--max-leaves", "--max-memory",
+                             "--uniform", "--seed", "--lambda-grad", "--lambda-point", "--lambda-smooth"})
+        if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
+    if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
 }
 
 }  // namespace
@@ -134,7 +145,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
     add_format_option(*verb, options->format);
     verb->add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced")->required();
     CLI::Option* minutes = verb->add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
-                               ->check(CLI::Range(0.01, 1e5));
+                               ->check(number_between(0.01, 1e5));
     verb->add_option("--steps", options->settings.steps, "Budget in steps")
         ->check(CLI::Range(1u, 1000000000u))
         ->excludes(minutes);
@@ -152,7 +163,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         ->capture_default_str();
     CLI::Option* psi_minutes = verb->add_option("--psi-minutes", options->psi_minutes,
                                                 "The network's own budget, before that of the octree, with --init psi")
-                                   ->check(CLI::Range(0.01, 1e5))
+                                   ->check(number_between(0.01, 1e5))
                                    ->capture_default_str();
     verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
         ->check(CLI::Range(1u, 1000000000u))
@@ -162,24 +173,26 @@ void add_train(CLI::App& app, CommonOptions& common) {
                                    ->check(CLI::Range(64u, kMaxLeaves));
     CLI::Option* most_memory = verb->add_option("--max-memory", options->max_megabytes,
                                                 "MB that the finished .nvv takes at most (default: any)")
-                                   ->check(CLI::Range(0.1, 1e6));
+                                   ->check(number_between(0.1, 1e6));
     verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
         ->excludes(most_leaves)
         ->excludes(most_memory);
     verb->add_option("--lambda-grad", options->settings.lambda_grad, "Weight of the gradient loss L_grad")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(number_between(0.0, 100.0))
         ->capture_default_str();
     verb->add_option("--lambda-point", options->settings.lambda_point, "Weight of the loss of each sample's own colour")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(number_between(0.0, 100.0))
         ->capture_default_str();
     verb->add_option("--lambda-smooth", options->settings.lambda_smooth,
                      "Weight of the difference in opacity of neighbouring leaves")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(number_between(0.0, 100.0))
         ->capture_default_str();
     verb->add_option("--picture-memory", options->picture_gigabytes,
                      "GB that pictures may take in memory; more are streamed from disk (default: half of what is free)")
-        ->check(CLI::Range(1e-6, 1e6));
-    verb->add_option("--seed", options->settings.seed, "Same seed, same batches")->capture_default_str();
+        ->check(number_between(1e-6, 1e6));
+    verb->add_option("--seed", options->settings.seed, "Same seed, same batches")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     verb->add_flag(
         "--resume", options->settings.resume,
         "Go on from OUTPUT.state; shape, bounds, losses and seed are the run's, --minutes or --steps its whole budget");
@@ -201,7 +214,10 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
         "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
-    verb->callback([options, &common] { run_train(*options, common); });
+    verb->callback([options, verb, &common] {
+        if (options->settings.resume) say_what_is_ignored(*verb);
+        run_train(*options, common);
+    });
 }
 
 }  // namespace neuvv

@@ -11,6 +11,7 @@ namespace neuvv {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
+constexpr double kMostInARow = 0.125;  // of an instant's epoch: more of it at once makes the others forgotten
 
 uint32_t tiles_across(uint32_t pixels) {
     return (pixels + kTile - 1) / kTile;
@@ -39,7 +40,7 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
     : dataset_(dataset),
       tiles_per_batch_(tiles_per_batch),
       seed_(seed),
-      in_a_row_(in_a_row),
+      in_a_row_(1),
       random_(seed),
       has_foreground_(dataset.views.size()) {
     parallel_for(dataset.views.size(), 8, [&](size_t begin, size_t end) {
@@ -56,6 +57,9 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
                      (static_cast<double>(has_foreground_[i].size()) - static_cast<double>(foreground));
     }
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
+    const double batches = tiles / static_cast<double>(instants_.size()) / std::max(tiles_per_batch, 1u);
+    in_a_row_ =
+        static_cast<uint32_t>(std::clamp(kMostInARow * batches, 1.0, static_cast<double>(std::max(in_a_row, 1u))));
 }
 
 template <typename T>

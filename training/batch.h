@@ -18,7 +18,8 @@ struct Batch {
     uint32_t samples = 1;               // rays a pixel, per side: tiles are of pictures enlarged so much
 };
 
-// Draws batches: instants in random rounds, `in_a_row` batches each where its epoch lasts as long; of an instant's
+// Draws batches: instants in random rounds, `in_a_row` batches each (fewer where that would be
+// more than an eighth of an instant's epoch); of an instant's
 // pictures every tile with foreground once an epoch, and a fifth of the tiles without. A tile's rays all leave from one
 // random place inside their pixels: a pixel is a mean over its area, and what the field shows at its centre must not
 // stand for the rest. Behind the rays stands the captured plate where there is one, else one random colour a tile. The

@@ -56,8 +56,8 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          // Braces: begin() sets the seed, so it must come first.
-          sampler_{begin(), run_.tiles_per_step, run_.seed, kBatchesPerInstant} {
+          // Braces: begin() sets seed and tree, so it must come first.
+          sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(
                 state_path(output_).string(), "",
@@ -104,6 +104,9 @@ class Run {
 
 const Dataset& Run::begin() {
     if (settings_.resume) {
+        if (!std::filesystem::exists(state_path(output_)))
+            throw InputError(state_path(output_).string(), "", "is not there: no run to go on with",
+                             "train without --resume");
         Checkpoint checkpoint = load_checkpoint(output_);
         if (checkpoint.tree.frames != dataset_.times.size())
             throw InputError(state_path(output_).string(), "",
