@@ -223,6 +223,23 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 
+TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
+    {
+        const Device device;
+        write_own_dataset(device, tree, folder.path / "data");
+    }
+    std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
+                               std::filesystem::copy_options::overwrite_existing);
+    for (const char* repeats : {"1", "6"}) {  // one step alone has no pass "slice"
+        const ProgramResult result =
+            run_neuvv({"bench", "train", scene, file("data"), "--repeats", repeats, "--tiles", "2"});
+        ASSERT_EQ(result.code, 0) << result.err;
+        for (const char* word : {"trace adjoint", "direct adjoint", "times as fast as direct", "rays/s", "GB/s"})
+            EXPECT_NE(result.out.find(word), std::string::npos) << word << " in\n" << result.out;
+    }
+    expect_refused({"bench", "train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
+}
+
 TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
     {
         const Device device;

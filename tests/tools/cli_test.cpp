@@ -51,6 +51,13 @@ TEST_F(Cli, WrongUseIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--orbit", "--camera", "c.json"}, 2, {"--orbit", "--camera"});
 }
 
+TEST_F(Cli, NaNIsNoNumberOfAnything) {
+    for (const char* option : {"--minutes", "--max-memory", "--picture-memory", "--psi-minutes", "--lambda-grad",
+                               "--lambda-point", "--lambda-smooth", "--seed"})
+        expect_refused({"train", file("data"), "-o", file("x.nvv"), option, "nan"}, 2, {option});
+    expect_refused({"matte", file("data"), "--threshold", "nan"}, 2, {"--threshold"});
+}
+
 TEST_F(Cli, RenderRefusesWhatItCannotDoBeforeItStarts) {
     expect_refused({"render", scene, "-o", file("x.gif")}, 2, {"x.gif", "out.mp4"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--size", "big"}, 2, {"--size", "big"});
