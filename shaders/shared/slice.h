@@ -22,7 +22,7 @@ CONSTEXPR uint kSliceLeaves = 3u;  // per slot: its leaf
 CONSTEXPR uint kSliceLive = 4u;
 CONSTEXPR uint kSliceLeafCells = 6u;  // per leaf: (word of kSliceNodeLive, its bits there)
 CONSTEXPR uint kSliceNodeLive = 7u;   // per node: mask_lo and mask_hi of the cells that hold live leaves or nodes
-CONSTEXPR uint kSliceSh = 5u;  // per slot: (n_max+1)² texels (R, G, B, unused)
+CONSTEXPR uint kSliceSh = 5u;         // per slot: (n_max+1)² texels (R, G, B, unused)
 
 struct RowsPush {
     float frame;  // 0..frames−1, clamped

@@ -24,8 +24,8 @@ struct TreeNode {
 };
 
 // The device's grid over the upper levels of the tree, so that a walk need not begin at the root: 4^top_levels cells a
-// side, x fastest. A cell is (node to go on from, 0), or where one leaf or nothing fills it (kLeafBit | leaf or kNoLeaf,
-// log2 of that cell's side in finest cells).
+// side, x fastest. A cell is (node to go on from, 0), or where one leaf or nothing fills it (kLeafBit | leaf or
+// kNoLeaf, log2 of that cell's side in finest cells).
 CONSTEXPR uint kNoLeaf = 0xffffffffu;
 
 #ifdef __cplusplus
