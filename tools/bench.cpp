@@ -60,6 +60,8 @@ class PassTable {
 // One batch after the other through both steps, which then hold the same weights and rays.
 struct BenchTrainResult {
     PassTable slice, direct;
+    uint32_t busy_planes = 0;
+    uint64_t weight_bytes = 0;
     std::vector<double> slots, touched, rays, step_seconds, copy_ms;
 };
 
@@ -90,6 +92,8 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
         direct.emplace(device, tree, cameras, options.tiles, best_atomic_add(device));
     BatchSampler sampler(dataset, options.tiles, 1, batches_in_a_row(tree));
     BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
+    result.busy_planes = step.field().busy_planes;
+    result.weight_bytes = step.field().weights.bytes;
     Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         const Batch batch = sampler.next();
@@ -128,9 +132,9 @@ BenchTrainResult measure_train(const Device& device, const VOctree& tree, const 
 
 // Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written, and
 // the weights once more for the slice that it keeps; the slot's gradient, read and cleared; its σ and SH, written.
-double optimiser_bytes(const Field& field, double touched) {
-    const double planes = 2.0 * field.busy_planes + hh_count(field.hh_degree);
-    return touched * (112 * planes + 8.0 * gradient_stride(field.hh_degree) + 8 + 16.0 * sh_count(field.hh_degree));
+double optimiser_bytes(uint32_t busy_planes, uint32_t hh_degree, double touched) {
+    const double planes = 2.0 * busy_planes + hh_count(hh_degree);
+    return touched * (112 * planes + 8.0 * gradient_stride(hh_degree) + 8 + 16.0 * sh_count(hh_degree));
 }
 
 void print_passes(const PassTable& table) {
@@ -164,17 +168,16 @@ void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
     const Device device(common.device);
     const BenchTrainResult result = measure_train(device, tree, dataset, options);
     if (result.slots.empty()) return;
-    const Field field = training_field(device, tree);
     const double rays = median(result.rays);
     fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,
                median(result.slots), tree.leaf_count, median(result.touched));
     fmt::print("slice-space gradients, {} numbers a sample\n", gradient_stride(tree.hh_degree));
     print_passes(result.slice);
-    print_ratio(result, 8 * field.busy_planes + 3 * hh_count(tree.hh_degree));
+    print_ratio(result, 8 * result.busy_planes + 3 * hh_count(tree.hh_degree));
     fmt::print("training: {:.0f}k rays/s\n", rays / median(result.step_seconds) / 1000);
-    const double copied = 2 * static_cast<double>(field.weights.bytes) / median(result.copy_ms) / 1e6;
-    const double optimised =
-        optimiser_bytes(field, median(result.touched)) / result.slice.milliseconds("slice adjoint") / 1e6;
+    const double copied = 2 * static_cast<double>(result.weight_bytes) / median(result.copy_ms) / 1e6;
+    const double optimised = optimiser_bytes(result.busy_planes, tree.hh_degree, median(result.touched)) /
+                             result.slice.milliseconds("slice adjoint") / 1e6;
     fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
                100 * optimised / copied, copied);
 }
