@@ -142,15 +142,15 @@ void ChunkWriter::finish() {
 
 ChunkReader::ChunkReader(const std::filesystem::path& path) : path_(path.string()) {
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file");
-    if (!std::filesystem::is_regular_file(path, error)) throw InputError(path_, "", "is not a regular file");
+    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file", "check the path; `neuvv train` writes such files");
+    if (!std::filesystem::is_regular_file(path, error)) throw InputError(path_, "", "is not a regular file", "name an .nvv file");
     file_bytes_ = std::filesystem::file_size(path, error);
     file_.open(path, std::ios::binary);
     if (error || !file_) throw InputError(path_, "", "cannot open", "check its permissions");
 
     FileStart start{};
     get(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
-    if (std::memcmp(start.magic, kMagic, 4) != 0) throw InputError(path_, "", "is not an .nvv file");
+    if (std::memcmp(start.magic, kMagic, 4) != 0) throw InputError(path_, "", "is not an .nvv file", "name a file that `neuvv train` wrote");
     if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0)
         throw InputError(path_, "", "was damaged by a text-mode transfer", "copy it again as binary");
     get(&start.version, sizeof start.version);
@@ -194,10 +194,14 @@ bool ChunkReader::next(ChunkHeader& header) {
     if (names_.size() + 1 >= kMaxChunks) fail_damaged("is one too many");
     names_.push_back(name);
     if (stored.stored_bytes > file_bytes_ - position_) fail_damaged("is cut off");
-    if (stored.raw_bytes > kMaxChunkBytes || !ratio_allowed(raw_total_ += stored.raw_bytes, file_bytes_))
-        fail_damaged(fmt::format("claims {} bytes, too many for a file of {}", stored.raw_bytes, file_bytes_));
+    claim(stored.raw_bytes);
     header = open_;
     return true;
+}
+
+void ChunkReader::claim(uint64_t bytes) {
+    if (bytes > kMaxChunkBytes || !ratio_allowed(raw_total_ += bytes, file_bytes_))
+        fail_damaged(fmt::format("claims {} bytes, too many for a file of {}", bytes, file_bytes_));
 }
 
 std::vector<uint8_t> ChunkReader::take(uint64_t raw_bytes) {

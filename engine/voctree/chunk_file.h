@@ -12,7 +12,7 @@
 
 namespace neuvv {
 
-constexpr uint32_t kNvvVersion = 2;
+constexpr uint32_t kNvvVersion = 3;
 
 struct ChunkHeader {
     std::string name;  // four ASCII letters or digits, or "END "
@@ -31,6 +31,8 @@ class ChunkWriter {
   public:
     ChunkWriter(std::string path, const ByteSink& sink, int compression);
     void add(const std::string& name, const void* data, size_t bytes);
+    // Counts memory that readers will need beyond the chunks' content.
+    void claim(uint64_t bytes) { raw_bytes_ += bytes; }
     void finish();
 
   private:
@@ -55,6 +57,8 @@ class ChunkReader {
     bool next(ChunkHeader& header);
     // The open chunk's content, checked against its checksum. `raw_bytes` is what the caller knows it must be.
     std::vector<uint8_t> take(uint64_t raw_bytes);
+    // Counts memory that the open chunk's content asks for, as if it were content: a small file may not ask for much.
+    void claim(uint64_t bytes);
     // Passes over the open chunk; with `verify` its checksum is checked.
     void skip(bool verify);
 

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "voctree/chunk_file.h"
-#include "voctree/half.h"
+#include "voctree/pack.h"
 
 namespace neuvv {
 
@@ -17,83 +17,13 @@ namespace {
 
 static_assert(sizeof(NvvHead) == 56);
 
-enum ChunkIndex { kHead, kNode, kChld, kBasA, kBasB, kWSig, kWGam, kWHhc, kChunkCount };
+enum ChunkIndex { kHead, kNode, kChld, kBasA, kBasB, kMask, kWSig, kWGam, kWHhc, kChunkCount };
 // In file order: topology stands before the weights, so that a count of leaves is proven before memory is taken for
 // them.
-constexpr std::array<const char*, kChunkCount> kChunkNames = {"HEAD", "NODE", "CHLD", "BASA",
-                                                              "BASB", "WSIG", "WGAM", "WHHC"};
+constexpr std::array<const char*, kChunkCount> kChunkNames = {"HEAD", "NODE", "CHLD", "BASA", "BASB",
+                                                              "MASK", "WSIG", "WGAM", "WHHC"};
 constexpr uint64_t kMaxExtraBytes = uint64_t{4} << 30;
 constexpr size_t kStoredNodeBytes = 12;
-constexpr size_t kLeafBlock = 256;  // leaves converted together: their weights stay in the cache between planes
-
-// Columns of the weight matrix that one chunk holds.
-struct WeightRange {
-    uint32_t first, count;
-};
-
-WeightRange weight_range(const VOctree& tree, int chunk) {
-    if (chunk == kWSig) return {0, tree.bases};
-    if (chunk == kWGam) return {tree.bases, tree.bases};
-    return {2 * tree.bases, 3 * hh_count(tree.hh_degree)};
-}
-
-// Entries less the one before them, mostly 1, in four planes of bytes, low ones first.
-std::vector<uint8_t> pack_children(const std::vector<uint32_t>& children) {
-    std::vector<uint8_t> bytes(4 * children.size());
-    uint32_t before = 0;
-    for (size_t i = 0; i < children.size(); ++i) {
-        const uint32_t step = children[i] - before;
-        before = children[i];
-        for (size_t plane = 0; plane < 4; ++plane)
-            bytes[plane * children.size() + i] = static_cast<uint8_t>(step >> (8 * plane));
-    }
-    return bytes;
-}
-
-std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes) {
-    std::vector<uint32_t> children(bytes.size() / 4);
-    uint32_t before = 0;
-    for (size_t i = 0; i < children.size(); ++i) {
-        for (size_t plane = 0; plane < 4; ++plane)
-            before += uint32_t{bytes[plane * children.size() + i]} << (8 * plane);
-        children[i] = before;
-    }
-    return children;
-}
-
-// A plane is one weight of all leaves: first the low bytes of their halves, then the high bytes (which pack well).
-std::vector<uint8_t> pack_planes(const VOctree& tree, WeightRange range) {
-    const size_t leaves = tree.leaf_count, stride = tree.weights_per_leaf();
-    std::vector<uint8_t> planes(2 * leaves * range.count);
-    for (size_t begin = 0; begin < leaves; begin += kLeafBlock) {
-        const size_t end = std::min(begin + kLeafBlock, leaves);
-        for (size_t column = 0; column < range.count; ++column) {
-            const float* weight = &tree.weights[begin * stride + range.first + column];
-            uint8_t* low = &planes[2 * leaves * column];
-            uint8_t* high = low + leaves;
-            for (size_t leaf = begin; leaf < end; ++leaf, weight += stride) {
-                const uint16_t half = half_from_float(*weight);
-                low[leaf] = static_cast<uint8_t>(half);
-                high[leaf] = static_cast<uint8_t>(half >> 8);
-            }
-        }
-    }
-    return planes;
-}
-
-void unpack_planes(VOctree& tree, WeightRange range, const std::vector<uint8_t>& planes) {
-    const size_t leaves = tree.leaf_count, stride = tree.weights_per_leaf();
-    for (size_t begin = 0; begin < leaves; begin += kLeafBlock) {
-        const size_t end = std::min(begin + kLeafBlock, leaves);
-        for (size_t column = 0; column < range.count; ++column) {
-            float* weight = &tree.weights[begin * stride + range.first + column];
-            const uint8_t* low = &planes[2 * leaves * column];
-            const uint8_t* high = low + leaves;
-            for (size_t leaf = begin; leaf < end; ++leaf, weight += stride)
-                *weight = float_from_half(static_cast<uint16_t>(low[leaf] | high[leaf] << 8));
-        }
-    }
-}
 
 NvvHead head_of(const VOctree& tree) {
     return {tree.node_levels,
@@ -156,7 +86,23 @@ void take_array(ChunkReader& file, std::vector<T>& array, uint64_t count) {
     if (count > 0) std::memcpy(array.data(), bytes.data(), bytes.size());
 }
 
-void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree) {
+WeightRange weight_range(const VOctree& tree, int chunk) {
+    return chunk == kWSig ? sigma_range(tree) : chunk == kWGam ? gamma_range(tree) : colour_range(tree);
+}
+
+// What all weights take as halves: chunks hold fewer bytes, but a reader must expect these.
+uint64_t weight_bytes(const VOctree& tree) {
+    return uint64_t{2} * tree.leaf_count * tree.weights_per_leaf();
+}
+
+void read_presence(ChunkReader& file, VOctree& tree, std::vector<uint8_t>& presence) {
+    presence = file.take(uint64_t{(tree.bases + 7) / 8} * tree.leaf_count);
+    if (!presence_fits(tree, presence)) file.fail("names a basis that is not there", "write the file again");
+    file.claim(weight_bytes(tree));
+    tree.weights.resize(size_t{tree.leaf_count} * tree.weights_per_leaf());
+}
+
+void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree, std::vector<uint8_t>& presence) {
     const uint64_t row_numbers = uint64_t{tree.frames} * tree.bases;
     switch (chunk) {
         case kHead:
@@ -182,11 +128,14 @@ void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree) {
         case kBasB:
             take_array(file, tree.gamma_basis, row_numbers);
             break;
+        case kMask:
+            read_presence(file, tree, presence);
+            break;
         default: {
             const WeightRange range = weight_range(tree, chunk);
-            const std::vector<uint8_t> planes = file.take(uint64_t{2} * tree.leaf_count * range.count);
-            tree.weights.resize(size_t{tree.leaf_count} * tree.weights_per_leaf());
-            unpack_planes(tree, range, planes);
+            const std::vector<uint8_t> bytes = file.take(packed_weight_bytes(tree, range, presence));
+            if (!unpack_weights(tree, range, presence, bytes))
+                file.fail("codes a column in an unknown way", "write the file again");
         }
     }
 }
@@ -215,9 +164,12 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
         file.add(kChunkNames[kChld], children.data(), children.size());
         file.add(kChunkNames[kBasA], tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
         file.add(kChunkNames[kBasB], tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
+        const std::vector<uint8_t> presence = pack_presence(tree);
+        file.add(kChunkNames[kMask], presence.data(), presence.size());
+        file.claim(weight_bytes(tree));
         for (int chunk = kWSig; chunk <= kWHhc; ++chunk) {
-            const std::vector<uint8_t> planes = pack_planes(tree, weight_range(tree, chunk));
-            file.add(kChunkNames[static_cast<size_t>(chunk)], planes.data(), planes.size());
+            const std::vector<uint8_t> bytes = pack_weights(tree, weight_range(tree, chunk), presence);
+            file.add(kChunkNames[static_cast<size_t>(chunk)], bytes.data(), bytes.size());
         }
         for (const NvvChunk& chunk : extra) file.add(chunk.name, chunk.bytes.data(), chunk.bytes.size());
         file.finish();
@@ -229,6 +181,7 @@ VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra
     VOctree tree;
     NvvHead head{};
     std::vector<NvvChunk> found;
+    std::vector<uint8_t> presence;
     size_t done = 0;
     ChunkHeader chunk;
     while (file.next(chunk)) {
@@ -237,7 +190,7 @@ VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra
             if (done == kChunkCount || chunk.name != kChunkNames[done])
                 file.fail_damaged(done == kChunkCount ? "is one too many"
                                                       : fmt::format("stands where {} must", kChunkNames[done]));
-            read_chunk(file, static_cast<int>(done++), head, tree);
+            read_chunk(file, static_cast<int>(done++), head, tree, presence);
         } else if (!is_ancillary(chunk.name)) {
             file.fail("is unknown to this program", "open the file with a newer neuvv");
         } else if (chunk.raw_bytes > kMaxExtraBytes) {

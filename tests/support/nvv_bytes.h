@@ -5,6 +5,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -54,7 +56,7 @@ inline void append_chunk(Bytes& file, const Chunk& chunk, uint64_t& previous_che
     file.insert(file.end(), stored.begin(), stored.end());
 }
 
-inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 2) {
+inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 3) {
     Bytes file = {0x89, 'N', 'V', 'V', 0x0d, 0x0a, 0x1a, 0x0a};
     append(file, version);
     uint64_t checksum = 0;
@@ -63,10 +65,48 @@ inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 2) {
     return file;
 }
 
-// The eight chunks of a tree, defects and all.
+// The coding byte of a column: the first of 0..24 whose power of two makes 16-bit integers of all numbers, else bits.
+inline uint8_t coding_of(const std::vector<uint16_t>& halves) {
+    for (uint8_t coding = 0; coding <= 24; ++coding) {
+        const auto fits = [&](uint16_t half) {
+            const double multiple = std::ldexp(static_cast<double>(float_from_half(half)), coding);
+            return multiple == std::floor(multiple) && std::abs(multiple) <= 32767;
+        };
+        if (std::all_of(halves.begin(), halves.end(), fits)) return coding;
+    }
+    uint8_t shift = 0;
+    while (std::all_of(halves.begin(), halves.end(), [&](uint16_t half) { return half % (2u << shift) == 0; })) ++shift;
+    return static_cast<uint8_t>(128 + shift);
+}
+
+// Columns of numbers, each a half; a column's steps folded to 0, −1, 1, −2, …
+inline Bytes columns_bytes(const std::vector<std::vector<uint16_t>>& columns) {
+    Bytes bytes, low, high;
+    for (const std::vector<uint16_t>& column : columns) {
+        const uint8_t coding = coding_of(column);
+        bytes.push_back(coding);
+        int before = 0;
+        for (const uint16_t half : column) {
+            int number = half >> (coding & 127);
+            if (coding < 128) {
+                const int multiple = static_cast<int>(std::ldexp(float_from_half(half), coding));
+                const int step = static_cast<int16_t>(multiple - before);
+                before = multiple;
+                number = step < 0 ? -2 * step - 1 : 2 * step;
+            }
+            low.push_back(static_cast<uint8_t>(number));
+            high.push_back(static_cast<uint8_t>(number >> 8));
+        }
+    }
+    bytes.insert(bytes.end(), low.begin(), low.end());
+    bytes.insert(bytes.end(), high.begin(), high.end());
+    return bytes;
+}
+
+// The nine chunks of a tree, defects and all.
 inline std::vector<Chunk> chunks_of(const VOctree& tree) {
     std::vector<Chunk> chunks;
-    for (const char* name : {"HEAD", "NODE", "CHLD", "BASA", "BASB", "WSIG", "WGAM", "WHHC"})
+    for (const char* name : {"HEAD", "NODE", "CHLD", "BASA", "BASB", "MASK", "WSIG", "WGAM", "WHHC"})
         chunks.push_back({.name = name, .raw = {}});
     for (const uint32_t value :
          {tree.node_levels, static_cast<uint32_t>(tree.nodes.size()), static_cast<uint32_t>(tree.children.size()),
@@ -83,12 +123,25 @@ inline std::vector<Chunk> chunks_of(const VOctree& tree) {
                 static_cast<uint8_t>((tree.children[i] - (i > 0 ? tree.children[i - 1] : 0)) >> shift));
     for (const float value : tree.sigma_basis) append(chunks[3].raw, value);
     for (const float value : tree.gamma_basis) append(chunks[4].raw, value);
+    const auto half = [&](uint32_t leaf, uint32_t weight) { return half_from_float(tree.leaf(leaf)[weight]); };
+    const auto present = [&](uint32_t leaf, uint32_t basis) {
+        return half(leaf, basis) != 0 || half(leaf, tree.bases + basis) != 0;
+    };
+    for (uint32_t first = 0; first < tree.bases; first += 8)
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
+            uint8_t bits = 0;
+            for (uint32_t i = 0; i < 8 && first + i < tree.bases; ++i)
+                if (present(leaf, first + i)) bits = static_cast<uint8_t>(bits | 1 << i);
+            chunks[5].raw.push_back(bits);
+        }
+    std::vector<std::vector<uint16_t>> columns[3];
     for (uint32_t weight = 0; weight < tree.weights_per_leaf(); ++weight) {
-        Bytes& planes = chunks[weight < tree.bases ? 5 : weight < 2 * tree.bases ? 6 : 7].raw;
-        for (const int shift : {0, 8})
-            for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
-                planes.push_back(static_cast<uint8_t>(half_from_float(tree.leaf(leaf)[weight]) >> shift));
+        const uint32_t kind = std::min(weight / tree.bases, 2u);
+        std::vector<uint16_t>& column = columns[kind].emplace_back();
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+            if (kind == 2 || present(leaf, weight % tree.bases)) column.push_back(half(leaf, weight));
     }
+    for (size_t kind = 0; kind < 3; ++kind) chunks[6 + kind].raw = columns_bytes(columns[kind]);
     return chunks;
 }
 

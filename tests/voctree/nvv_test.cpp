@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
+#include "voctree/chunk_file.h"
 
 namespace neuvv {
 namespace {
@@ -80,6 +81,46 @@ TEST_F(Nvv, RoundTripOfMixedTrees) {
         write_nvv(path_, tree, {}, seed % 2 ? 1 : 9);
         ASSERT_TRUE(same_tree(tree, read_nvv(path_))) << seed;
     }
+}
+
+// As training leaves them: few of the bases in use, weights on coarse grids or with few digits.
+VOctree compact_tree(uint32_t seed) {
+    VOctree tree = random_tree(
+        {.seed = seed, .node_levels = 2, .leaves = 120, .bases = 13, .hh_degree = 1, .frames = 13});
+    Random random(seed);
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) {
+        float* leaf = tree.leaf(i);
+        for (uint32_t c = 0; c < tree.bases; ++c) {
+            const bool used = random.below(4) == 0;
+            leaf[c] = used ? std::ldexp(1.0f + static_cast<float>(random.below(16)) / 16, int(random.below(8)) - 2) : 0;
+            leaf[tree.bases + c] = used ? static_cast<float>(int(random.below(100)) - 50) / 8 : 0;
+        }
+        for (uint32_t w = 2 * tree.bases; w < tree.weights_per_leaf(); ++w)
+            leaf[w] = static_cast<float>(int(random.below(40)) - 20) / 4;
+    }
+    return tree;
+}
+
+TEST_F(Nvv, CompactTreesTakeFewBytes) {
+    for (uint32_t seed = 0; seed < 8; ++seed) {
+        const VOctree tree = compact_tree(seed);
+        write_nvv(path_, tree, {}, 1);
+        EXPECT_TRUE(same_tree(tree, read_nvv(path_))) << seed;
+        EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_)) << seed;
+    }
+    const NvvSummary summary = summarise_nvv(path_);
+    const uint64_t leaves = summary.head.leaf_count;
+    EXPECT_EQ(2 * leaves, summary.chunks[5].raw_bytes);
+    EXPECT_LT(summary.chunks[6].raw_bytes, 13 * leaves);  // a quarter of 13 halves, and chance
+}
+
+// A column whose steps pass 16 bits wraps, and comes back.
+TEST_F(Nvv, StepsMayWrap) {
+    VOctree tree = small_tree();
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[4] = i % 2 ? 32752.0f : -32752.0f;
+    write_nvv(path_, tree, {}, 1);
+    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
 }
 
 TEST_F(Nvv, RoundTripBeyondOnePiece) {
@@ -158,15 +199,15 @@ TEST_F(Nvv, SummaryListsChunks) {
     const VOctree tree = small_tree();
     write_nvv(path_, tree, {{"adam", Bytes(1000)}});
     const NvvSummary summary = summarise_nvv(path_);
-    EXPECT_EQ(2u, summary.version);
+    EXPECT_EQ(kNvvVersion, summary.version);
     EXPECT_EQ(std::filesystem::file_size(path_), summary.file_bytes);
     EXPECT_EQ(tree.leaf_count, summary.head.leaf_count);
     EXPECT_EQ(tree.box_size, summary.head.box_size);
-    ASSERT_EQ(9u, summary.chunks.size());
+    ASSERT_EQ(10u, summary.chunks.size());
     EXPECT_EQ("HEAD", summary.chunks[0].name);
     EXPECT_EQ(56u, summary.chunks[0].raw_bytes);
-    EXPECT_EQ("adam", summary.chunks[8].name);
-    EXPECT_EQ(1000u, summary.chunks[8].raw_bytes);
+    EXPECT_EQ("adam", summary.chunks[9].name);
+    EXPECT_EQ(1000u, summary.chunks[9].raw_bytes);
     uint64_t total = 12 + 32;
     for (const NvvSummary::Chunk& chunk : summary.chunks) total += 32 + chunk.stored_bytes;
     EXPECT_EQ(summary.file_bytes, total);
@@ -178,7 +219,7 @@ TEST_F(Nvv, SummaryListsChunks) {
 TEST_F(Nvv, FileStartsAreTold) {
     Bytes bytes = nvv_of(chunks_of(small_tree()));
     EXPECT_EQ("", complaint(bytes));
-    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), 3));
+    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), kNvvVersion + 1));
     bytes.erase(bytes.begin() + 4);  // CRLF became LF
     expect_complaint("text-mode", bytes);
     bytes[0] &= 0x7f;
@@ -220,7 +261,7 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
         spans.emplace_back(at, at + 32 + stored);
         at += 32 + stored;
     }
-    ASSERT_EQ(10u, spans.size());
+    ASSERT_EQ(11u, spans.size());
 
     Random random(11);
     int refused = 0;
@@ -239,8 +280,8 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
             if (kind == 4) {  // the chunks in another order, one perhaps twice or gone
                 bytes.resize(12);
                 std::vector<std::pair<size_t, size_t>> shuffled = spans;
-                std::swap(shuffled[random.below(10)], shuffled[random.below(10)]);
-                shuffled[random.below(10)] = shuffled[random.below(10)];
+                std::swap(shuffled[random.below(11)], shuffled[random.below(11)]);
+                shuffled[random.below(11)] = shuffled[random.below(11)];
                 for (const auto& [begin, end] : shuffled)
                     bytes.insert(bytes.end(), whole.begin() + offset(begin), whole.begin() + offset(end));
             }
@@ -343,6 +384,23 @@ TEST_F(Nvv, HostileCounts) {
     expect_complaint("leaves are not reached", nvv_of(chunks));
 }
 
+// Weights that take no bytes in the file take memory all the same.
+TEST_F(Nvv, EmptyLeavesMayNotAskForMemoryWithoutEnd) {
+    VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0});
+    std::vector<LeafPlace> places;
+    for (uint32_t i = 0; i < 64 * 64 * 64; ++i) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    tree.node_levels = 3;
+    build_topology(tree, places);
+    std::vector<Chunk> chunks = chunks_of(tree);
+    EXPECT_EQ("", complaint(nvv_of(chunks)));
+    const uint32_t bases = 64, hh_degree = 3;  // 436 bytes a leaf as halves, 114 MB in all
+    std::memcpy(&chunks[0].raw[16], &bases, 4);
+    std::memcpy(&chunks[0].raw[20], &hh_degree, 4);
+    chunks[3].raw = chunks[4].raw = Bytes(4 * bases * tree.frames);
+    chunks[5].raw = Bytes(size_t{8} * tree.leaf_count);
+    expect_complaint("chunk MASK: claims 114294784 bytes, too many for a file of", nvv_of(chunks));
+}
+
 TEST_F(Nvv, HostileChunks) {
     const std::vector<Chunk> good = chunks_of(small_tree());
     const auto file_with = [&](const std::function<void(std::vector<Chunk>&)>& damage) {
@@ -369,7 +427,11 @@ TEST_F(Nvv, HostileChunks) {
                      }));
     expect_complaint("newer neuvv", file_with([](Chunks& c) { c[4].flags = 1; }));
     expect_complaint("chunk PLUS: is unknown", file_with([](Chunks& c) { c.push_back({.name = "PLUS", .raw = {}}); }));
-    expect_complaint("appears twice", file_with([](Chunks& c) { c.push_back(c[7]); }));
+    expect_complaint("chunk MASK: names a basis that is not there", file_with([](Chunks& c) { c[5].raw[3] |= 4; }));
+    for (const uint8_t coding : Bytes{25, 127, 144, 255})
+        expect_complaint("chunk WGAM: codes a column in an unknown way",
+                         file_with([&](Chunks& c) { c[7].raw[1] = coding; }));
+    expect_complaint("appears twice", file_with([](Chunks& c) { c.push_back(c[8]); }));
     expect_complaint("stands where HEAD must", file_with([](Chunks& c) { c.insert(c.begin(), {"note", {}}); }));
     expect_complaint("stands where NODE must", file_with([](Chunks& c) { std::swap(c[1], c[2]); }));
     expect_complaint("comes before chunk WHHC", file_with([](Chunks& c) { c.pop_back(); }));

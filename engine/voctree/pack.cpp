@@ -1,0 +1,199 @@
+#include "voctree/pack.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "voctree/half.h"
+
+namespace neuvv {
+
+namespace {
+
+// How a column stands in the file: its first byte.
+//   0..24       the numbers are multiples of 2^−coding, each stored as its multiple less that of the one before it
+//   128..143    the numbers are halves, stored as their bits without the lowest coding − 128, which are 0
+constexpr uint32_t kFinestStep = 24;  // a half's finest digit is 2^−24
+constexpr uint32_t kHalfCoding = 128, kMostShift = 15;
+
+// One column on its way in or out.
+struct Column {
+    uint32_t coding = 0;
+    float scale = 1;     // 2^coding
+    size_t count = 0;    // numbers in it
+    size_t at = 0;       // of its next number, in all columns' numbers
+    int16_t before = 0;  // multiple of the number before
+
+    void set_coding(uint32_t value) {
+        coding = value;
+        if (coding < kHalfCoding) scale = std::ldexp(1.0f, static_cast<int>(coding));
+    }
+};
+
+bool is_present(const std::vector<uint8_t>& presence, size_t leaves, size_t leaf, uint32_t column) {
+    return presence[column / 8 * leaves + leaf] >> column % 8 & 1;
+}
+
+// Calls visit(leaf, column in range) for each number, leaf by leaf: its weights lie together.
+template <typename Visit>
+void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, Visit visit) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t column = 0; column < range.count; column++)
+            if (!range.sparse || is_present(presence, tree.leaf_count, leaf, column)) visit(leaf, column);
+}
+
+void set_offsets(std::vector<Column>& columns) {
+    size_t at = 0;
+    for (Column& column : columns) {
+        column.at = at;
+        at += column.count;
+    }
+}
+
+std::vector<Column> count_numbers(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
+    std::vector<Column> columns(range.count);
+    for_each_number(tree, range, presence, [&](uint32_t, uint32_t column) { columns[column].count++; });
+    set_offsets(columns);
+    return columns;
+}
+
+// The digits that a column's halves have.
+struct Digits {
+    uint16_t bits = 0;
+    uint32_t finest = 0;  // all numbers are multiples of 2^−finest
+    uint16_t largest = 0;
+
+    void add(uint16_t half) {
+        const uint16_t magnitude = half & 0x7fff;
+        bits |= half;
+        if (magnitude == 0) return;
+        largest = std::max(largest, magnitude);
+        const uint32_t exponent = std::max(magnitude >> 10, 1), digits = (magnitude & 0x3ff) | (magnitude >= 0x400) << 10;
+        const int lowest = static_cast<int>(exponent) - 25 + std::countr_zero(digits);
+        finest = std::max(finest, static_cast<uint32_t>(std::max(-lowest, 0)));
+    }
+    uint32_t coding() const {
+        const bool fits = std::ldexp(float_from_half(largest), static_cast<int>(finest)) <= INT16_MAX;
+        return fits ? finest : kHalfCoding + static_cast<uint32_t>(std::countr_zero(bits));
+    }
+};
+
+// A signed step as an unsigned number, small where it is small.
+uint16_t folded(int16_t step) {
+    return static_cast<uint16_t>((step << 1) ^ (step >> 15));
+}
+
+int16_t unfolded(uint16_t number) {
+    return static_cast<int16_t>((number >> 1) ^ -(number & 1));
+}
+
+uint16_t encode(Column& column, float weight) {
+    if (column.coding >= kHalfCoding)
+        return static_cast<uint16_t>(half_from_float(weight) >> (column.coding - kHalfCoding));
+    const auto multiple = static_cast<int16_t>(float_from_half(half_from_float(weight)) * column.scale);
+    const auto step = static_cast<int16_t>(multiple - column.before);
+    column.before = multiple;
+    return folded(step);
+}
+
+float decode(Column& column, uint16_t number) {
+    if (column.coding >= kHalfCoding)
+        return float_from_half(static_cast<uint16_t>(number << (column.coding - kHalfCoding)));
+    column.before = static_cast<int16_t>(column.before + unfolded(number));
+    return static_cast<float>(column.before) / column.scale;
+}
+
+}  // namespace
+
+std::vector<uint8_t> pack_children(const std::vector<uint32_t>& children) {
+    std::vector<uint8_t> bytes(4 * children.size());
+    uint32_t before = 0;
+    for (size_t i = 0; i < children.size(); ++i) {
+        const uint32_t step = children[i] - before;
+        before = children[i];
+        for (size_t plane = 0; plane < 4; ++plane)
+            bytes[plane * children.size() + i] = static_cast<uint8_t>(step >> (8 * plane));
+    }
+    return bytes;
+}
+
+std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes) {
+    std::vector<uint32_t> children(bytes.size() / 4);
+    uint32_t before = 0;
+    for (size_t i = 0; i < children.size(); ++i) {
+        for (size_t plane = 0; plane < 4; ++plane)
+            before += uint32_t{bytes[plane * children.size() + i]} << (8 * plane);
+        children[i] = before;
+    }
+    return children;
+}
+
+std::vector<uint8_t> pack_presence(const VOctree& tree) {
+    std::vector<uint8_t> presence(size_t{(tree.bases + 7) / 8} * tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        const float* weights = tree.leaf(leaf);
+        for (uint32_t c = 0; c < tree.bases; c++)
+            if (half_from_float(weights[c]) != 0 || half_from_float(weights[tree.bases + c]) != 0)
+                presence[c / 8 * size_t{tree.leaf_count} + leaf] |= static_cast<uint8_t>(1u << c % 8);
+    }
+    return presence;
+}
+
+bool presence_fits(const VOctree& tree, const std::vector<uint8_t>& presence) {
+    if (tree.bases % 8 == 0) return true;
+    const size_t last = tree.bases / 8 * size_t{tree.leaf_count};
+    return std::all_of(presence.begin() + static_cast<ptrdiff_t>(last), presence.end(),
+                       [&](uint8_t bits) { return bits >> tree.bases % 8 == 0; });
+}
+
+std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
+    std::vector<Column> columns(range.count);
+    std::vector<Digits> digits(range.count);
+    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
+        columns[column].count++;
+        digits[column].add(half_from_float(tree.leaf(leaf)[range.first + column]));
+    });
+    set_offsets(columns);
+    const size_t numbers = columns.back().at + columns.back().count;
+    std::vector<uint8_t> bytes(range.count + 2 * numbers);
+    for (uint32_t column = 0; column < range.count; column++) {
+        columns[column].set_coding(digits[column].coding());
+        bytes[column] = static_cast<uint8_t>(columns[column].coding);
+    }
+    uint8_t* low = bytes.data() + range.count;
+    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
+        const uint16_t number = encode(columns[column], tree.leaf(leaf)[range.first + column]);
+        const size_t at = columns[column].at++;
+        low[at] = static_cast<uint8_t>(number);
+        low[numbers + at] = static_cast<uint8_t>(number >> 8);
+    });
+    return bytes;
+}
+
+uint64_t packed_weight_bytes(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
+    uint64_t numbers = 0;
+    if (!range.sparse) numbers = uint64_t{tree.leaf_count} * range.count;
+    if (range.sparse)
+        for (const uint8_t bits : presence) numbers += static_cast<uint64_t>(std::popcount(bits));
+    return range.count + 2 * numbers;
+}
+
+bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence,
+                    const std::vector<uint8_t>& bytes) {
+    std::vector<Column> columns = count_numbers(tree, range, presence);
+    for (uint32_t column = 0; column < range.count; column++) {
+        const uint32_t coding = bytes[column];
+        if (coding > kFinestStep && (coding < kHalfCoding || coding > kHalfCoding + kMostShift)) return false;
+        columns[column].set_coding(coding);
+    }
+    const size_t numbers = (bytes.size() - range.count) / 2;
+    const uint8_t* low = bytes.data() + range.count;
+    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
+        const size_t at = columns[column].at++;
+        tree.leaf(leaf)[range.first + column] =
+            decode(columns[column], static_cast<uint16_t>(low[at] | low[numbers + at] << 8));
+    });
+    return true;
+}
+
+}  // namespace neuvv
