@@ -75,7 +75,7 @@ Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings)
     if (tiles.size() > rays_.tile_capacity || image.rgba.size() > readback_.bytes)
         throw RuntimeFailure(
             fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
-    *rays_.cameras.as<ShaderCamera>() = shader_camera(enlarged(camera, settings.samples));
+    *rays_.cameras.as<ShaderCamera>() = shader_camera(enlarged(camera, settings.samples), settings.samples);
     std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
     commands_.begin();
     record_frame(commands_, *this, settings);

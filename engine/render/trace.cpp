@@ -17,13 +17,14 @@ RayBatch::RayBatch(const Device& device, uint32_t camera_count, uint32_t tile_co
                VK_FORMAT_R32G32B32A32_SFLOAT),
       depth(device, "depth", uint64_t{4} * kTilePixels * tile_capacity, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT) {}
 
-ShaderCamera shader_camera(const Camera& camera) {
+ShaderCamera shader_camera(const Camera& camera, uint32_t samples) {
     const glm::dmat3 rotation(camera.world_from_camera);
     ShaderCamera shader;
     shader.origin = glm::vec4(glm::vec3(camera.world_from_camera[3]), 0);
     shader.right = glm::vec4(glm::vec3(rotation * glm::dvec3(1 / camera.fx, 0, 0)), static_cast<float>(camera.width));
     shader.down = glm::vec4(glm::vec3(rotation * glm::dvec3(0, -1 / camera.fy, 0)), static_cast<float>(camera.height));
-    shader.corner = glm::vec4(glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)), 0);
+    shader.corner = glm::vec4(glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)),
+                              static_cast<float>(samples));
     return shader;
 }
 

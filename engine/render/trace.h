@@ -23,7 +23,9 @@ struct RayBatch {
     Buffer depth;     // per ray metres (errata 12)
 };
 
-ShaderCamera shader_camera(const Camera& camera);
+// `camera` is enlarged so that its pixels are the samples × samples rays of a picture's pixel (ray.glsl spreads them); 1
+// where rays leave pixels' centres, or tiles say where.
+ShaderCamera shader_camera(const Camera& camera, uint32_t samples = 1);
 
 // Every tile of one picture, row by row.
 std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);

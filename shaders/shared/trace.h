@@ -27,7 +27,7 @@ struct ShaderCamera {
     vec4 origin;
     vec4 right;  // w: width in pixels
     vec4 down;   // w: height in pixels
-    vec4 corner;
+    vec4 corner;  // w: rays of a picture's pixel along each side, which are pixels here
 };
 
 // One workgroup's pixels: rays tile*64 .. +63 in row-major order inside the tile. One texel.

@@ -143,7 +143,14 @@ void expect_agreement(const VOctree& tree, const View& view, FrameRenderer& rend
 
 using FrameTest = GpuTest;
 
-// Rays of a pixel stand on a grid inside it, and the picture is their mean.
+// Where the ray in `column` and `row` of a pixel's samples × samples cells leaves from, in pixels from its corner: in
+// each column of cells as many places across as there are rows, and in each row as many down as columns, so that no two
+// rays share either.
+glm::dvec2 rook(uint32_t column, uint32_t row, double samples) {
+    return {(column + (row + 0.5) / samples) / samples, (row + (samples - column - 0.5) / samples) / samples};
+}
+
+// Rays of a pixel stand inside it so that no two share a column or a row, and the picture is their mean.
 TEST_F(FrameTest, SeveralRaysAPixel) {
     constexpr uint32_t kSamples = 3;
     const VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
@@ -167,9 +174,9 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
             glm::dvec4 mean(0);
             for (uint32_t i = 0; i < kSamples * kSamples; i++) {
                 const uint32_t column = kSamples * x + i % kSamples, row = kSamples * y + i / kSamples;
-                const reference::RayResult truth = reference::trace(
-                    tree, slices,
-                    reference::camera_ray(camera, (column + 0.5) / kSamples - 0.5, (row + 0.5) / kSamples - 0.5));
+                const glm::dvec2 at = glm::dvec2(x, y) + rook(i % kSamples, i / kSamples, kSamples) - 0.5;
+                const reference::RayResult truth =
+                    reference::trace(tree, slices, reference::camera_ray(camera, at.x, at.y));
                 mean += glm::dvec4(truth.colour, truth.alpha) / double{kSamples * kSamples};
                 ASSERT_NEAR(rays[size_t{row} * kSamples * kWidth + column].a, truth.alpha, kSteps / 255);
             }
