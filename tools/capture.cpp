@@ -41,6 +41,7 @@ void run_capture(Options& options, const CommonOptions& common) {
         throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
                          "choose clear or checker");
     if (options.background == "checker") settings.background = CaptureBackground::kChecker;
+    prepare_output_folder("--output", options.folder);
     catch_stop_signals();
     const Device device(common.device);
     std::unique_ptr<Progress> progress;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "tools/commands.h"
 #include "tools/drawing.h"
+#include "tools/options.h"
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
@@ -203,9 +204,6 @@ void print_memory(const Rig& rig) {
 
 void draw(const std::filesystem::path& folder, const Rig& rig, const std::vector<RigCamera>& train,
           const std::vector<RigCamera>& test, const Dataset& seen, const std::optional<Box>& box) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
     write_png(folder / "rig.png", draw_rig(train, test, box));
     std::vector<Image> pictures;
     std::vector<std::string> names;
@@ -224,6 +222,7 @@ void draw(const std::filesystem::path& folder, const Rig& rig, const std::vector
 }
 
 void run(const DatasetOptions& options) {
+    if (!options.output.empty()) prepare_output_folder("--output", options.output);
     const auto read = [&](Split split) {
         return look_for([&] { return read_rig(options.folder, split, options.format); });
     };

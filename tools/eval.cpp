@@ -24,6 +24,8 @@ namespace neuvv {
 
 namespace {
 
+// A measure is of the recording, not of the renderer's edges: more rays than a video needs.
+constexpr uint32_t kMeasureSamples = 4;
 constexpr size_t kSheetRows = 8, kPagePictures = 12;
 constexpr uint32_t kSheetCell = 320;
 
@@ -31,7 +33,7 @@ const std::map<std::string, Split> kSplits = {{"test", Split::kTest}, {"train", 
 
 struct EvalOptions {
     std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera", lpips;
-    uint32_t samples = kDefaultSamples;
+    uint32_t samples = kMeasureSamples;
 };
 
 nlohmann::ordered_json json_of(const Quality& quality) {
@@ -140,6 +142,9 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Dataset dataset = load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
+    if (tree.frames != dataset.times.size())
+        fmt::print(stderr, "neuvv: {} has {} frames, {} {} instants: each is compared with the scene at its time\n",
+                   options.scene, tree.frames, options.dataset, dataset.times.size());
     std::optional<Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
     std::vector<double> lpips;

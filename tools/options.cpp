@@ -131,7 +131,9 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     std::error_code ignored;
     if (!file.has_filename() || std::filesystem::is_directory(file, ignored))
         throw InputError(option, file.string(), "is a folder, not a file", "add a file name");
-    prepare_output_folder(option, file.parent_path());
+    if (!is_replaceable(file))
+        throw InputError(option, file.string(), "is no regular file, and would be replaced", "choose another");
+    prepare_output_folder(option, link_target(file).parent_path());
 }
 
 }  // namespace neuvv

@@ -33,11 +33,6 @@ struct RenderOptions {
 class PictureSink {
   public:
     PictureSink(PictureOutput output, PictureSize size, double fps) : output_(std::move(output)) {
-        const std::filesystem::path folder = output_.path.parent_path();
-        std::error_code error;
-        if (!folder.empty()) std::filesystem::create_directories(folder, error);
-        if (error)
-            throw RuntimeFailure(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
         if (output_.kind == PictureOutput::Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     }
     void add(const Image& picture) {
@@ -83,7 +78,7 @@ void expect_fitting_output(const PictureOutput& output, size_t pictures) {
 struct Totals {
     size_t pictures = 0;
     PictureSize size;
-    double fps = 0, seconds = 0;
+    double fps = 0, rays = 0, seconds = 0;
 };
 
 Totals render(const RenderOptions& options, const CommonOptions& common) {
@@ -92,6 +87,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
         throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of pictures",
                          fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
+    prepare_output_file("--output", output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
     const VOctree tree = read_nvv(options.scene);
     const Playback playback{parse_frame_range(options.frames, tree.frames), double{tree.fps},
@@ -111,7 +107,10 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     FrameRenderer renderer(device, field, size.width, size.height, options.samples);
     PictureSink sink(output, size, playback.output_fps);
     catch_stop_signals();
-    Totals totals{path.size(), size, playback.output_fps, 0};
+    const bool video = output.kind == PictureOutput::Kind::kVideo;
+    const PictureSize encoded{video_side(size.width), video_side(size.height)};
+    Totals totals{path.size(), video ? encoded : size, playback.output_fps};
+    totals.rays = static_cast<double>(path.size()) * size.width * size.height * options.samples * options.samples;
     Progress progress("render", path.size());
     for (size_t i = 0; i < path.size(); ++i) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
@@ -128,9 +127,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
 
 void run(const RenderOptions& options, const CommonOptions& common) {
     const Totals totals = render(options, common);
-    const double rays = static_cast<double>(totals.pictures) * totals.size.width * totals.size.height *
-                        options.samples * options.samples;
-    const double mrays_per_s = totals.seconds > 0 ? rays / totals.seconds / 1e6 : 0;
+    const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
     if (options.json)
         fmt::print("{}", json_text({{"output", options.output},
                                     {"pictures", totals.pictures},

@@ -23,6 +23,13 @@ void solve_in_place(std::vector<double>& matrix, std::vector<double>& right, siz
     }
 }
 
+bool is_identity(const std::vector<float>& basis, uint32_t size) {
+    for (uint32_t t = 0; t < size; t++)
+        for (uint32_t c = 0; c < size; c++)
+            if (basis[size_t{t} * size + c] != (t == c ? 1.0f : 0.0f)) return false;
+    return true;
+}
+
 }  // namespace
 
 std::vector<float> hat_basis(uint32_t frames, uint32_t bases) {
@@ -33,6 +40,11 @@ std::vector<float> hat_basis(uint32_t frames, uint32_t bases) {
         for (uint32_t c = 0; c < bases; c++)
             basis[size_t{t} * bases + c] = static_cast<float>(std::max(0.0, 1 - std::abs(t * knots_per_frame - c)));
     return basis;
+}
+
+bool frames_have_own_bases(const VOctree& tree) {
+    return tree.frames == tree.bases && is_identity(tree.sigma_basis, tree.bases) &&
+           is_identity(tree.gamma_basis, tree.bases);
 }
 
 std::vector<float> initial_gamma_weights(uint32_t bases) {

@@ -196,19 +196,21 @@ Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const 
     return checkpoint;
 }
 
-void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
+uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
     write_nvv(
         state_path(nvv), checkpoint.tree,
         {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
          chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
          chunk("rech", checkpoint.use.reach), chunk("pull", checkpoint.use.pull), chunk("frms", checkpoint.use.frames)},
         1);
-    save_shown(nvv, checkpoint.tree);
+    return save_shown(nvv, checkpoint.tree);
 }
 
-void save_shown(const std::filesystem::path& nvv, VOctree tree) {
+uint32_t save_shown(const std::filesystem::path& nvv, VOctree tree) {
+    drop_empty_leaves(tree);
     make_compact(tree);
     write_nvv(nvv, tree, {}, 1);
+    return tree.leaf_count;
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& nvv) {

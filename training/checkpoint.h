@@ -44,11 +44,11 @@ std::filesystem::path state_path(const std::filesystem::path& nvv);
 Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run);
 
 // Replaces the state, then the .nvv: each is at any moment the old or the new one, and where there is a .nvv, a run can
-// be resumed. Throws RuntimeFailure.
-void save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
+// be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.
+uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
 
-// Writes the .nvv alone, made compact.
-void save_shown(const std::filesystem::path& nvv, VOctree tree);
+// Writes the .nvv alone, made compact. Returns how many leaves it has.
+uint32_t save_shown(const std::filesystem::path& nvv, VOctree tree);
 
 // Throws InputError where the state file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);

@@ -1,19 +1,21 @@
 #include "training/compact.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "training/bases.h"
 
 namespace neuvv {
 
 namespace {
 
-// Of w^σ, below its highest bit; of w^γ (γ moves by π/4 a unit at most); of w^HH (the largest H is about 1/2, a
-// colour's slope after the sigmoid 1/4).
+// Of w^σ, below its highest bit; of w^γ (γ moves by π/4 a unit at most); of w^HH (|H_nlm| ≤ (n+1)/(π√2), and a colour's
+// slope after the sigmoid is 1/4 at most).
 struct Steps {
     float sigma_share, gamma, colour;
 };
-constexpr Steps kOwnFrames{1.0f / 16, 1.0f / 8, 1.0f / 8};
+constexpr Steps kOwnFrames{1.0f / 16, 1.0f / 8, 1.0f / 4};
 // Where frames share bases, what a frame sees is a sum of weights of both signs: they must be finer than it.
 constexpr Steps kSharedBases{1.0f / 64, 1.0f / 32, 1.0f / 16};
 
@@ -26,20 +28,28 @@ float rounded_share(float value, float share) {
     return rounded_to(value, std::exp2(std::floor(std::log2(std::abs(value)))) * share);
 }
 
-bool is_identity(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
-    if (frames != bases) return false;
-    for (uint32_t t = 0; t < frames; t++)
-        for (uint32_t c = 0; c < bases; c++)
-            if (basis[size_t{t} * bases + c] != (t == c ? 1.0f : 0.0f)) return false;
-    return true;
-}
-
 }  // namespace
+
+void drop_empty_leaves(VOctree& tree) {
+    if (!frames_have_own_bases(tree)) return;
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<float> weights = std::move(tree.weights);
+    const size_t stride = tree.weights_per_leaf();
+    std::vector<LeafPlace> kept;
+    std::vector<uint32_t> origins;
+    for (uint32_t i = 0; i < tree.leaf_count; i++) {
+        const float* sigma = &weights[i * stride];
+        if (std::none_of(sigma, sigma + tree.bases, [](float value) { return value > 0; })) continue;
+        kept.push_back(places[i]);
+        origins.push_back(i);
+    }
+    build_topology(tree, kept);
+    for (uint32_t i = 0; i < tree.leaf_count; i++) std::copy_n(&weights[origins[i] * stride], stride, tree.leaf(i));
+}
 
 void make_compact(VOctree& tree) {
     const uint32_t bases = tree.bases;
-    const bool own_frames =
-        is_identity(tree.sigma_basis, tree.frames, bases) && is_identity(tree.gamma_basis, tree.frames, bases);
+    const bool own_frames = frames_have_own_bases(tree);
     const Steps steps = own_frames ? kOwnFrames : kSharedBases;
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {

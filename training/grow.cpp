@@ -142,15 +142,17 @@ bool may_divide(const Dataset& dataset, const VOctree& tree, const LeafPlace& pl
 std::vector<bool> choose_divided(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places,
                                  const LeafUse& use, const GrowSettings& settings) {
     std::vector<uint32_t> wanted;
-    for (uint32_t i = 0; i < places.size(); i++)
+    const bool by_pull = settings.divide_share < 1;
+    for (uint32_t i = 0; i < places.size(); i++) {
+        if (by_pull && use.pull[i] <= 0) continue;
         if (may_divide(dataset, tree, places[i], use.reach[i], settings)) wanted.push_back(i);
+    }
     size_t room = wanted.size();
-    if (settings.divide_share < 1)
-        room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
+    if (by_pull) room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
     if (settings.max_leaves > 0)
         room = std::min(room, settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0);
     if (wanted.size() > room) {
-        const std::vector<float>& worth = settings.divide_share < 1 ? use.pull : use.reach;
+        const std::vector<float>& worth = by_pull ? use.pull : use.reach;
         std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
         wanted.resize(room);
     }

@@ -13,7 +13,7 @@ LearningRates learning_rates(double progress) {
     rates.sigma = decay(0.07, 0.03);
     rates.colour = decay(0.4, 0.04);
     rates.detail = decay(0.05, 0.005);
-    rates.gamma = decay(0.01, 0.001);
+    rates.gamma = decay(0.5, 0.05);
     rates.sigma_rows = decay(1e-3, 1e-4);
     rates.gamma_rows = decay(1e-3, 1e-4);
     return rates;

@@ -6,15 +6,18 @@
 namespace neuvv {
 
 // A stage begins with a change of the tree, by what rays said of its leaves in the stage before: those that no ray
-// weighed at least `prune_below` go, the others are emptied in the frames that did not use them, and some divide: in
-// the first kLevelsAbove changes all that count, later the share at which the loss pulls hardest.
+// weighed at least `prune_below` go, siblings that agree within `merge_within` become one (0: none), the others are
+// emptied in the frames that did not use them, and some divide: in the first kLevelsAbove changes all that count, later
+// the share at which the loss pulls hardest.
 struct Stage {
     double begins;  // progress
     float prune_below;
     float divide_share;
+    float merge_within;
 };
-constexpr Stage kStages[] = {{0, 0, 0},          {0.01, 0.003f, 1},   {0.05, 0.003f, 1}, {0.15, 0.03f, 0},
-                             {0.3, 0.05f, 0.1f}, {0.45, 0.05f, 0.1f}, {0.7, 0.05f, 0}};
+constexpr Stage kStages[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {0.05, 0.003f, 1, 0},
+                             {0.15, 0.03f, 0, 0},   {0.3, 0.05f, 0.1f, 0.15f}, {0.45, 0.05f, 0.1f, 0.15f},
+                             {0.7, 0.05f, 0, 0.15f}};
 constexpr uint32_t kStageCount = sizeof(kStages) / sizeof(kStages[0]);
 constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
 constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel

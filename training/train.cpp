@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "training/batch.h"
+#include "training/merge.h"
 #include "training/schedule.h"
 
 namespace neuvv {
@@ -76,7 +77,7 @@ class Run {
     uint32_t max_leaves() const;
     uint32_t samples_of(uint64_t step) const { return step < run_.several_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
-    uint32_t fit_to_memory();
+    void fit_to_memory();
     void make_step();
     void begin_stage_if_due();
     void save();
@@ -92,7 +93,8 @@ class Run {
     VOctree tree_;
     uint32_t finest_ = 0;  // octree depth of its finest leaves
     uint64_t saved_step_ = 0;
-    uint64_t file_bytes_ = 0;  // of the last .nvv
+    uint64_t file_bytes_ = 0;  // of the last .nvv,
+    uint32_t written_leaves_ = 0;
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
@@ -197,7 +199,9 @@ void Run::begin_stage_if_due() {
     if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
     // Where few rays came yet, reach says nothing: then everything divides.
     settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
-    tree_ = grow(dataset_, tree_, read_use(device_, step_->tally(), tree_), settings);
+    LeafUse use = read_use(device_, step_->tally(), tree_);
+    if (stage.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, stage.merge_within);
+    tree_ = grow(dataset_, tree_, use, settings);
     make_step();
     run_.adam_step = 0;
     run_.stage_rays = 0;
@@ -207,30 +211,25 @@ void Run::save() {
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = elapsed();
-    save_checkpoint(output_, take_checkpoint(*step_, tree_, now));
+    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now));
     file_bytes_ = std::filesystem::file_size(output_);
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
     save_took_ = saved_at_ - start;
 }
 
-// Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole. Returns
-// how many leaves it has.
-uint32_t Run::fit_to_memory() {
-    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return tree_.leaf_count;
+// Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole.
+void Run::fit_to_memory() {
+    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
     step_->download(tree_);
     const LeafUse use = read_use(device_, step_->tally(), tree_);
-    uint32_t leaves = tree_.leaf_count;
-    while (file_bytes_ > run_.max_bytes && leaves > 1) {
+    while (file_bytes_ > run_.max_bytes && written_leaves_ > 1) {
         GrowSettings settings;
-        settings.max_leaves = std::min(static_cast<uint32_t>(run_.max_bytes * leaves / file_bytes_), leaves - 1);
-        settings.max_leaves = std::max(settings.max_leaves, 1u);
-        const VOctree shown = grow(dataset_, tree_, use, settings);
-        save_shown(output_, shown);
-        leaves = shown.leaf_count;
+        const auto fitting = static_cast<uint32_t>(run_.max_bytes * written_leaves_ / file_bytes_);
+        settings.max_leaves = std::clamp(fitting, 1u, written_leaves_ - 1);
+        written_leaves_ = save_shown(output_, grow(dataset_, tree_, use, settings));
         file_bytes_ = std::filesystem::file_size(output_);
     }
-    return leaves;
 }
 
 Batch Run::next_batch(uint64_t step) {
@@ -332,8 +331,9 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     }
     save();
     TrainProgress last = progress();
-    if (last.fraction >= 1) last.leaves = fit_to_memory();
-    callback(last);
+    if (last.fraction >= 1) fit_to_memory();
+    last.leaves = written_leaves_;
+    if (run_.step > began_at_step_) callback(last);
     last.field = nullptr;
     return last;
 }

@@ -20,6 +20,8 @@ namespace neuvv {
 
 namespace {
 
+constexpr int kMaxLinks = 40;  // as many as Linux follows
+
 struct FileDescriptor {
     int fd = -1;
     explicit FileDescriptor(int descriptor) : fd(descriptor) {}
@@ -44,7 +46,7 @@ class SpooledMemory : public std::pmr::memory_resource {
         unlink(name.c_str());
         // Reserves the room: a page without a place on disk would kill the process when it is first written to.
         errno = posix_fallocate(file.fd, 0, static_cast<off_t>(bytes_));
-        if (errno != 0) fail_write(folder, fmt::format("keep {:.1f} GB", static_cast<double>(bytes_) / 1e9).c_str());
+        if (errno != 0) fail_write(folder, fmt::format("keep {} MB", (bytes_ + 999'999) / 1'000'000).c_str());
         void* mapped = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
         if (mapped == MAP_FAILED) fail_write(folder, "map a file");
         base_ = static_cast<std::byte*>(mapped);
@@ -92,7 +94,9 @@ void on_stop_signal(int signal) {
 
 }  // namespace
 
-void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write) {
+void write_file_atomically(const std::filesystem::path& named, const std::function<void(const ByteSink&)>& write) {
+    const std::filesystem::path path = link_target(named);
+    if (!is_replaceable(path)) throw RuntimeFailure(fmt::format("{}: is no regular file to write to", named.string()));
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     const std::filesystem::path temporary = path.string() + fmt::format(".tmp{}", getpid());
     try {
@@ -116,6 +120,19 @@ void write_file_atomically(const std::filesystem::path& path, const std::functio
     }
     const FileDescriptor directory(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (directory.fd >= 0) fsync(directory.fd);  // best effort: some file systems refuse to sync folders
+}
+
+std::filesystem::path link_target(std::filesystem::path path) {
+    std::error_code error;
+    for (int hops = 0; hops < kMaxLinks && std::filesystem::is_symlink(path, error); hops++)
+        path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    return path;
+}
+
+bool is_replaceable(const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(file, error);
+    return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
 }
 
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes) {

@@ -14,9 +14,15 @@ namespace neuvv {
 
 // Writes a file so that at any moment, power cuts included, the path holds either the old or the new content:
 // temporary file beside it, sync, rename, sync of the folder. `write` gets a sink to call with consecutive pieces.
-// Throws RuntimeFailure naming the path.
+// A link stays, and what it points to is replaced. Throws RuntimeFailure naming the path, which must be replaceable.
 using ByteSink = std::function<void(const void* data, size_t bytes)>;
 void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write);
+
+// Where a file would be written that has this path: a link's target, there or not, else the path itself.
+std::filesystem::path link_target(std::filesystem::path path);
+
+// Whether the path is free or a regular file (links followed): devices, pipes and folders are not replaced.
+bool is_replaceable(const std::filesystem::path& file);
 
 // The whole file. Throws InputError if it is missing, unreadable or larger than `limit_bytes`.
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/platform.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -66,10 +67,6 @@ using OwnedCodec = Owned<AVCodecContext, free_context>;
 using OwnedFrame = Owned<AVFrame, free_frame>;
 using OwnedPacket = Owned<AVPacket, free_packet>;
 
-uint32_t even(uint32_t size) {
-    return size + (size & 1);
-}
-
 }  // namespace
 
 struct VideoWriter::State {
@@ -116,8 +113,8 @@ bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
     const AVCodec* encoder = avcodec_find_encoder_by_name(name);
     if (!encoder) return false;
     codec.reset(checked(avcodec_alloc_context3(encoder), "make an encoder"));
-    codec->width = static_cast<int>(even(width));
-    codec->height = static_cast<int>(even(height));
+    codec->width = static_cast<int>(video_side(width));
+    codec->height = static_cast<int>(video_side(height));
     codec->pix_fmt = AV_PIX_FMT_YUV420P;
     codec->framerate = frame_rate;
     codec->time_base = av_inv_q(frame_rate);
@@ -143,7 +140,7 @@ void VideoWriter::State::open_output(AVRational frame_rate) {
     if (!open_encoder("libx264", frame_rate) && !open_encoder("mpeg4", frame_rate))
         throw RuntimeFailure(
             fmt::format("{}: no video encoder opens for {}×{}; install an FFmpeg with libx264 or mpeg4", path.string(),
-                        even(width), even(height)));
+                        video_side(width), video_side(height)));
     stream = checked(avformat_new_stream(output.get(), nullptr), "add a stream");
     stream->time_base = codec->time_base;
     stream->avg_frame_rate = frame_rate;
@@ -194,7 +191,7 @@ void VideoWriter::State::encode(const AVFrame* frame) {
 VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps)
     : state_(std::make_unique<State>()) {
     State& state = *state_;
-    state.path = path;
+    state.path = link_target(path);
     if (width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide)
         throw RuntimeFailure(fmt::format("{}: a video of {}×{} cannot be written", path.string(), width, height));
     const AVRational frame_rate = std::isfinite(fps) && fps > 0 ? av_d2q(fps, kMaxTimeBase) : AVRational{0, 1};
@@ -203,7 +200,7 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint
     av_log_set_level(AV_LOG_QUIET);  // only tools print
     state.width = width;
     state.height = height;
-    state.temporary = path.string() + ".tmp.mp4";
+    state.temporary = state.path.string() + ".tmp.mp4";
     state.open_output(frame_rate);
     state.make_frames();
 }

@@ -10,10 +10,15 @@
 
 namespace neuvv {
 
+// Encoders want even sizes: odd ones are padded by one row or column.
+inline uint32_t video_side(uint32_t side) {
+    return side + side % 2;
+}
+
 class VideoWriter {
   public:
-    // Odd sizes are padded by one row or column. Frames go to a temporary beside `path`, renamed by finish().
-    // Throws RuntimeFailure where no encoder or muxer can be opened.
+    // Of video_side() sizes, by repeating the last row or column. Frames go to a temporary beside `path`, renamed by
+    // finish(). Throws RuntimeFailure where no encoder or muxer can be opened.
     VideoWriter(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps);
     ~VideoWriter();  // without finish(), the temporary is removed
     VideoWriter(VideoWriter&&) noexcept;

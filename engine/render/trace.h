@@ -23,8 +23,8 @@ struct RayBatch {
     Buffer depth;     // per ray metres (errata 12)
 };
 
-// `camera` is enlarged so that its pixels are the samples × samples rays of a picture's pixel (ray.glsl spreads them); 1
-// where rays leave pixels' centres, or tiles say where.
+// `camera` is enlarged so that its pixels are the samples × samples rays of a picture's pixel (ray.glsl spreads them);
+// 1 where rays leave pixels' centres, or tiles say where.
 ShaderCamera shader_camera(const Camera& camera, uint32_t samples = 1);
 
 // Every tile of one picture, row by row.

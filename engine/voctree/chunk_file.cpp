@@ -142,22 +142,26 @@ void ChunkWriter::finish() {
 
 ChunkReader::ChunkReader(const std::filesystem::path& path) : path_(path.string()) {
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file", "check the path; `neuvv train` writes such files");
-    if (!std::filesystem::is_regular_file(path, error)) throw InputError(path_, "", "is not a regular file", "name an .nvv file");
+    if (!std::filesystem::exists(path, error))
+        throw InputError(path_, "", "no such file", "check the path; `neuvv train` writes such files");
+    if (!std::filesystem::is_regular_file(path, error))
+        throw InputError(path_, "", "is not a regular file", "name an .nvv file");
     file_bytes_ = std::filesystem::file_size(path, error);
     file_.open(path, std::ios::binary);
     if (error || !file_) throw InputError(path_, "", "cannot open", "check its permissions");
 
     FileStart start{};
     get(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
-    if (std::memcmp(start.magic, kMagic, 4) != 0) throw InputError(path_, "", "is not an .nvv file", "name a file that `neuvv train` wrote");
+    if (std::memcmp(start.magic, kMagic, 4) != 0)
+        throw InputError(path_, "", "is not an .nvv file", "name a file that `neuvv train` wrote");
     if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0)
         throw InputError(path_, "", "was damaged by a text-mode transfer", "copy it again as binary");
     get(&start.version, sizeof start.version);
     if (start.version != kNvvVersion)
         throw InputError(path_, "",
                          fmt::format("has format version {}, this program reads {}", start.version, kNvvVersion),
-                         "open it with a newer neuvv");
+                         start.version > kNvvVersion ? "open it with a newer neuvv"
+                                                     : "train it again, or open it with the neuvv that wrote it");
 }
 
 void ChunkReader::fail(const std::string& problem, const std::string& mend) const {

@@ -68,7 +68,8 @@ struct Digits {
         bits |= half;
         if (magnitude == 0) return;
         largest = std::max(largest, magnitude);
-        const uint32_t exponent = std::max(magnitude >> 10, 1), digits = (magnitude & 0x3ff) | (magnitude >= 0x400) << 10;
+        const uint32_t exponent = std::max(magnitude >> 10, 1), digits = (magnitude & 0x3ff) | (magnitude >= 0x400)
+                                                                                                   << 10;
         const int lowest = static_cast<int>(exponent) - 25 + std::countr_zero(digits);
         finest = std::max(finest, static_cast<uint32_t>(std::max(-lowest, 0)));
     }
@@ -100,7 +101,7 @@ float decode(Column& column, uint16_t number) {
     if (column.coding >= kHalfCoding)
         return float_from_half(static_cast<uint16_t>(number << (column.coding - kHalfCoding)));
     column.before = static_cast<int16_t>(column.before + unfolded(number));
-    return static_cast<float>(column.before) / column.scale;
+    return float_from_half(half_from_float(static_cast<float>(column.before) / column.scale));
 }
 
 }  // namespace
@@ -133,7 +134,7 @@ std::vector<uint8_t> pack_presence(const VOctree& tree) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         const float* weights = tree.leaf(leaf);
         for (uint32_t c = 0; c < tree.bases; c++)
-            if (half_from_float(weights[c]) != 0 || half_from_float(weights[tree.bases + c]) != 0)
+            if (((half_from_float(weights[c]) | half_from_float(weights[tree.bases + c])) & 0x7fff) != 0)
                 presence[c / 8 * size_t{tree.leaf_count} + leaf] |= static_cast<uint8_t>(1u << c % 8);
     }
     return presence;

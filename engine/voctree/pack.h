@@ -22,9 +22,15 @@ struct WeightRange {
     uint32_t first, count;
     bool sparse;  // columns of bases: only the numbers that `presence` has are there; all others are 0
 };
-inline WeightRange sigma_range(const VOctree& tree) { return {0, tree.bases, true}; }
-inline WeightRange gamma_range(const VOctree& tree) { return {tree.bases, tree.bases, true}; }
-inline WeightRange colour_range(const VOctree& tree) { return {2 * tree.bases, 3 * hh_count(tree.hh_degree), false}; }
+inline WeightRange sigma_range(const VOctree& tree) {
+    return {0, tree.bases, true};
+}
+inline WeightRange gamma_range(const VOctree& tree) {
+    return {tree.bases, tree.bases, true};
+}
+inline WeightRange colour_range(const VOctree& tree) {
+    return {2 * tree.bases, 3 * hh_count(tree.hh_degree), false};
+}
 
 // Every weight as the half nearest to it, without further loss but that of a zero's sign.
 std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence);

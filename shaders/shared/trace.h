@@ -25,8 +25,8 @@ CONSTEXPR uint kTraceRows = 9u;
 // Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
 struct ShaderCamera {
     vec4 origin;
-    vec4 right;  // w: width in pixels
-    vec4 down;   // w: height in pixels
+    vec4 right;   // w: width in pixels
+    vec4 down;    // w: height in pixels
     vec4 corner;  // w: rays of a picture's pixel along each side, which are pixels here
 };
 

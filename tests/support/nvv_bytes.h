@@ -125,7 +125,7 @@ inline std::vector<Chunk> chunks_of(const VOctree& tree) {
     for (const float value : tree.gamma_basis) append(chunks[4].raw, value);
     const auto half = [&](uint32_t leaf, uint32_t weight) { return half_from_float(tree.leaf(leaf)[weight]); };
     const auto present = [&](uint32_t leaf, uint32_t basis) {
-        return half(leaf, basis) != 0 || half(leaf, tree.bases + basis) != 0;
+        return float_from_half(half(leaf, basis)) != 0 || float_from_half(half(leaf, tree.bases + basis)) != 0;
     };
     for (uint32_t first = 0; first < tree.bases; first += 8)
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {

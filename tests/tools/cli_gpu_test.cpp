@@ -1,5 +1,6 @@
 // The command line with a device: what render and eval write, and that a scene measured against itself is perfect.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 
@@ -240,6 +241,31 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     expect_refused({"bench", "train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
 }
 
+TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
+    {
+        const Device device;
+        write_own_dataset(device, tree, folder.path / "data");
+    }
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    std::vector<std::string> command = {"train", file("data"), "-o", file("run.nvv"), "--metrics", file("m.jsonl")};
+    std::vector<std::string> first = command;
+    for (const char* word : {"--init", "psi", "--psi-steps", "2", "--steps", "3", "--resolution", "32"})
+        first.push_back(word);
+    const ProgramResult run = run_neuvv(first);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("psi: "), std::string::npos) << run.err;
+    EXPECT_NE(run.out.find("after 3 steps"), std::string::npos) << run.out;
+    EXPECT_GT(read_nvv(file("run.nvv")).leaf_count, 0u);
+    const std::string metrics = read_text(file("m.jsonl"));
+    EXPECT_GT(count_of(metrics, "\n"), 0u);
+
+    command.push_back("--resume");
+    const ProgramResult again = run_neuvv(command);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_NE(again.out.find("spent"), std::string::npos) << again.out;
+    EXPECT_EQ(read_text(file("m.jsonl")), metrics);
+}
+
 TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
     {
         const Device device;
@@ -257,9 +283,39 @@ TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
                    {"no such card", "neuvv devices"});
 }
 
-TEST_F(CliGpu, AnUnwritablePlaceIsAFailure) {
+TEST_F(CliGpu, AnUnwritablePlaceIsBadInput) {
     write_text(file("wall"), "a file where a folder should be");
-    expect_refused({"render", scene, "-o", file("wall/x.mp4"), "--size", "16x16"}, 1, {"wall"});
+    expect_refused({"render", scene, "-o", file("wall/x.mp4"), "--size", "16x16"}, 2, {"--output", "wall"});
+    expect_refused({"dataset", file(""), "-o", file("wall/x")}, 2, {"--output", "wall"});
+    expect_refused({"capture", file("none.glb"), "-o", file("wall/x")}, 2, {"--output", "wall"});
+    ASSERT_EQ(mkfifo(file("pipe.png").c_str(), 0600), 0);
+    expect_refused({"render", scene, "-o", file("pipe.png"), "--frames", "0"}, 2, {"--output", "no regular file"});
+}
+
+TEST_F(CliGpu, ALinkStaysAndItsTargetIsReplaced) {
+    write_text(file("target.png"), "old");
+    std::filesystem::create_symlink("target.png", folder.path / "link.png");
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("link.png"), "--frames", "0", "--size", "16x16"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.png"));
+    EXPECT_EQ(read_png(folder.path / "target.png").width, 16u);
+
+    std::filesystem::create_directory(folder.path / "videos");
+    std::filesystem::create_symlink("videos/turn.mp4", folder.path / "link.mp4");  // of a target that is not there yet
+    const ProgramResult video =
+        run_neuvv({"render", scene, "-o", file("link.mp4"), "--frames", "0", "--size", "16x16", "--fps", "1"});
+    ASSERT_EQ(video.code, 0) << video.err;
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.mp4"));
+    EXPECT_EQ(summarise_video(folder.path / "videos/turn.mp4").width, 16u);
+}
+
+TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("odd.mp4"), "--frames", "0", "--size", "17x31", "--fps", "1", "--json"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("\"width\": 18"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("\"height\": 32"), std::string::npos) << result.out;
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST_F(Cli, InfoSaysWhatTheFileHolds) {
     ASSERT_EQ(result.code, 0) << result.err;
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("file"), scene);
-    EXPECT_EQ(json.at("version"), 2);
+    EXPECT_EQ(json.at("version"), 3);
     EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(scene));
     EXPECT_EQ(json.at("leaves"), tree.leaf_count);
     EXPECT_EQ(json.at("nodes"), tree.nodes.size());
@@ -90,7 +90,7 @@ TEST_F(Cli, InfoSaysWhatTheFileHolds) {
     EXPECT_EQ(json.at("frames"), 7);
     EXPECT_EQ(json.at("fps"), 25);
     EXPECT_EQ(json.at("box").at("max").at(1), 1.25);
-    EXPECT_EQ(json.at("chunks").size(), 8u);
+    EXPECT_EQ(json.at("chunks").size(), 9u);
     EXPECT_EQ(json.at("chunks").at(0).at("name"), "HEAD");
     EXPECT_EQ(json.at("checked"), true);
 

@@ -85,8 +85,8 @@ TEST_F(Nvv, RoundTripOfMixedTrees) {
 
 // As training leaves them: few of the bases in use, weights on coarse grids or with few digits.
 VOctree compact_tree(uint32_t seed) {
-    VOctree tree = random_tree(
-        {.seed = seed, .node_levels = 2, .leaves = 120, .bases = 13, .hh_degree = 1, .frames = 13});
+    VOctree tree =
+        random_tree({.seed = seed, .node_levels = 2, .leaves = 120, .bases = 13, .hh_degree = 1, .frames = 13});
     Random random(seed);
     for (uint32_t i = 0; i < tree.leaf_count; ++i) {
         float* leaf = tree.leaf(i);
@@ -220,6 +220,7 @@ TEST_F(Nvv, FileStartsAreTold) {
     Bytes bytes = nvv_of(chunks_of(small_tree()));
     EXPECT_EQ("", complaint(bytes));
     expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), kNvvVersion + 1));
+    expect_complaint("train it again", nvv_of(chunks_of(small_tree()), kNvvVersion - 1));
     bytes.erase(bytes.begin() + 4);  // CRLF became LF
     expect_complaint("text-mode", bytes);
     bytes[0] &= 0x7f;

@@ -1,0 +1,232 @@
+#include "training/merge.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "base/parallel.h"
+#include "training/bases.h"
+
+namespace neuvv {
+
+namespace {
+
+using Siblings = std::array<uint32_t, 8>;
+using Shares = std::array<float, 8>;
+constexpr uint32_t kNoFamily = UINT32_MAX;
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kConstantH = 1 / (kPi * std::numbers::sqrt2_v<float>);  // H_000; |H_nlm| ≤ (n+1) H_000
+
+// Siblings that agree, and the weights of the leaf that takes their place.
+struct Family {
+    Siblings leaves;
+    std::vector<float> parent;
+};
+
+// Leaves of one parent get one key.
+uint64_t parent_key(const LeafPlace& place) {
+    return uint64_t{place.depth} << 36 | uint64_t{place.x / 2} << 24 | uint64_t{place.y / 2} << 12 | place.z / 2;
+}
+
+std::vector<Family> whole_families(const std::vector<LeafPlace>& places) {
+    std::vector<std::pair<uint64_t, uint32_t>> keyed(places.size());
+    for (uint32_t i = 0; i < places.size(); i++) keyed[i] = {parent_key(places[i]), i};
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<Family> families;
+    for (size_t i = 0; i + 8 <= keyed.size(); i++) {
+        if (keyed[i].first != keyed[i + 7].first || places[keyed[i].second].depth < 2) continue;
+        Family& family = families.emplace_back();
+        for (size_t j = 0; j < 8; j++) family.leaves[j] = keyed[i + j].second;
+        i += 7;
+    }
+    return families;
+}
+
+bool was_used(const LeafUse& use, uint32_t leaf, uint32_t frame) {
+    return use.frames[frame / 32 * use.reach.size() + leaf] >> frame % 32 & 1;
+}
+
+Shares users(const LeafUse& use, const Siblings& leaves, uint32_t frame) {
+    Shares shares;
+    for (size_t i = 0; i < 8; i++) shares[i] = was_used(use, leaves[i], frame) ? 1.0f : 0.0f;
+    return shares;
+}
+
+bool any(const Shares& shares) {
+    return std::any_of(shares.begin(), shares.end(), [](float share) { return share > 0; });
+}
+
+float opacity_of(const VOctree& tree, const float* leaf, uint32_t frame, float edge_m) {
+    float sigma = 0;
+    for (uint32_t c = 0; c < tree.bases; c++) sigma += tree.sigma_basis[size_t{frame} * tree.bases + c] * leaf[c];
+    return 1 - std::exp(-std::max(sigma, 0.0f) * edge_m);
+}
+
+// In linear light, the mean of all directions.
+glm::vec3 colour_of(const VOctree& tree, const float* leaf, uint32_t frame) {
+    float gamma = 0;
+    for (uint32_t c = 0; c < tree.bases; c++)
+        gamma += tree.gamma_basis[size_t{frame} * tree.bases + c] * leaf[tree.bases + c];
+    const float cosine = std::cos(kPi / (1 + std::exp(-gamma)));
+    glm::vec3 value(0);
+    // H_n00 = U_n(cos γ) H_000, Chebyshev polynomials of the second kind (errata 1, 2); it is function hh_count(n − 1).
+    float before = 0, here = 1;
+    for (uint32_t n = 0; n <= tree.hh_degree; n++) {
+        const float* function = leaf + 2 * tree.bases + (n == 0 ? 0 : hh_count(n - 1));
+        for (uint32_t channel = 0; channel < 3; channel++)
+            value[static_cast<int>(channel)] += kConstantH * here * function[channel * hh_count(tree.hh_degree)];
+        before = std::exchange(here, 2 * cosine * here - before);
+    }
+    return 1.0f / (1.0f + glm::exp(-value));
+}
+
+// How much of each sibling was seen: its opacity, over the frames that used it.
+Shares seen_shares(const VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
+    Shares seen{};
+    for (size_t i = 0; i < 8; i++)
+        for (uint32_t frame = 0; frame < tree.frames; frame++)
+            if (was_used(use, leaves[i], frame)) seen[i] += opacity_of(tree, tree.leaf(leaves[i]), frame, edge_m);
+    return seen;
+}
+
+// Of one weight; of all leaves alike where none has a share.
+float mean_weight(const VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
+    const bool shared = any(shares);
+    float sum = 0, total = 0;
+    for (size_t i = 0; i < 8; i++) {
+        const float share = shared ? shares[i] : 1;
+        sum += share * tree.leaf(leaves[i])[weight];
+        total += share;
+    }
+    return sum / total;
+}
+
+// Density is the mean of all, as the parent fills the space of all; colour is that of what was seen.
+std::vector<float> parent_of(const VOctree& tree, const LeafUse& use, bool own_frames, const Siblings& leaves,
+                             const Shares& seen) {
+    std::vector<float> parent(tree.weights_per_leaf());
+    for (uint32_t w = 0; w < parent.size(); w++) {
+        const bool is_gamma = w >= tree.bases && w < 2 * tree.bases;
+        const Shares shares = w < tree.bases           ? Shares{}
+                              : is_gamma && own_frames ? users(use, leaves, w - tree.bases)
+                                                       : seen;
+        parent[w] = mean_weight(tree, leaves, w, shares);
+    }
+    return parent;
+}
+
+// Hidden leaves may have any colour, and frames that used none of the siblings say nothing.
+bool looks_alike(const VOctree& tree, const LeafUse& use, const Family& family, uint32_t frame, float edge_m,
+                 float within) {
+    const Shares used = users(use, family.leaves, frame);
+    if (!any(used)) return true;
+    const float* parent = family.parent.data();
+    const float opacity = opacity_of(tree, parent, frame, edge_m);
+    const glm::vec3 colour = colour_of(tree, parent, frame);
+    for (size_t i = 0; i < 8; i++) {
+        const float* leaf = tree.leaf(family.leaves[i]);
+        const float own = opacity_of(tree, leaf, frame, edge_m);
+        if (std::abs(own - opacity) > within) return false;
+        if (used[i] <= 0 || own <= 0) continue;
+        const glm::vec3 off = own * glm::abs(colour_of(tree, leaf, frame) - colour);
+        if (std::max({off.x, off.y, off.z}) > within) return false;
+    }
+    return true;
+}
+
+// Bounds what functions that turn with the direction make of the difference; the sigmoid's slope is 1/4 at most.
+bool turns_alike(const VOctree& tree, const Family& family, const Shares& seen, float within) {
+    for (size_t i = 0; i < 8; i++) {
+        if (seen[i] <= 0) continue;
+        for (uint32_t channel = 0; channel < 3; channel++) {
+            const uint32_t first = 2 * tree.bases + channel * hh_count(tree.hh_degree);
+            float off = 0;
+            for (uint32_t n = 1; n <= tree.hh_degree; n++)
+                for (uint32_t f = first + hh_count(n - 1) + 1; f < first + hh_count(n); f++)
+                    off += static_cast<float>(n + 1) * std::abs(tree.leaf(family.leaves[i])[f] - family.parent[f]);
+            if (off * kConstantH / 4 > within) return false;
+        }
+    }
+    return true;
+}
+
+// Gives the family its parent where that looks like each of the siblings.
+bool agree(const VOctree& tree, const LeafUse& use, bool own_frames, float edge_m, float within, Family& family) {
+    const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
+    family.parent = parent_of(tree, use, own_frames, family.leaves, seen);
+    if (!turns_alike(tree, family, seen, within)) return false;
+    for (uint32_t frame = 0; frame < tree.frames; frame++)
+        if (!looks_alike(tree, use, family, frame, edge_m, within)) return false;
+    return true;
+}
+
+std::vector<Family> agreeing_families(const VOctree& tree, const LeafUse& use, const std::vector<LeafPlace>& places,
+                                      float within) {
+    std::vector<Family> families = whole_families(places);
+    const bool own_frames = frames_have_own_bases(tree);
+    parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            const float edge_m = tree.box_size.x / static_cast<float>(1u << places[families[i].leaves[0]].depth);
+            if (!agree(tree, use, own_frames, edge_m, within, families[i])) families[i].parent.clear();
+        }
+    });
+    std::erase_if(families, [](const Family& family) { return family.parent.empty(); });
+    return families;
+}
+
+// `origins`: of a new leaf the old one, or its family's first.
+LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, const std::vector<Family>& families,
+                  const std::vector<uint32_t>& family_of) {
+    const size_t before = use.reach.size(), after = origins.size(), words = before > 0 ? use.frames.size() / before : 0;
+    LeafUse result{std::vector<float>(after), std::vector<float>(after), std::vector<uint32_t>(words * after)};
+    for (size_t i = 0; i < after; i++) {
+        const auto take = [&](uint32_t leaf) {
+            result.reach[i] = std::max(result.reach[i], use.reach[leaf]);
+            for (size_t word = 0; word < words; word++)
+                result.frames[word * after + i] |= use.frames[word * before + leaf];
+        };
+        const uint32_t family = family_of[origins[i]];
+        if (family == kNoFamily) {
+            take(origins[i]);
+            result.pull[i] = use.pull[origins[i]];
+        } else {
+            for (const uint32_t leaf : families[family].leaves) take(leaf);
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+size_t merge_alike(VOctree& tree, LeafUse& use, float within) {
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<Family> families = agreeing_families(tree, use, places, within);
+    std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
+    for (uint32_t i = 0; i < families.size(); i++)
+        for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
+
+    std::vector<LeafPlace> places_after;
+    std::vector<uint32_t> origins;
+    for (uint32_t i = 0; i < tree.leaf_count; i++) {
+        const uint32_t family = family_of[i];
+        if (family != kNoFamily && families[family].leaves[0] != i) continue;
+        const LeafPlace& place = places[i];
+        places_after.push_back(family == kNoFamily ? place
+                                                   : LeafPlace{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        origins.push_back(i);
+    }
+    const std::vector<float> weights = std::move(tree.weights);
+    const size_t stride = tree.weights_per_leaf();
+    build_topology(tree, places_after);
+    for (uint32_t i = 0; i < tree.leaf_count; i++) {
+        const uint32_t family = family_of[origins[i]];
+        const float* from = family == kNoFamily ? &weights[origins[i] * stride] : families[family].parent.data();
+        std::copy_n(from, stride, tree.leaf(i));
+    }
+    use = use_after(use, origins, families, family_of);
+    return families.size();
+}
+
+}  // namespace neuvv
