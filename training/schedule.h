@@ -29,6 +29,8 @@ constexpr double kFrameCoverage = 1;      // and before it does for single frame
 constexpr double kDivideCoverage = 0.05;  // epochs that a stage needs before its reach says what not to divide
 constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
 constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
+constexpr uint64_t kEarlyBytes = 3;  // times what the file may take in the end may stand before the last change: leaves
+                                     // will merge, and pack better as they settle
 constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
 // One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs

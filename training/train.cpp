@@ -152,16 +152,18 @@ const Dataset& Run::begin() {
     return dataset_;
 }
 
-// So many that all of them can be live at once, and that the file stays within its bounds: leaves to come will take as
-// many bytes as those of the last checkpoint.
+// So many that all of them can be live at once, and that the file will stay within its bounds: leaves to come take as
+// many bytes as those of the last checkpoint, or fewer.
 uint32_t Run::max_leaves() const {
     uint64_t most = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
     most = std::min<uint64_t>(most, device_.limits().maxTexelBufferElements / planes);
     most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
-    if (run_.max_bytes > 0 && file_bytes_ > 0)
-        most = std::min(most, std::max<uint64_t>(run_.max_bytes * tree_.leaf_count / file_bytes_, 1));
+    if (run_.max_bytes > 0 && file_bytes_ > 0) {
+        const uint64_t bytes = run_.max_bytes * (run_.stage + 1 < kStageCount ? kEarlyBytes : 1);
+        most = std::min(most, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
+    }
     return static_cast<uint32_t>(most);
 }
 
