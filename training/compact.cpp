@@ -33,18 +33,15 @@ float rounded_share(float value, float share) {
 void drop_empty_leaves(VOctree& tree) {
     if (!frames_have_own_bases(tree)) return;
     const std::vector<LeafPlace> places = leaf_places(tree);
-    const std::vector<float> weights = std::move(tree.weights);
-    const size_t stride = tree.weights_per_leaf();
     std::vector<LeafPlace> kept;
-    std::vector<uint32_t> origins;
+    std::vector<const float*> weights;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
-        const float* sigma = &weights[i * stride];
+        const float* sigma = tree.leaf(i);
         if (std::none_of(sigma, sigma + tree.bases, [](float value) { return value > 0; })) continue;
         kept.push_back(places[i]);
-        origins.push_back(i);
+        weights.push_back(sigma);
     }
-    build_topology(tree, kept);
-    for (uint32_t i = 0; i < tree.leaf_count; i++) std::copy_n(&weights[origins[i] * stride], stride, tree.leaf(i));
+    replace_leaves(tree, kept, weights);
 }
 
 void make_compact(VOctree& tree) {

@@ -208,6 +208,7 @@ size_t merge_alike(VOctree& tree, LeafUse& use, float within) {
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
     std::vector<LeafPlace> places_after;
+    std::vector<const float*> weights;
     std::vector<uint32_t> origins;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const uint32_t family = family_of[i];
@@ -215,16 +216,10 @@ size_t merge_alike(VOctree& tree, LeafUse& use, float within) {
         const LeafPlace& place = places[i];
         places_after.push_back(family == kNoFamily ? place
                                                    : LeafPlace{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        weights.push_back(family == kNoFamily ? tree.leaf(i) : families[family].parent.data());
         origins.push_back(i);
     }
-    const std::vector<float> weights = std::move(tree.weights);
-    const size_t stride = tree.weights_per_leaf();
-    build_topology(tree, places_after);
-    for (uint32_t i = 0; i < tree.leaf_count; i++) {
-        const uint32_t family = family_of[origins[i]];
-        const float* from = family == kNoFamily ? &weights[origins[i] * stride] : families[family].parent.data();
-        std::copy_n(from, stride, tree.leaf(i));
-    }
+    replace_leaves(tree, places_after, weights);
     use = use_after(use, origins, families, family_of);
     return families.size();
 }

@@ -68,9 +68,9 @@ struct Digits {
         bits |= half;
         if (magnitude == 0) return;
         largest = std::max(largest, magnitude);
-        const uint32_t exponent = std::max(magnitude >> 10, 1), digits = (magnitude & 0x3ff) | (magnitude >= 0x400)
-                                                                                                   << 10;
-        const int lowest = static_cast<int>(exponent) - 25 + std::countr_zero(digits);
+        const uint32_t exponent = magnitude >> 10, fraction = magnitude & 0x3ff;
+        const uint32_t digits = exponent > 0 ? fraction | 0x400 : fraction;
+        const int lowest = std::max(static_cast<int>(exponent), 1) - 25 + std::countr_zero(digits);
         finest = std::max(finest, static_cast<uint32_t>(std::max(-lowest, 0)));
     }
     uint32_t coding() const {

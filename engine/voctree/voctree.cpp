@@ -126,6 +126,13 @@ void build_topology(VOctree& tree, const std::vector<LeafPlace>& places) {
     }
 }
 
+void replace_leaves(VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<const float*>& from) {
+    assert(places.size() == from.size());
+    const std::vector<float> old = std::move(tree.weights);  // where `from` may point
+    build_topology(tree, places);
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) std::copy_n(from[i], tree.weights_per_leaf(), tree.leaf(i));
+}
+
 std::vector<LeafPlace> leaf_places(const VOctree& tree) {
     std::vector<LeafPlace> places(tree.leaf_count);
     std::vector<NodePlace> level_nodes = {{0, 0, 0, 0}}, next;

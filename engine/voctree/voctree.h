@@ -59,6 +59,9 @@ void build_topology(VOctree& tree, const std::vector<LeafPlace>& places);
 // The inverse: where each leaf stands, by leaf index.
 std::vector<LeafPlace> leaf_places(const VOctree& tree);
 
+// build_topology, where leaf i takes the weights at `from[i]`, which may point into the tree's own.
+void replace_leaves(VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<const float*>& from);
+
 // Index of the leaf that holds this tree-space position in [0,1)³, or UINT32_MAX where it is empty.
 uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree);
 
