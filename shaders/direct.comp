@@ -7,8 +7,11 @@
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
-layout(constant_id = 2) const uint kBasisPlanes = 8u;
-layout(constant_id = 3) const uint kBusyPlanes = 8u;
+layout(constant_id = 2) const uint kTopLevels = 2u;
+layout(constant_id = 3) const uint kBasisPlanes = 8u;
+layout(constant_id = 4) const uint kBusyPlanes = 8u;
+layout(constant_id = 5) const bool kRestart = false;
+const bool kDear = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -20,4 +23,5 @@ layout(binding = kTraceRadiance, rgba32f) writeonly uniform imageBuffer radiance
 layout(binding = kTraceDepth, r32f) writeonly uniform imageBuffer depth;
 layout(push_constant) uniform Push { TracePush push; };
 #include "direct_sample.glsl"
+#include "every_tile.glsl"
 #include "trace_rays.glsl"

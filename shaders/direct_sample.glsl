@@ -2,6 +2,7 @@
 // along the ray. The includer binds what weights.glsl asks for, has `push.leaf_count`, and sets sh_y to its ray's sh_basis.
 #ifndef NEUVV_DIRECT_SAMPLE_GLSL
 #define NEUVV_DIRECT_SAMPLE_GLSL
+#include "march.glsl"
 #include "sh.glsl"
 #include "weights.glsl"
 
@@ -27,7 +28,12 @@ vec3 sample_colour() {
     return 1.0 / (1.0 + exp(-raw));
 }
 
-uvec2 march_cells(uint node) { return texelFetch(tree_nodes, int(node)).xy; }
+Node march_node(uint node) {
+    const uvec4 entry = texelFetch(tree_nodes, int(node));
+    return Node(entry.xy, entry.xy, entry.z, entry.w);
+}
+
+uint march_child(uint index) { return texelFetch(tree_children, int(index)).x; }
 
 bool march_wants(uint leaf) {
     at_leaf = leaf;

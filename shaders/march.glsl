@@ -1,26 +1,39 @@
-// Walks one ray through the octree, front to back: march_next goes on to the next leaf that the includer wants.
+// Walks one ray through the octree, front to back: march_enter reads the node that the walk has come to, march_leaf goes
+// from leaf to leaf within it, march_next from leaf to leaf of the tree.
 //
-// Two nested loops, walk and shade, keep the lanes of a SIMD device together: all of them walk until each has a leaf,
-// then all shade. (lavapipe does not even branch around an `if` that no lane takes: shading inside the walk would be
-// paid at every empty cell.)
+//   while (march_enter(march))                 while (march_next(march, part)) …
+//       while (march_leaf(march, part)) …
+//
+// Inside a node the walk needs no memory: the node's masks stay in registers, and empty cells cost arithmetic alone. Loops
+// in loops keep the lanes of a SIMD device together: all of them step over empty cells until each has a leaf or has left
+// its node, then all shade, then all descend. lavapipe does not even branch around an `if` that no lane takes: a descent
+// or a sample inside the stepping would be paid at every empty cell. On the left a sample is paid once more for every node,
+// on the right a descent for every sample: that is for samples that are dearer than a descent.
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
-// exactly, the other axes are clamped to the cell that was left. Bound by dependent texel fetches (one, and two per node level below
-// the top grid). Expects bindings `tree_top`, `tree_nodes` and `tree_children`, and the specialisation constant kNodeLevels.
+// exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
+// and three per node level below the top grid. Expects binding `tree_top`, `push.top` (a TopBox), and the constants kNodeLevels, kTopLevels and kRestart: true
+// makes the walk the paper's, which keeps nothing and descends from the root to every cell (the reference for speed).
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 
-// The includer's: which of a node's cells may hold anything now (mask_lo, mask_hi), and whether this leaf does.
-uvec2 march_cells(uint node);
+#include "node.glsl"
+
+// The includer's: the node, a child of one (with kLeafBit set a leaf), and whether the walk shall stop at this leaf.
+Node march_node(uint node);
+uint march_child(uint index);
 bool march_wants(uint leaf);
 
 struct March {
     vec3 origin;     // in finest cells
     vec3 direction;  // finest cells per metre
     vec3 inverse;
-    ivec3 cell;   // the finest cell that the walk is in
-    float t;      // metres along the ray
-    bool inside;  // false: the walk has left the tree
+    ivec3 cell;  // the finest cell that the walk is in
+    float t;     // metres along the ray
+    float t_end;
+    Node node;
+    int shift;     // log2 of the side of the node's cells, in finest cells
+    bool in_node;  // the walk has not left the node
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
@@ -28,51 +41,21 @@ struct MarchSegment {
     float t_in, t_out;
 };
 
-// Slab test against the whole tree. Empty (x > y) where the ray misses it or it lies behind.
+const int kTopShift = int(2u * (kNodeLevels - kTopLevels));  // log2 of the side of the grid's cells, in finest cells
+
+uvec3 top_low() { return uvec3(push.top.low_last.x) >> uvec3(0u, 10u, 20u) & 1023u; }
+uvec3 top_size() { return (uvec3(push.top.low_last.y) >> uvec3(0u, 10u, 20u) & 1023u) + 1u - top_low(); }
+
+// Slab test against the box of all leaves. Empty (x > y) where the ray misses it or it lies behind.
 vec2 march_range(March march) {
-    const float side = float(1u << (2u * kNodeLevels));
-    const vec3 a = -march.origin * march.inverse, b = (side - march.origin) * march.inverse;
+    const vec3 low = vec3(top_low() << kTopShift), high = vec3((top_low() + top_size()) << kTopShift);
+    const vec3 a = (low - march.origin) * march.inverse, b = (high - march.origin) * march.inverse;
     const vec3 near = min(a, b), far = max(a, b);
     return vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
-// The largest known cell around q: its leaf, or kNoLeaf where it is empty. `shift`: log2 of its side.
-uint march_cell(ivec3 q, out uint shift) {
-    const uint top = top_levels(kNodeLevels);
-    const ivec3 at = q >> int(2u * (kNodeLevels - top));
-    const uvec2 begin = texelFetch(tree_top, at.x | at.y << int(2u * top) | at.z << int(4u * top)).xy;
-    shift = begin.y;
-    if (begin.x == kNoLeaf) return kNoLeaf;
-    if ((begin.x & kLeafBit) != 0u) return begin.x & kLeafIndexMask;
-    uint node = begin.x;
-    for (uint level = kNodeLevels - top; level-- > 0u;) {
-        shift = 2u * level;
-        const uvec3 cell = uvec3(q >> int(shift)) & 3u;
-        const uvec3 high = cell >> 1u, low = cell & 1u;
-        const uint octant = high.x | high.y << 1u | high.z << 2u;
-        const uint bit = octant << 3u | low.x | low.y << 1u | low.z << 2u;
-        const uint in_word = bit & 31u;
-        const uvec2 cells = march_cells(node);
-        const uint here = octant < 4u ? cells.x : cells.y;
-        if ((here >> in_word & 1u) == 0u) {
-            // Perhaps the whole octant is empty, or the whole node.
-            if ((here >> (in_word & 24u) & 0xffu) == 0u) shift += cells == uvec2(0u) ? 2u : 1u;
-            return kNoLeaf;
-        }
-        const uvec4 entry = texelFetch(tree_nodes, int(node));
-        const uint word = octant < 4u ? entry.x : entry.y;
-        const uint below = bitCount(word & ((1u << in_word) - 1u)) + (octant < 4u ? 0u : bitCount(entry.x));
-        const uint child = texelFetch(tree_children, int(entry.z + below)).x;
-        if ((child & kLeafBit) != 0u) {
-            if ((child & kWideLeafBit) != 0u) shift += 1u;
-            return child & kLeafIndexMask;
-        }
-        node = child;
-    }
-    return kNoLeaf;  // a well-formed tree ends in leaves
-}
-
-March march_begin(vec3 origin_tree, vec3 direction_tree) {
+// The walk of a ray between `range.x` and `range.y` metres; it ends at the first leaf border beyond them.
+March march_begin(vec3 origin_tree, vec3 direction_tree, vec2 range) {
     const int side = 1 << (2u * kNodeLevels);
     March ray;
     ray.origin = origin_tree * float(side);
@@ -80,33 +63,92 @@ March march_begin(vec3 origin_tree, vec3 direction_tree) {
     // So small a component never leaves a cell, and its inverse stays finite.
     const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     ray.inverse = 1.0 / safe;
-    const vec2 range = march_range(ray);
-    ray.t = range.x;
-    ray.inside = range.x < range.y;
-    ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), 0, side - 1);
+    const vec2 inside = march_range(ray);
+    ray.t = max(inside.x, range.x);
+    ray.t_end = min(inside.y, range.y);
+    const ivec3 low = ivec3(top_low() << kTopShift), size = ivec3(top_size() << kTopShift);
+    ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), low, low + size - 1);
+    ray.in_node = false;
     return ray;
 }
 
-// The ray's part in the next wanted leaf; false where there is none.
-bool march_next(inout March ray, out MarchSegment segment) {
-    const int side = 1 << (2u * kNodeLevels);
-    const ivec3 forward = ivec3(greaterThan(ray.inverse, vec3(0.0)));
-    bool found = false;
-    while (ray.inside && !found) {
-        uint shift;
-        const uint leaf = march_cell(ray.cell, shift);
-        const ivec3 low = (ray.cell >> int(shift)) << int(shift);
-        const int size = 1 << shift;
-        const vec3 faces = (vec3(low + forward * size) - ray.origin) * ray.inverse;
-        const float t_out = min(faces.x, min(faces.y, faces.z));
-        segment = MarchSegment(ray.t, t_out);
-        if (leaf != kNoLeaf && t_out > ray.t) found = march_wants(leaf);
-        ray.t = max(ray.t, t_out);
-        const ivec3 at = ivec3(floor(ray.origin + ray.direction * ray.t));
-        const ivec3 beyond = low - 1 + forward * (size + 1);
-        ray.cell = mix(clamp(at, low, low + size - 1), beyond, lessThanEqual(faces, vec3(t_out)));
-        ray.inside = all(greaterThanEqual(ray.cell, ivec3(0))) && all(lessThan(ray.cell, ivec3(side)));
+// In the grid's cells, from its first one. Those before it wrap around, and lie behind the last.
+uvec3 march_top(ivec3 cell) { return uvec3(cell >> kTopShift) - top_low(); }
+
+// Which of the node's cells the walk is in: its Morton number.
+uint march_bit(March ray) {
+    const uvec3 cell = uvec3(ray.cell >> ray.shift) & 3u;
+    const uvec3 spread = (cell & 1u) | (cell & 2u) << 2u;
+    return spread.x | spread.y << 1u | spread.z << 2u;
+}
+
+// Reads the deepest node around the walk's cell. False: the ray has ended.
+bool march_enter(inout March ray) {
+    const uvec3 at = march_top(ray.cell), size = top_size();
+    if (any(greaterThanEqual(at, size)) || ray.t >= ray.t_end) return false;
+    uint top = (kNodeLevels - 1u) << kTopLevelShift;  // the root
+    if (!kRestart) top = texelFetch(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
+    ray.shift = 2 * int(top >> kTopLevelShift);
+    ray.node = march_node(top & ((1u << kTopLevelShift) - 1u));
+    for (uint level = kNodeLevels - (kRestart ? 0u : kTopLevels); level > 1u; level--) {
+        const uint bit = march_bit(ray);
+        if (ray.shift == 0 || !node_lives(ray.node, bit)) break;
+        const uint child = march_child(node_child(ray.node, bit));
+        if ((child & kLeafBit) != 0u) break;
+        ray.node = march_node(child);
+        ray.shift -= 2;
     }
+    ray.in_node = true;
+    return true;
+}
+
+// Leaves the cell of side 2^shift around the walk; returns where, in metres.
+float march_step(inout March ray, int shift) {
+    const ivec3 forward = ivec3(greaterThan(ray.inverse, vec3(0.0)));
+    const ivec3 low = (ray.cell >> shift) << shift;
+    const int size = 1 << shift;
+    const vec3 faces = (vec3(low + forward * size) - ray.origin) * ray.inverse;
+    const float t_out = min(faces.x, min(faces.y, faces.z));
+    ray.t = max(ray.t, t_out);
+    const ivec3 at = ivec3(floor(ray.origin + ray.direction * ray.t));
+    const ivec3 beyond = low - 1 + forward * (size + 1);
+    const ivec3 left = ray.cell;
+    ray.cell = mix(clamp(at, low, low + size - 1), beyond, lessThanEqual(faces, vec3(t_out)));
+    const ivec3 moved = (ray.cell ^ left) >> (ray.shift + 2);
+    ray.in_node = !kRestart && (moved.x | moved.y | moved.z) == 0;
+    return t_out;
+}
+
+// Goes on to the next live cell of the node, or stays in one. False: it has left the node.
+bool march_find(inout March ray, out uint bit) {
+    while (ray.in_node) {
+        bit = march_bit(ray);
+        if (node_lives(ray.node, bit)) return true;
+        // Perhaps the whole octant is empty, or the whole node.
+        const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
+        march_step(ray, ray.shift + (octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1));
+    }
+    return false;
+}
+
+// The ray's part in the node's next wanted leaf. False where there is none, or where a finer node comes first.
+bool march_leaf(inout March ray, out MarchSegment segment) {
+    uint bit;
+    while (march_find(ray, bit)) {
+        const uint child = march_child(node_child(ray.node, bit));
+        if ((child & kLeafBit) == 0u) return false;
+        segment.t_in = ray.t;
+        segment.t_out = march_step(ray, ray.shift + (node_wide(ray.node, bit) ? 1 : 0));
+        if (segment.t_out > segment.t_in && march_wants(child & ~kLeafBit)) return true;
+    }
+    return false;
+}
+
+// The ray's part in the next wanted leaf of the tree. False: there is none.
+bool march_next(inout March ray, out MarchSegment segment) {
+    bool found = false;
+    do found = march_leaf(ray, segment);
+    while (!found && march_enter(ray));
     return found;
 }
 

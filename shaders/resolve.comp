@@ -9,9 +9,11 @@
 #include "srgb.glsl"
 
 layout(local_size_x = kTilePixels) in;
+layout(constant_id = 0) const bool kListed = false;  // only some of the picture's tiles
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
 layout(binding = kResolvePicture, r32ui) writeonly uniform uimageBuffer picture;
+layout(binding = kResolveTiles) uniform utextureBuffer picture_tiles;
 layout(push_constant) uniform Push { ResolvePush push; };
 
 vec4 show_colour(vec4 light) {
@@ -31,7 +33,9 @@ int ray_at(uvec2 at, uint tiles_across) {
 }
 
 void main() {
-    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (kListed) group = texelFetch(picture_tiles, int(group)).x;
+    if (group == kNoTile) return;
     const uint across = (push.width + kTile - 1u) / kTile;
     const uint lane = gl_LocalInvocationID.x;
     const uint x = group % across * kTile + lane % kTile, y = group / across * kTile + lane / kTile;

@@ -17,8 +17,12 @@ layout(binding = kSliceSh, rgba32f) writeonly uniform imageBuffer slice_sh;
 layout(push_constant) uniform Push { SlicePush push; };
 #include "slice_leaf.glsl"
 
+void store_coefficient(uint slot, uint j, vec3 k) {
+    imageStore(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));
+}
+
 void main() {
     const uint slot = gl_GlobalInvocationID.x;
     if (slot >= min(live.slots, push.capacity)) return;
-    store_slice_colour(slot, texelFetch(slot_leaf, int(slot)).x, push.leaf_count);
+    store_leaf_colour(slot, texelFetch(slot_leaf, int(slot)).x, push.leaf_count);
 }

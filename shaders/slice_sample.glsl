@@ -2,13 +2,19 @@
 // includer binds utextureBuffers `node_live` and `head` and textureBuffer `slice_sh`, and sets sh_y to its ray's sh_basis.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
+#include "march.glsl"
 #include "sh.glsl"
 
 float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at
 uint slot;
 
-uvec2 march_cells(uint node) { return texelFetch(node_live, int(node)).xy; }
+Node march_node(uint node) {
+    const uvec4 entry = texelFetch(tree_nodes, int(node));
+    return Node(texelFetch(node_live, int(node)).xy, entry.xy, entry.z, entry.w);
+}
+
+uint march_child(uint index) { return texelFetch(tree_children, int(index)).x; }
 
 bool march_wants(uint leaf) {
     const uvec2 entry = texelFetch(head, int(leaf)).xy;

@@ -1,207 +1,22 @@
 // neuvv bench: how fast passes run on a device, as medians over repeats and ratios within one run.
-#include <fmt/format.h>
+#include "tools/bench.h"
 
 #include <algorithm>
-#include <chrono>
-#include <map>
-#include <memory>
-#include <optional>
-
-#include "base/error.h"
-#include "base/platform.h"
-#include "tools/commands.h"
-#include "tools/options.h"
-#include "tools/progress.h"
-#include "tools/report.h"
-#include "training/direct_step.h"
-#include "training/schedule.h"
-#include "training/train.h"
-#include "voctree/nvv.h"
 
 namespace neuvv {
 
-namespace {
-
-struct BenchTrainOptions {
-    std::string scene, dataset, format = kAnyFormat;
-    uint32_t tiles = 512, repeats = 30;
-};
-
-double median(std::vector<double> values) {
+double quantile(std::vector<double> values, double p) {
     if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
+    const auto at = std::min(values.size() - 1, static_cast<size_t>(p * static_cast<double>(values.size())));
+    std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(at), values.end());
+    return values[at];
 }
-
-// Milliseconds of each pass over the repeats, in the order in which passes first came.
-class PassTable {
-  public:
-    void add(const std::vector<PassTime>& passes) {
-        for (const PassTime& pass : passes) {
-            if (!times_.contains(pass.name)) names_.push_back(pass.name);
-            times_[pass.name].push_back(pass.milliseconds);
-        }
-    }
-    const std::vector<std::string>& names() const { return names_; }
-    // Of a step: a pass that only some steps have counts by its share of them.
-    double milliseconds(const std::string& name) const {
-        size_t steps = 0;
-        for (const auto& [other, times] : times_) steps = std::max(steps, times.size());
-        if (!times_.contains(name)) return 0;  // no step had it
-        const std::vector<double>& times = times_.at(name);
-        return median(times) * static_cast<double>(times.size()) / static_cast<double>(steps);
-    }
-
-  private:
-    std::vector<std::string> names_;
-    std::map<std::string, std::vector<double>> times_;
-};
-
-// One batch after the other through both steps, which then hold the same weights and rays.
-struct BenchTrainResult {
-    PassTable slice, direct;
-    uint32_t busy_planes = 0;
-    uint64_t weight_bytes = 0;
-    std::vector<double> slots, touched, rays, step_seconds, copy_ms;
-};
-
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// How long the device takes to copy the weights once: reads and writes of as many bytes as the optimiser's buffers
-// have.
-double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
-    Commands commands(device, "copy");
-    commands.begin();
-    {
-        const PassScope scope(commands, "copy");
-        copy(commands, from, to, from.bytes);
-    }
-    commands.submit();
-    commands.wait();
-    return commands.pass_times()[0].milliseconds;
-}
-
-BenchTrainResult measure_train(const Device& device, const VOctree& tree, const Dataset& dataset,
-                               const BenchTrainOptions& options) {
-    const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
-    TrainingStep step(device, tree, cameras, options.tiles);
-    std::optional<DirectStep> direct;
-    if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
-        direct.emplace(device, tree, cameras, options.tiles, best_atomic_add(device));
-    BatchSampler sampler(dataset, options.tiles, 1, batches_in_a_row(tree));
-    BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
-    result.busy_planes = step.field().busy_planes;
-    result.weight_bytes = step.field().weights.bytes;
-    Progress progress("bench", options.repeats);
-    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
-        const Batch batch = sampler.next();
-        StepSettings settings;  // rates are 0: weights stay as they are
-        settings.frame = static_cast<float>(frame_of_time(batch.time, tree.frames));
-        settings.tiles = static_cast<uint32_t>(batch.tiles.size());
-        settings.stop = kTrainingStop;
-        settings.adam.step = i + 1;
-        settings.learn_rows = tree.bases < tree.frames && i % kStepsPerRows == 0;
-        settings.lambda_smooth = TrainSettings().lambda_smooth;
-        load_batch(dataset, batch, step.rays(), step.batch());
-        const double start = seconds_now();
-        step.submit(settings);
-        const StepResult found = step.wait();
-        const double took = seconds_now() - start;
-        if (found.overflow > 0)
-            throw RuntimeFailure(fmt::format(
-                "{} live leaves found no slot on this device: the scene is too large to train on it", found.overflow));
-        if (direct) {
-            load_batch(dataset, batch, direct->rays(), direct->batch());
-            direct->run(settings);
-        }
-        const double copied = copy_milliseconds(device, step.field().weights, step.moments().first);
-        if (i == 0) continue;  // the first step also warms caches
-        result.slice.add(step.pass_times());
-        if (direct) result.direct.add(direct->pass_times());
-        result.slots.push_back(found.slots);
-        result.touched.push_back(found.touched);
-        result.rays.push_back(static_cast<double>(found.pixels));
-        result.step_seconds.push_back(took);
-        result.copy_ms.push_back(copied);
-        progress.update(i);
-    }
-    return result;
-}
-
-// Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written, and
-// the weights once more for the slice that it keeps; the slot's gradient, read and cleared; its σ and SH, written.
-double optimiser_bytes(uint32_t busy_planes, uint32_t hh_degree, double touched) {
-    const double planes = 2.0 * busy_planes + hh_count(hh_degree);
-    return touched * (112 * planes + 8.0 * gradient_stride(hh_degree) + 8 + 16.0 * sh_count(hh_degree));
-}
-
-void print_passes(const PassTable& table) {
-    for (const std::string& name : table.names()) fmt::print("  {:<16} {:>9.2f} ms\n", name, table.milliseconds(name));
-}
-
-// Slice-space against direct gradients.
-void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
-    if (result.direct.names().empty()) {
-        fmt::print("direct gradients: this device binds no buffer as large as the weights of so many leaves\n");
-        return;
-    }
-    fmt::print("direct gradients, {} numbers a sample\n", numbers);
-    print_passes(result.direct);
-    const auto sum = [](const PassTable& table, std::initializer_list<const char*> names) {
-        double total = 0;
-        for (const char* name : names) total += table.milliseconds(name);
-        return total;
-    };
-    fmt::print("scattering gradients from rays: slice-space {:.1f} times as fast as direct\n",
-               sum(result.direct, {"direct adjoint"}) / sum(result.slice, {"trace adjoint"}));
-    fmt::print("forwards and backwards: {:.1f} times as fast (slice-space with the optimiser, direct without)\n",
-               sum(result.direct, {"direct", "direct adjoint"}) /
-                   sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
-}
-
-void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
-    catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Dataset dataset = load_dataset(options.dataset, Split::kTrain, {.format = options.format});
-    const Device device(common.device);
-    const BenchTrainResult result = measure_train(device, tree, dataset, options);
-    if (result.slots.empty()) return;
-    const double rays = median(result.rays);
-    fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,
-               median(result.slots), tree.leaf_count, median(result.touched));
-    fmt::print("slice-space gradients, {} numbers a sample\n", gradient_stride(tree.hh_degree));
-    print_passes(result.slice);
-    print_ratio(result, 8 * result.busy_planes + 3 * hh_count(tree.hh_degree));
-    fmt::print("training: {:.0f}k rays/s\n", rays / median(result.step_seconds) / 1000);
-    const double copied = 2 * static_cast<double>(result.weight_bytes) / median(result.copy_ms) / 1e6;
-    const double optimised = optimiser_bytes(result.busy_planes, tree.hh_degree, median(result.touched)) /
-                             result.slice.milliseconds("slice adjoint") / 1e6;
-    fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
-               100 * optimised / copied, copied);
-}
-
-}  // namespace
 
 void add_bench(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
     verb->require_subcommand(1);
-    CLI::App* training = verb->add_subcommand("train", "A training step, pass by pass");
-    const auto options = std::make_shared<BenchTrainOptions>();
-    training->add_option("scene", options->scene, "The .nvv file")->required();
-    training->add_option("dataset", options->dataset, "The data set's folder")->required();
-    add_format_option(*training, options->format);
-    training->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
-    training->add_option("--repeats", options->repeats, "Steps that the medians are over")->check(CLI::Range(1, 10000));
-    training->footer(
-        std::string("Runs steps of training on the scene as it is, each also the paper's way (every number of "
-                    "a leaf at every sample),\n"
-                    "and prints the median GPU time of each pass, their ratio, and the share of the device's "
-                    "bandwidth that the\n"
-                    "optimiser reaches. Weights stay as they are. ") +
-        kDeviceHelp + kExamplesHead + "  neuvv bench train build/performer.nvv build/performer --repeats 50");
-    training->callback([options, &common] { run_train(*options, common); });
+    add_bench_render(*verb, common);
+    add_bench_train(*verb, common);
 }
 
 }  // namespace neuvv

@@ -115,7 +115,8 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     for (size_t i = 0; i < path.size(); ++i) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
         FrameSettings settings{static_cast<float>(path[i].frame), size.width, size.height, options.samples, resolve};
-        settings.mode = options.direct ? TraceMode::kDirect : TraceMode::kSlice;
+        const glm::vec3 eye(path[i].camera.world_from_camera[3]);
+        settings.mode = options.direct ? TraceMode::kDirect : play_mode(field, eye);
         sink.add(renderer.render(path[i].camera, settings));
         for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
         if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));

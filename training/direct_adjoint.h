@@ -11,7 +11,7 @@ namespace neuvv {
 class DirectAdjoint {
   public:
     // `gradients`: as many bytes as field.weights, laid out as they are.
-    DirectAdjoint(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays,
+    DirectAdjoint(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                   const LossBatch& batch, const Buffer& gradients, AtomicAdd atomics);
 
   private:

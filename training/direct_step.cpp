@@ -4,20 +4,20 @@ namespace neuvv {
 
 DirectStep::DirectStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles, AtomicAdd atomics)
     : field_(training_field(device, tree)),
-      slice_(device, field_, 1),
+      live_(device, field_, 1),
       rays_(device, cameras, tiles),
       batch_(device, tiles),
       gradients_(device, "weight gradients", field_.weights.bytes, MemoryKind::kDevice),
-      slicer_(device, field_, slice_),
-      tracer_(device, field_, slice_, rays_),
+      finder_(device, field_, live_),
+      tracer_(device, field_, live_, rays_),
       loss_(device, rays_, batch_),
-      adjoint_(device, field_, slice_, rays_, batch_, gradients_, atomics),
+      adjoint_(device, field_, live_, rays_, batch_, gradients_, atomics),
       commands_(device, "direct step") {}
 
 void DirectStep::run(const StepSettings& settings) {
     commands_.begin();
     fill(commands_, gradients_, 0);
-    record_rows(commands_, slicer_, settings.frame);
+    record_rows(commands_, finder_, settings.frame);
     record_direct(commands_, tracer_, settings.tiles, settings.stop);
     record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
     record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.share() * settings.lambda_point);

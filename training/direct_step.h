@@ -23,11 +23,11 @@ class DirectStep {
 
   private:
     Field field_;
-    Slice slice_;  // its rows alone
+    LiveLeaves live_;  // its rows alone
     RayBatch rays_;
     LossBatch batch_;
     Buffer gradients_;
-    Slicer slicer_;
+    LiveFinder finder_;
     DirectTracer tracer_;
     Loss loss_;
     DirectAdjoint adjoint_;

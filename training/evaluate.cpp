@@ -124,6 +124,7 @@ Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const V
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
+    settings.mode = TraceMode::kTree;
     Image render = composite_over(renderer.render(camera, settings), kWhite);
     whiten_ignored(view, render);
     return render;

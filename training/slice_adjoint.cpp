@@ -35,7 +35,7 @@ BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slic
                              {kAdjointReach, &gradients.reach},
                              {kAdjointLeafUse, &tally.use},
                              {kAdjointLeafFrames, &tally.frames},
-                             {kAdjointPlaces, &tally.places},
+                             {kAdjointPlaces, &field.leaf_places},
                              {kAdjointHead, &slice.head},
                              {kAdjointSh, &slice.sh},
                              {kAdjointPartials, &gradients.partials}});
@@ -59,18 +59,12 @@ Moments::Moments(const Device& device, const Field& field)
 LeafTally::LeafTally(const Device& device, const VOctree& tree)
     : use(device, "leaf use", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
       frames(device, "leaf frames", uint64_t{4} * frame_words(tree) * tree.leaf_count, MemoryKind::kDevice,
-             VK_FORMAT_R32_UINT),
-      places(device, "leaf places", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT) {
+             VK_FORMAT_R32_UINT) {
     run_once(device, "clear leaf use", [&](Commands& commands) {
         fill(commands, use, 0);
         fill(commands, frames, 0);
         compute_barrier(commands);
     });
-    std::vector<glm::uvec2> packed;
-    packed.reserve(tree.leaf_count);
-    for (const LeafPlace& place : leaf_places(tree))
-        packed.push_back({place.x | place.y << 16, place.z | place.depth << 16});
-    upload(device, places, packed.data(), packed.size() * sizeof(glm::uvec2));
 }
 
 LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree) {

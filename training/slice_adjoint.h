@@ -28,7 +28,6 @@ struct LeafTally {
 
     Buffer use;     // (reach, pull)
     Buffer frames;  // bits
-    Buffer places;  // (x | y << 16, z | depth << 16): cell coordinates at the leaf's own depth
 };
 
 LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree);

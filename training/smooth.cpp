@@ -4,11 +4,10 @@
 
 namespace neuvv {
 
-Smoother::Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients,
-                   const LeafTally& tally)
+Smoother::Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients)
     : field_(field),
       gradients_(gradients),
-      pass_(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels}),
+      pass_(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels, field.top_levels}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
@@ -16,7 +15,7 @@ Smoother::Smoother(const Device& device, const Field& field, const Slice& slice,
                    {kTraceHead, &slice.head},
                    {kTraceSh, &slice.sh},
                    {kSmoothLeaves, &slice.slot_leaf},
-                   {kSmoothPlaces, &tally.places},
+                   {kSmoothPlaces, &field.leaf_places},
                    {kSmoothTouched, &gradients.touched},
                    {kSmoothCount, &gradients.touched_count},
                    {kSmoothGradients, &gradients.gradients}}) {}
@@ -24,7 +23,7 @@ Smoother::Smoother(const Device& device, const Field& field, const Slice& slice,
 void record_smooth(Commands& commands, const Smoother& smoother, float lambda) {
     const PassScope scope(commands, "smooth");
     dispatch_indirect(commands, smoother.pass_, smoother.set_, smoother.gradients_.touched_count, 0,
-                      SmoothPush{smoother.field_.box_size.x, lambda});
+                      SmoothPush{smoother.field_.top_box, smoother.field_.box_size.x, lambda});
     compute_barrier(commands);
 }
 

@@ -7,8 +7,7 @@ namespace neuvv {
 
 class Smoother {
   public:
-    Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients,
-             const LeafTally& tally);
+    Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients);
 
   private:
     friend void record_smooth(Commands&, const Smoother&, float);

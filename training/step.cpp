@@ -46,7 +46,7 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       loss_(device, rays_, batch_),
       trace_adjoint_(device, field_, slice_, rays_, batch_, gradients_, best_atomic_add(device)),
       touched_list_(device, slice_, gradients_),
-      smoother_(device, field_, slice_, gradients_, tally_),
+      smoother_(device, field_, slice_, gradients_),
       slice_adjoint_(device, field_, slice_, gradients_, moments_, tally_),
       commands_(device, "training step") {}
 

@@ -44,7 +44,7 @@ TraceAdjoint::TraceAdjoint(const Device& device, const Field& field, const Slice
       pass_(device, "trace adjoint",
             atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
                                           : std::span<const uint32_t>(trace_adjoint_cas_comp),
-            {field.hh_degree, field.node_levels}),
+            {field.hh_degree, field.node_levels, field.top_levels}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
@@ -64,7 +64,7 @@ void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint3
     const PassScope scope(commands, "trace adjoint");
     const TracePush trace = trace_push(adjoint.field_, stop);
     dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
-             TraceAdjointPush{trace.box_min, trace.box_size, lambda_point, trace.leaf_count});
+             TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
     compute_barrier(commands);
 }
 

@@ -1,10 +1,11 @@
 #include "render/field.h"
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
 #include <functional>
 
 #include "gpu/commands.h"
+#include "render/walk_tree.h"
 #include "voctree/half.h"
 
 namespace neuvv {
@@ -25,97 +26,6 @@ size_t plane_floats(const VOctree& tree) {
     return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
 }
 
-// The child array with leaves that fill an octant marked, so that a walk steps over them at once.
-std::vector<uint32_t> mark_wide_leaves(const VOctree& tree) {
-    std::vector<uint32_t> marked = tree.children;
-    for (const TreeNode& node : tree.nodes) {
-        const uint64_t mask = uint64_t{node.mask_hi} << 32 | node.mask_lo;
-        size_t slot = node.first_child;
-        for (uint32_t octant = 0; octant < 8; octant++) {
-            const uint64_t cells = mask >> (8 * octant) & 0xff;
-            bool wide = cells == 0xff && (tree.children[slot] & kLeafBit);
-            for (size_t i = 1; wide && i < 8; i++) wide = tree.children[slot + i] == tree.children[slot];
-            if (wide)
-                for (size_t i = 0; i < 8; i++) marked[slot + i] |= kWideLeafBit;
-            slot += static_cast<size_t>(std::popcount(cells));
-        }
-    }
-    return marked;
-}
-
-// The grid over the tree's upper levels (shared/tree.h).
-class TopGrid {
-  public:
-    explicit TopGrid(const VOctree& tree, const std::vector<uint32_t>& marked_children)
-        : tree_(tree), children_(marked_children), lowest_(tree.node_levels - top_levels(tree.node_levels)) {
-        side_ = 1u << (2 * top_levels(tree.node_levels));
-        cells_.resize(size_t{side_} * side_ * side_);
-        fill_node(0, tree.node_levels, glm::uvec3(0));
-    }
-    const std::vector<glm::uvec2>& cells() const { return cells_; }
-
-  private:
-    // `level`: of the node's parent cell, whose side is 4^level finest cells; `corner` in those.
-    void fill_node(uint32_t node, uint32_t level, glm::uvec3 corner) {
-        if (level == lowest_) return fill(corner, level, {node, 0});
-        const TreeNode& entry = tree_.nodes[node];
-        const uint64_t mask = uint64_t{entry.mask_hi} << 32 | entry.mask_lo;
-        uint32_t child = entry.first_child;
-        for (uint32_t bit = 0; bit < 64; bit++) {
-            const glm::uvec3 cell = 4u * corner + 2u * octant_place(bit >> 3) + octant_place(bit & 7);
-            const uint32_t shift = 2 * (level - 1);
-            if (!(mask >> bit & 1)) {
-                fill(cell, level - 1, {kNoLeaf, shift + ((mask >> (bit & 56) & 0xff) == 0 ? 1 : 0)});
-            } else if (const uint32_t word = children_[child++]; word & kLeafBit) {
-                fill(cell, level - 1, {word & ~kWideLeafBit, shift + (word & kWideLeafBit ? 1 : 0)});
-            } else {
-                fill_node(word, level - 1, cell);
-            }
-        }
-    }
-
-    void fill(glm::uvec3 corner, uint32_t level, glm::uvec2 value) {
-        const uint32_t size = 1u << (2 * (level - lowest_));
-        const glm::uvec3 first = corner * size;
-        for (uint32_t z = first.z; z < first.z + size; z++)
-            for (uint32_t y = first.y; y < first.y + size; y++) {
-                const auto row = cells_.begin() + static_cast<ptrdiff_t>((size_t{z} * side_ + y) * side_ + first.x);
-                std::fill(row, row + size, value);
-            }
-    }
-
-    static glm::uvec3 octant_place(uint32_t octant) { return {octant & 1, octant >> 1 & 1, octant >> 2}; }
-
-    const VOctree& tree_;
-    const std::vector<uint32_t>& children_;
-    uint32_t lowest_, side_;
-    std::vector<glm::uvec2> cells_;
-};
-
-// Which cells of which node belong to each leaf, and which to nodes.
-struct Cells {
-    std::vector<glm::uvec2> of_leaves, inner;
-};
-
-Cells find_cells(const VOctree& tree) {
-    Cells cells{std::vector<glm::uvec2>(tree.leaf_count), std::vector<glm::uvec2>(tree.nodes.size())};
-    for (uint32_t node = 0; node < tree.nodes.size(); node++) {
-        uint32_t child = tree.nodes[node].first_child;
-        for (uint32_t bit = 0; bit < 64; bit++) {
-            const uint32_t word = bit / 32, flag = 1u << bit % 32;
-            if (!((word == 0 ? tree.nodes[node].mask_lo : tree.nodes[node].mask_hi) & flag)) continue;
-            const uint32_t entry = tree.children[child++];
-            if (entry & kLeafBit) {
-                glm::uvec2& leaf = cells.of_leaves[entry & kLeafIndexMask];
-                leaf = {2 * node + word, leaf.y | flag};  // an octant's eight cells share a word
-            } else {
-                cells.inner[node][static_cast<int>(word)] |= flag;
-            }
-        }
-    }
-    return cells;
-}
-
 // Between two frames rows mix, so neighbours count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
     uint32_t most = 1;
@@ -132,6 +42,13 @@ uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uin
         most = std::max(most, busy);
     }
     return most;
+}
+
+// Of leaves, as a share of the box's.
+float mean_edge(const std::vector<glm::uvec2>& leaf_places) {
+    double sum = 0;
+    for (const glm::uvec2 place : leaf_places) sum += std::exp2(-static_cast<double>(place.y >> 16));
+    return leaf_places.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_places.size()));
 }
 
 template <typename T>
@@ -165,21 +82,31 @@ void weights_from_planes(const std::vector<float>& planes, VOctree& tree) {
 Field upload_field(const Device& device, const VOctree& tree, WeightPrecision precision) {
     Field field;
     field.box_min = tree.box_min;
-    field.box_size = tree.box_size;
-    field.node_levels = tree.node_levels;
     field.leaf_count = tree.leaf_count;
     field.bases = tree.bases;
     field.hh_degree = tree.hh_degree;
     field.frames = tree.frames;
     field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
                                  count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
-    field.nodes = uploaded(device, "tree nodes", tree.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    const std::vector<uint32_t> children = mark_wide_leaves(tree);
-    field.children = uploaded(device, "tree children", children, VK_FORMAT_R32_UINT);
-    const Cells cells = find_cells(tree);
-    field.leaf_cells = uploaded(device, "leaf cells", cells.of_leaves, VK_FORMAT_R32G32_UINT);
-    field.inner_cells = uploaded(device, "inner cells", cells.inner, VK_FORMAT_R32G32_UINT);
-    field.top = uploaded(device, "tree top", TopGrid(tree, children).cells(), VK_FORMAT_R32G32_UINT);
+    const WalkTree walk = walk_tree(tree);
+    field.box_size = tree.box_size * static_cast<float>(walk.scale);
+    field.node_levels = walk.node_levels;
+    field.top_levels = walk.top_levels;
+    const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
+    field.top_box = {{packed(walk.top_low), packed(walk.top_last)}};
+    const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(walk.top_levels));
+    field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
+    field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
+    field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_places);
+    field.nodes = uploaded(device, "tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
+    field.children = uploaded(device, "tree children", walk.children, VK_FORMAT_R32_UINT);
+    field.top = uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
+    field.leaf_cells = uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
+    field.node_cells = uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
+    field.leaf_places = uploaded(device, "leaf places", walk.leaf_places, VK_FORMAT_R32G32_UINT);
+    field.node_places = uploaded(device, "node places", walk.node_places, VK_FORMAT_R32G32_UINT);
+    field.inner_cells = uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
+    field.level_begin = walk.level_begin;
     field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
     field.gamma_basis = uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
     const std::vector<float> planes = weights_to_planes(tree);

@@ -41,16 +41,81 @@ std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint3
 
 }  // namespace
 
-void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
-    const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
-    if (settings.mode == TraceMode::kSlice) {
-        record_slice(commands, r.slicer_, settings.frame);
-        record_trace(commands, r.tracer_, tiles, settings.stop);
-    } else {
-        record_rows(commands, r.slicer_, settings.frame);
-        record_direct(commands, r.direct_, tiles, settings.stop);
+TraceMode play_mode(const Field& field, glm::vec3 eye) {
+    // Colours of degree 1 to 3 turn by some 0.1 to 0.3 a radian, to either side of the leaf's middle.
+    constexpr float kSmallAngle = 0.02f;
+    const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
+    return 0.5f * field.leaf_diagonal < kSmallAngle * glm::length(outside) ? TraceMode::kShaded : TraceMode::kTree;
+}
+
+SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
+    : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
+
+TreePath::TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture)
+    : live(device, field, field.leaf_count),
+      tree(device, field, most_entries(field)),
+      shaded(shaded_entries(device, tree.capacity)),
+      ranges(device, rays.tile_capacity),
+      slicer(device, field, live, tree),
+      shader(device, field, tree, shaded),
+      ranger(device, field, tree, ranges),
+      unshaded_tracer(device, field, tree, tree.entries, ranges, rays, Shading::kPerRay),
+      shaded_tracer(device, field, tree, shaded, ranges, rays, Shading::kPerLeaf),
+      resolver(device, rays, picture, &ranges),
+      blank(device, "blank picture", picture.bytes, MemoryKind::kDevice) {}
+
+DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
+    : live(device, field, 1),
+      finder(device, field, live),
+      direct(device, field, live, rays),
+      paper(device, field, live, rays, Walk::kFromRoot) {}
+
+namespace {
+
+// Settings whose pictures of nothing are the same.
+bool same_blank(const FrameSettings& a, const FrameSettings& b) {
+    return a.width == b.width && a.height == b.height && a.samples == b.samples && a.resolve == b.resolve;
+}
+
+}  // namespace
+
+void record_tree(Commands& commands, FrameRenderer& r, const ShaderCamera& camera, const FrameSettings& settings) {
+    TreePath& path = *r.tree_;
+    if (!path.blank_settings || !same_blank(*path.blank_settings, settings)) {
+        record_clear(commands, r.rays_);
+        record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
+        copy(commands, r.picture_, path.blank, path.blank.bytes);
+        path.blank_settings = settings;
     }
-    record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
+    if (path.frame != settings.frame) record_slice_tree(commands, path.slicer, settings.frame);
+    path.frame = settings.frame;
+    const bool shaded = settings.mode == TraceMode::kShaded;
+    if (shaded) record_shade(commands, path.shader, glm::vec3(camera.origin));
+    record_tile_ranges(commands, path.ranger, camera);
+    record_trace_tree(commands, shaded ? path.shaded_tracer : path.unshaded_tracer, r.rays_, settings.stop);
+    copy(commands, path.blank, r.picture_, path.blank.bytes);
+    compute_barrier(commands);
+    record_resolve(commands, path.resolver, settings.width, settings.height, settings.samples, settings.resolve);
+}
+
+void record_frame(Commands& commands, FrameRenderer& r, const ShaderCamera& camera, const FrameSettings& settings) {
+    const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
+    switch (settings.mode) {
+        case TraceMode::kShaded:
+        case TraceMode::kTree: record_tree(commands, r, camera, settings); break;
+        case TraceMode::kSlice:
+            record_slice(commands, r.slots_->slicer, settings.frame);
+            record_trace(commands, r.slots_->tracer, tiles, settings.stop);
+            break;
+        case TraceMode::kDirect:
+        case TraceMode::kPaper:
+            record_rows(commands, r.direct_->finder, settings.frame);
+            record_direct(commands, settings.mode == TraceMode::kPaper ? r.direct_->paper : r.direct_->direct, tiles,
+                          settings.stop);
+            break;
+    }
+    if (settings.mode != TraceMode::kShaded && settings.mode != TraceMode::kTree)
+        record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
     copy(commands, r.picture_, r.readback_, uint64_t{4} * settings.width * settings.height);
     host_barrier(commands);
 }
@@ -58,15 +123,32 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
 FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
                              uint32_t max_samples)
     : device_(device),
-      slice_(device, field, field.leaf_count),
+      field_(field),
       rays_(device, 1, checked_tiles(device, max_width, max_height, max_samples)),
       picture_(device, "picture", uint64_t{4} * max_width * max_height, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", uint64_t{4} * max_width * max_height, MemoryKind::kReadback),
-      slicer_(device, field, slice_),
-      tracer_(device, field, slice_, rays_),
-      direct_(device, field, slice_, rays_),
       resolver_(device, rays_, picture_),
       commands_(device, "frame") {}
+
+void FrameRenderer::prepare(TraceMode mode) {
+    switch (mode) {
+        case TraceMode::kShaded:
+        case TraceMode::kTree:
+            if (!tree_) tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_);
+            break;
+        case TraceMode::kSlice:
+            if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
+            break;
+        case TraceMode::kDirect:
+        case TraceMode::kPaper:
+            if (!direct_) direct_ = std::make_unique<DirectPath>(device_, field_, rays_);
+            break;
+    }
+}
+
+void FrameRenderer::forget_slice() {
+    if (tree_) tree_->frame.reset();
+}
 
 Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
     const std::vector<Tile> tiles =
@@ -75,10 +157,12 @@ Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings)
     if (tiles.size() > rays_.tile_capacity || image.rgba.size() > readback_.bytes)
         throw RuntimeFailure(
             fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
-    *rays_.cameras.as<ShaderCamera>() = shader_camera(enlarged(camera, settings.samples), settings.samples);
+    prepare(settings.mode);
+    const ShaderCamera seen = shader_camera(enlarged(camera, settings.samples), settings.samples);
+    *rays_.cameras.as<ShaderCamera>() = seen;
     std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
     commands_.begin();
-    record_frame(commands_, *this, settings);
+    record_frame(commands_, *this, seen, settings);
     commands_.submit();
     commands_.wait();
     std::memcpy(image.rgba.data(), readback_.mapped, image.rgba.size());

@@ -4,17 +4,24 @@
 
 namespace neuvv {
 
-Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& picture)
-    : pass_(device, "resolve", resolve_comp),
-      set_(pass_, {{kResolveRadiance, &rays.radiance}, {kResolveDepth, &rays.depth}, {kResolvePicture, &picture}}) {}
+Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only)
+    : only_(only),
+      pass_(device, "resolve", resolve_comp, {only ? 1u : 0u}),
+      set_(pass_, {{kResolveRadiance, &rays.radiance},
+                   {kResolveDepth, &rays.depth},
+                   {kResolvePicture, &picture},
+                   {kResolveTiles, only ? &only->picture_list : &rays.tiles}}) {}  // read only where there is a list
 
 void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height, uint32_t samples,
                     const ResolveSettings& settings) {
     const PassScope scope(commands, "resolve");
     const uint32_t tiles = ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile);
-    dispatch(commands, resolver.pass_, resolver.set_, tiles,
-             ResolvePush{settings.background, width, height, static_cast<uint32_t>(settings.show),
-                         settings.depth_near_m, settings.depth_far_m, samples});
+    const ResolvePush push{settings.background,   width,  height, static_cast<uint32_t>(settings.show),
+                           settings.depth_near_m, settings.depth_far_m, samples};
+    if (resolver.only_)
+        dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
+    else
+        dispatch(commands, resolver.pass_, resolver.set_, tiles, push);
     compute_barrier(commands);
 }
 

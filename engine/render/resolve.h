@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gpu/commands.h"
-#include "render/trace.h"
+#include "render/tile_range.h"
 #include "shared/resolve.h"
 
 namespace neuvv {
@@ -13,15 +13,17 @@ struct ResolveSettings {
     Show show = Show::kColour;
     glm::vec4 background{0};  // linear RGB, opacity (0: the picture keeps its alpha)
     float depth_near_m = 0, depth_far_m = 1;
+    bool operator==(const ResolveSettings&) const = default;
 };
 
 class Resolver {
   public:
-    // `picture`: at least width·height R32_UINT texels.
-    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture);
+    // `picture`: at least width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
+    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only = nullptr);
 
   private:
     friend void record_resolve(Commands&, const Resolver&, uint32_t, uint32_t, uint32_t, const ResolveSettings&);
+    const TileRanges* only_;
     ComputePass pass_;
     BindingSet set_;
 };

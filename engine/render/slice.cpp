@@ -12,60 +12,73 @@
 
 namespace neuvv {
 
-Slice::Slice(const Device& device, const Field& field, uint32_t slots)
+LiveLeaves::LiveLeaves(const Device& device, const Field& field, uint32_t slots)
     : capacity(std::max(slots, 1u)),
       rows(device, "basis rows", sizeof(BasisRows), MemoryKind::kDevice),
       node_live(device, "live cells", field.inner_cells.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       head(device, "slice head", uint64_t{8} * field.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice),
-      sh(device, "slice SH", uint64_t{16} * sh_count(field.hh_degree) * capacity, MemoryKind::kDevice,
-         VK_FORMAT_R32G32B32A32_SFLOAT) {
+      live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice) {
     const uint32_t groups = (capacity + kSliceGroup - 1) / kSliceGroup;  // of the indirect dispatches
     if (groups > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));
 }
 
+Slice::Slice(const Device& device, const Field& field, uint32_t slots)
+    : LiveLeaves(device, field, slots),
+      sh(device, "slice SH", uint64_t{16} * sh_count(field.hh_degree) * capacity, MemoryKind::kDevice,
+         VK_FORMAT_R32G32B32A32_SFLOAT) {}
+
+LiveFinder::LiveFinder(const Device& device, const Field& field, const LiveLeaves& live)
+    : field_(field),
+      live_(live),
+      rows_(device, "rows", rows_comp),
+      density_(device, "slice density", slice_density_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
+      rows_set_(rows_, {{kRowsSigmaBasis, &field.sigma_basis},
+                        {kRowsGammaBasis, &field.gamma_basis},
+                        {kRowsOut, &live.rows},
+                        {kRowsLive, &live.live}}),
+      density_set_(density_, {{kSliceWeights, &field.weights},
+                              {kSliceRows, &live.rows},
+                              {kSliceHead, &live.head},
+                              {kSliceLeaves, &live.slot_leaf},
+                              {kSliceLive, &live.live},
+                              {kSliceLeafCells, &field.leaf_cells},
+                              {kSliceNodeLive, &live.node_live}}) {}
+
+void record_rows(Commands& commands, const LiveFinder& finder, float frame) {
+    const Field& field = finder.field_;
+    dispatch(commands, finder.rows_, finder.rows_set_, 1, RowsPush{frame, field.frames, field.bases});
+    compute_barrier(commands);
+}
+
+void record_live(Commands& commands, const LiveFinder& finder, float frame) {
+    record_rows(commands, finder, frame);
+    constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
+    const uint32_t leaves = finder.field_.leaf_count;
+    dispatch(commands, finder.density_, finder.density_set_, (leaves + kGroupLeaves - 1) / kGroupLeaves,
+             SlicePush{leaves, finder.live_.capacity});
+    compute_barrier(commands);
+}
+
 Slicer::Slicer(const Device& device, const Field& field, const Slice& slice)
     : field_(field),
       slice_(slice),
-      rows_(device, "rows", rows_comp),
-      density_(device, "slice density", slice_density_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
+      finder_(device, field, slice),
       colour_(device, "slice colour", slice_colour_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
-      rows_set_(rows_, {{kRowsSigmaBasis, &field.sigma_basis},
-                        {kRowsGammaBasis, &field.gamma_basis},
-                        {kRowsOut, &slice.rows},
-                        {kRowsLive, &slice.live}}),
-      density_set_(density_, {{kSliceWeights, &field.weights},
-                              {kSliceRows, &slice.rows},
-                              {kSliceHead, &slice.head},
-                              {kSliceLeaves, &slice.slot_leaf},
-                              {kSliceLive, &slice.live},
-                              {kSliceLeafCells, &field.leaf_cells},
-                              {kSliceNodeLive, &slice.node_live}}),
       colour_set_(colour_, {{kSliceWeights, &field.weights},
                             {kSliceRows, &slice.rows},
                             {kSliceLeaves, &slice.slot_leaf},
                             {kSliceLive, &slice.live},
                             {kSliceSh, &slice.sh}}) {}
 
-void record_rows(Commands& commands, const Slicer& slicer, float frame) {
-    const Field& field = slicer.field_;
-    dispatch(commands, slicer.rows_, slicer.rows_set_, 1, RowsPush{frame, field.frames, field.bases});
-    compute_barrier(commands);
-}
-
 void record_slice(Commands& commands, const Slicer& slicer, float frame) {
     const PassScope scope(commands, "slice");
     const Field& field = slicer.field_;
     copy(commands, field.inner_cells, slicer.slice_.node_live, field.inner_cells.bytes);
-    record_rows(commands, slicer, frame);
-    const SlicePush push{field.leaf_count, slicer.slice_.capacity};
-    constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
-    dispatch(commands, slicer.density_, slicer.density_set_, (field.leaf_count + kGroupLeaves - 1) / kGroupLeaves,
-             push);
-    compute_barrier(commands);
-    dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0, push);
+    record_live(commands, slicer.finder_, frame);
+    dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0,
+                      SlicePush{field.leaf_count, slicer.slice_.capacity});
     compute_barrier(commands);
 }
 

@@ -7,10 +7,10 @@
 
 namespace neuvv {
 
-// What a slice leaves for the passes after it. `capacity` slots; a leaf that finds none renders as empty and is counted
-// in LiveCount::overflow.
-struct Slice {
-    Slice(const Device& device, const Field& field, uint32_t slots);
+// The leaves that live at one frame. `capacity` slots; a leaf that finds none renders as empty and is counted in
+// LiveCount::overflow.
+struct LiveLeaves {
+    LiveLeaves(const Device& device, const Field& field, uint32_t slots);
 
     uint32_t capacity;
     Buffer rows;       // BasisRows of the frame
@@ -18,25 +18,49 @@ struct Slice {
     Buffer head;       // per leaf (σ bits, slot)
     Buffer slot_leaf;  // per slot its leaf
     Buffer live;       // LiveCount
-    Buffer sh;         // per slot (n_max+1)² texels
+};
+
+// What a slice leaves for the passes after it.
+struct Slice : LiveLeaves {
+    Slice(const Device& device, const Field& field, uint32_t slots);
+
+    Buffer sh;  // per slot (n_max+1)² texels
+};
+
+class LiveFinder {
+  public:
+    // Field and live leaves must outlive it.
+    LiveFinder(const Device& device, const Field& field, const LiveLeaves& live);
+
+  private:
+    friend void record_rows(Commands& commands, const LiveFinder& finder, float frame);
+    friend void record_live(Commands& commands, const LiveFinder& finder, float frame);
+    const Field& field_;
+    const LiveLeaves& live_;
+    ComputePass rows_, density_;
+    BindingSet rows_set_, density_set_;
 };
 
 class Slicer {
   public:
     // Field and slice must outlive it.
     Slicer(const Device& device, const Field& field, const Slice& slice);
+    const LiveFinder& finder() const { return finder_; }
 
   private:
-    friend void record_rows(Commands& commands, const Slicer& slicer, float frame);
     friend void record_slice(Commands& commands, const Slicer& slicer, float frame);
     const Field& field_;
     const Slice& slice_;
-    ComputePass rows_, density_, colour_;
-    BindingSet rows_set_, density_set_, colour_set_;
+    LiveFinder finder_;
+    ComputePass colour_;
+    BindingSet colour_set_;
 };
 
 // The rows A_t and B_t alone, which is all that the direct passes need.
-void record_rows(Commands& commands, const Slicer& slicer, float frame);
+void record_rows(Commands& commands, const LiveFinder& finder, float frame);
+
+// σ of every leaf, slots of the live ones, and their cells, which are added to what node_live holds.
+void record_live(Commands& commands, const LiveFinder& finder, float frame);
 
 // Frame 0..frames−1, fractions interpolate (errata 9). Ends with a barrier: passes after it may read the slice.
 void record_slice(Commands& commands, const Slicer& slicer, float frame);

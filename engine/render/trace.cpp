@@ -36,12 +36,12 @@ std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t hei
 }
 
 TracePush trace_push(const Field& field, float stop) {
-    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.leaf_count};
+    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count};
 }
 
 Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
     : field_(field),
-      pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels}),
+      pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
@@ -59,22 +59,24 @@ void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, floa
     compute_barrier(commands);
 }
 
-DirectTracer::DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
+DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+                           Walk walk)
     : field_(field),
-      pass_(device, "direct", direct_comp,
-            {field.hh_degree, field.node_levels, field.basis_planes(), field.busy_planes}),
+      pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
+            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
+             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
                    {kTraceWeights, &field.weights},
-                   {kTraceRows, &slice.rows},
+                   {kTraceRows, &live.rows},
                    {kTraceCameras, &rays.cameras},
                    {kTraceTiles, &rays.tiles},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
-    const PassScope scope(commands, "direct");
+    const PassScope scope(commands, tracer.pass_.name());
     dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
     compute_barrier(commands);
 }

@@ -46,10 +46,16 @@ class Tracer {
 // Traces the first `tiles` tiles of the batch. `stop` is the transmittance below which rays end (0: never).
 void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
+enum class Walk {
+    kDown,      // from the grid over the upper levels, and within a node in registers
+    kFromRoot,  // the paper's: from the root to every cell
+};
+
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 class DirectTracer {
   public:
-    DirectTracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
+    DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+                 Walk walk = Walk::kDown);
 
   private:
     friend void record_direct(Commands&, const DirectTracer&, uint32_t, float);

@@ -84,13 +84,12 @@ NodePlace child_place(const NodePlace& parent, uint32_t node, uint32_t cell) {
 
 }  // namespace
 
-void build_topology(VOctree& tree, const std::vector<LeafPlace>& places) {
+void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places) {
     assert(tree.node_levels >= 1 && tree.node_levels <= kMaxNodeLevels);
     assert(places.size() <= kMaxLeaves);
     const std::vector<PlacedLeaf> placed = sort_places(places, 2 * tree.node_levels);
 
     tree.leaf_count = static_cast<uint32_t>(places.size());
-    tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0.0f);
     tree.nodes.clear();
     tree.children.clear();
 
@@ -124,6 +123,11 @@ void build_topology(VOctree& tree, const std::vector<LeafPlace>& places) {
         }
         tree.nodes.push_back({static_cast<uint32_t>(mask), static_cast<uint32_t>(mask >> 32), first_child, 0});
     }
+}
+
+void build_topology(VOctree& tree, const std::vector<LeafPlace>& places) {
+    build_nodes(tree, places);
+    tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0.0f);
 }
 
 void replace_leaves(VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<const float*>& from) {

@@ -56,6 +56,9 @@ struct LeafPlace {
 // node_levels (assert). Weights are left to the caller (resized, zero).
 void build_topology(VOctree& tree, const std::vector<LeafPlace>& places);
 
+// The same but for the weights, which stay as they are.
+void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places);
+
 // The inverse: where each leaf stands, by leaf index.
 std::vector<LeafPlace> leaf_places(const VOctree& tree);
 

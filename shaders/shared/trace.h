@@ -7,6 +7,7 @@ NEUVV_SHARED
 
 CONSTEXPR uint kTile = 8u;  // pixels a side
 CONSTEXPR uint kTilePixels = 64u;
+CONSTEXPR uint kNoTile = 0xffffffffu;  // ends a list of tiles
 
 CONSTEXPR uint kTraceNodes = 0u;
 CONSTEXPR uint kTraceChildren = 1u;
@@ -21,6 +22,11 @@ CONSTEXPR uint kTraceDepth = 7u;     // per ray: metres along the ray, infinity 
 // direct.comp reads weights and rows in place of head and SH
 CONSTEXPR uint kTraceWeights = 8u;
 CONSTEXPR uint kTraceRows = 9u;
+
+// trace_tree.comp reads a slice tree, and the tiles that see anything
+CONSTEXPR uint kTraceEntries = 10u;
+CONSTEXPR uint kTraceTileList = 11u;
+CONSTEXPR uint kTraceTileRanges = 12u;
 
 // Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
 struct ShaderCamera {
@@ -41,6 +47,7 @@ struct Tile {
 struct TracePush {
     vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
     vec4 box_size;  // metres
+    TopBox top;
     uint leaf_count;
 };
 
@@ -49,6 +56,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 64);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 36);
+static_assert(sizeof(neuvv::TracePush) == 44);
 #endif
 #endif

@@ -27,6 +27,7 @@ CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending
 struct TraceAdjointPush {
     vec4 box_min;  // as in TracePush
     vec4 box_size;
+    TopBox top;
     float lambda_point;  // weight of the point loss
     uint leaf_count;     // direct_adjoint.comp alone reads it
 };
@@ -48,12 +49,13 @@ CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
 // smooth.comp: the bindings of trace.comp but for rays and radiance, and
 CONSTEXPR uint kSmoothLeaves = 4u;     // per slot: its leaf
-CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: (x | y << 16, z | depth << 16)
+CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: as Field::leaf_places
 CONSTEXPR uint kSmoothTouched = 6u;    // slots to run over
 CONSTEXPR uint kSmoothCount = 7u;      // how many
 CONSTEXPR uint kSmoothGradients = 8u;  // as kTraceGradients
 
 struct SmoothPush {
+    TopBox top;
     float box_size;  // the tree's edge, metres
     float lambda;
 };
@@ -71,7 +73,7 @@ CONSTEXPR uint kAdjointReach = 7u;        // read and cleared
 CONSTEXPR uint kAdjointLeafUse = 8u;      // per leaf since the tree last changed: largest blending weight, sum of pulls
 CONSTEXPR uint kAdjointPartials = 9u;     // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
 CONSTEXPR uint kAdjointLeafFrames = 11u;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
-CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as LeafTally::places
+CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as Field::leaf_places
 CONSTEXPR uint kAdjointHead = 13u;        // the slice, kept as the moved weights have it: as kSliceHead
 CONSTEXPR uint kAdjointSh = 14u;          // as kSliceSh
 
@@ -118,7 +120,7 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::TraceAdjointPush) == 40);
+static_assert(sizeof(neuvv::TraceAdjointPush) == 48);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 60);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

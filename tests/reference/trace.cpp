@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -118,6 +119,20 @@ std::vector<Sample> ray_samples(const VOctree& tree, const std::vector<LeafSlice
     for (const Segment& segment : intersect(tree, ray)) {
         const LeafSlice& leaf = slices[segment.leaf];
         samples.push_back(sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, ray.direction)));
+    }
+    return samples;
+}
+
+std::vector<Sample> ray_samples_shaded(const VOctree& tree, const std::vector<LeafSlice>& slices,
+                                       const std::vector<LeafPlace>& places, glm::dvec3 eye, const Ray& ray) {
+    std::vector<Sample> samples;
+    for (const Segment& segment : intersect(tree, ray)) {
+        const LeafPlace& place = places[segment.leaf];
+        const glm::dvec3 middle_tree = (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
+        const glm::dvec3 middle = glm::dvec3(tree.box_min) + middle_tree * glm::dvec3(tree.box_size);
+        const LeafSlice& leaf = slices[segment.leaf];
+        samples.push_back(
+            sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, glm::normalize(middle - eye))));
     }
     return samples;
 }

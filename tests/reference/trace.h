@@ -30,6 +30,10 @@ std::vector<Segment> intersect(const VOctree& tree, const Ray& ray);
 std::vector<Sample> ray_samples(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
 std::vector<Sample> ray_samples_direct(const VOctree& tree, double frame, const Ray& ray);
 
+// The same with the colour of a leaf as seen from `eye` at its middle (shading), whatever the ray's direction.
+std::vector<Sample> ray_samples_shaded(const VOctree& tree, const std::vector<LeafSlice>& slices,
+                                       const std::vector<LeafPlace>& places, glm::dvec3 eye, const Ray& ray);
+
 RayResult trace(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                 double stop_transmittance = 0);
 RayResult trace_direct(const VOctree& tree, double frame, const Ray& ray, double stop_transmittance = 0);

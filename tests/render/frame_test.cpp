@@ -47,6 +47,22 @@ Traced trace_by_reference(const VOctree& tree, const Camera& camera, double fram
     return traced;
 }
 
+Traced shade_by_reference(const VOctree& tree, const Camera& camera, double frame) {
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const glm::dvec3 eye(camera.world_from_camera[3]);
+    Traced traced;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            const reference::Ray pixel = reference::camera_ray(camera, x, y);
+            const reference::RayResult ray =
+                reference::composite(reference::ray_samples_shaded(tree, slices, places, eye, pixel), 0);
+            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
+            traced.depth.push_back(static_cast<float>(ray.depth_m));
+        }
+    return traced;
+}
+
 // The largest differences over all pixels, and what was seen.
 struct Difference {
     double steps = 0;         // of 255, in alpha and in the colour over black as displays show it
@@ -80,6 +96,8 @@ Difference difference(const Traced& traced, const Traced& truth) {
 // What is promised is one step of 255; on scenes of a few metres rounding alone causes far less.
 constexpr double kSteps = 0.1;
 constexpr double kDepth_m = 1e-3;
+// Slice trees hold σ and colour as fp16, of 11 bits: α and SH sums are off by up to 1/2000 of what is summed.
+constexpr double kHalfSteps = 0.5;
 
 glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
@@ -130,11 +148,18 @@ void expect_agreement(const VOctree& tree, const View& view, FrameRenderer& rend
     const Traced truth = trace_by_reference(tree, view.camera, frame, 0);
     const Traced trace = trace_on_device(renderer, view.camera, frame, TraceMode::kSlice, 0);
     const Traced direct = trace_on_device(renderer, view.camera, frame, TraceMode::kDirect, 0);
-    for (const auto& [name, a, b] : {std::tuple("trace", &trace, &truth), std::tuple("direct", &direct, &truth),
-                                     std::tuple("trace against direct", &trace, &direct)}) {
+    const Traced paper = trace_on_device(renderer, view.camera, frame, TraceMode::kPaper, 0);
+    const Traced in_tree = trace_on_device(renderer, view.camera, frame, TraceMode::kTree, 0);
+    const Traced shaded = trace_on_device(renderer, view.camera, frame, TraceMode::kShaded, 0);
+    const Traced shaded_truth = shade_by_reference(tree, view.camera, frame);
+    for (const auto& [name, a, b, steps] :
+         {std::tuple("trace", &trace, &truth, kSteps), std::tuple("direct", &direct, &truth, kSteps),
+          std::tuple("paper", &paper, &truth, kSteps), std::tuple("trace against direct", &trace, &direct, kSteps),
+          std::tuple("slice tree", &in_tree, &truth, kHalfSteps),
+          std::tuple("shaded", &shaded, &shaded_truth, kHalfSteps)}) {
         SCOPED_TRACE(view.name + ", " + name);
         const Difference found = difference(*a, *b);
-        EXPECT_LE(found.steps, kSteps);
+        EXPECT_LE(found.steps, steps);
         EXPECT_LE(found.depth_m, kDepth_m);
         EXPECT_TRUE(found.depth_class);
         EXPECT_EQ(found.alpha_mean > 0.02, view.sees) << found.alpha_mean;
@@ -209,6 +234,28 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     }
 }
 
+// Where most leaves lie at odd depths the device roots the tree anew (render/walk_tree.h), also where it has levels to
+// spare.
+TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
+    for (const uint32_t node_levels : {2u, 3u, 5u}) {
+        VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});
+        std::vector<LeafPlace> odd;
+        std::vector<const float*> weights;
+        const std::vector<LeafPlace> places = leaf_places(tree);
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+            if (places[leaf].depth % 2 == 0) continue;
+            odd.push_back(places[leaf]);
+            weights.push_back(tree.leaf(leaf));
+        }
+        replace_leaves(tree, odd, weights);
+        ASSERT_GT(tree.leaf_count, 4u);
+        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+        EXPECT_EQ(field.box_size, 2.0f * tree.box_size);
+        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        expect_agreement(tree, views(tree)[0], renderer, 1.3f);
+    }
+}
+
 TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
     for (const glm::vec3 size : {glm::vec3(1), glm::vec3(0.2f, 3.0f, 1.1f)}) {
         VOctree tree = random_tree({.seed = 8, .node_levels = 2, .leaves = 700});
@@ -229,7 +276,7 @@ TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
     FrameRenderer renderer(device(), field, kWidth, kHeight);
     const Camera camera = views(tree)[0].camera;
     const Traced whole = trace_by_reference(tree, camera, 2, 0);
-    for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect}) {
+    for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect, TraceMode::kPaper}) {
         const Traced stopped = trace_on_device(renderer, camera, 2, mode, kStopTransmittance);
         EXPECT_LE(difference(stopped, whole).steps, 1);
         double lost = 0;
@@ -279,6 +326,40 @@ TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
     EXPECT_GT(hits, 100u);
 }
 
+TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
+    const VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 3000});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    EXPECT_EQ(play_mode(field, world_of(tree, {30, 1, 1})), TraceMode::kShaded);
+    EXPECT_EQ(play_mode(field, world_of(tree, {1.1, 0.5, 0.5})), TraceMode::kTree);
+    EXPECT_EQ(play_mode(field, world_of(tree, {0.5, 0.5, 0.5})), TraceMode::kTree);
+}
+
+// A slice tree and what an empty picture shows stay for the next picture: only while they are the same.
+TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
+    const VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    FrameRenderer kept(device(), field, kWidth, kHeight, 2);
+    const Camera camera = views(tree)[0].camera;
+    const auto render = [&](FrameRenderer& renderer, float frame, uint32_t samples, glm::vec4 background, Show show) {
+        FrameSettings settings{.frame = frame, .width = kWidth, .height = kHeight, .samples = samples};
+        settings.resolve = {.show = show, .background = background, .depth_near_m = 1, .depth_far_m = 6};
+        return renderer.render(camera, settings).rgba;
+    };
+    const glm::vec4 clear(0), white(1), red(1, 0, 0, 0.5f);
+    std::pmr::vector<uint8_t> last;
+    for (const auto& [frame, samples, background, show] :
+         {std::tuple(0.0f, 1u, clear, Show::kColour), std::tuple(2.5f, 1u, clear, Show::kColour),
+          std::tuple(2.5f, 1u, white, Show::kColour), std::tuple(2.5f, 2u, white, Show::kColour),
+          std::tuple(2.5f, 2u, red, Show::kColour), std::tuple(2.5f, 2u, red, Show::kDepth),
+          std::tuple(2.5f, 2u, red, Show::kAlpha)}) {
+        FrameRenderer fresh(device(), field, kWidth, kHeight, 2);
+        const std::pmr::vector<uint8_t> picture = render(kept, frame, samples, background, show);
+        EXPECT_EQ(picture, render(fresh, frame, samples, background, show));
+        EXPECT_NE(picture, last);
+        last = picture;
+    }
+}
+
 TEST_F(FrameTest, ARendererRefusesLargerPictures) {
     const VOctree tree = random_tree({.seed = 6, .leaves = 20});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
@@ -302,7 +383,7 @@ TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     for (const glm::dvec3 from : {glm::dvec3(0.3, 0.2, 1), glm::dvec3(-0.9, 0.1, -0.4), glm::dvec3(0.5, 0.9, -0.6)}) {
         const Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
         const Traced truth = trace_by_reference(tree, camera, frame, 0);
-        for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect}) {
+        for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect, TraceMode::kTree}) {
             const Difference found =
                 difference(trace_on_device(renderer, camera, frame, mode, kStopTransmittance), truth);
             EXPECT_LE(found.steps, 1);

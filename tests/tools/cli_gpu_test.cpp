@@ -241,6 +241,26 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     expect_refused({"bench", "train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
 }
 
+TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
+    const std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    std::vector<std::string> as_json = command;
+    as_json.push_back("--json");
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    EXPECT_GT(json["covered"], 0.02);
+    EXPECT_GT(json["ways"]["paper"]["rest_ms"], 0.0);
+    EXPECT_GT(json["ways"]["shaded"]["slice_ms"], 0.0);
+    EXPECT_GT(json["host_rays_ms"], 0.0);
+    EXPECT_LT(json["mean_difference_of_255"], 1.0);
+    EXPECT_LT(json["host_difference"], 0.01);
+    expect_refused({"bench", "render", scene, "--size", "0x9"}, 2, {"--size"});
+    expect_refused({"bench", "render", scene, "--views", "0"}, 2, {"--views"});
+    expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
+}
+
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     {
         const Device device;

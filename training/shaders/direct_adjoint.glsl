@@ -6,8 +6,10 @@
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
-layout(constant_id = 2) const uint kBasisPlanes = 8u;
-layout(constant_id = 3) const uint kBusyPlanes = 8u;
+layout(constant_id = 2) const uint kTopLevels = 2u;
+layout(constant_id = 3) const uint kBasisPlanes = 8u;
+layout(constant_id = 4) const uint kBusyPlanes = 8u;
+const bool kRestart = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -22,6 +24,7 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"
 #include "direct_sample.glsl"
+#include "every_tile.glsl"
 #include "ray_adjoint.glsl"
 
 // Where the first of a plane's four gradients of the leaf stands.

@@ -15,12 +15,13 @@ layout(binding = kPsiPoints, rgba32f) writeonly uniform imageBuffer points;
 layout(push_constant) uniform Push { PsiRayPush push; };
 #include "composite.glsl"
 #include "psi_random.glsl"
+#include "every_tile.glsl"
 #include "ray.glsl"
 
 const float kFloor = 0.2;  // share of the samples that goes anywhere
 
-float sigma_of(uint i) {
-    return texelFetch(values, int((tile_group() * push.coarse + i) * kPsiBlock + gl_LocalInvocationID.x)).x;
+float sigma_of(Ray ray, uint i) {
+    return texelFetch(values, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile)).x;
 }
 
 void main() {
@@ -29,7 +30,7 @@ void main() {
     const vec2 range = texelFetch(ranges, int(ray.index)).xy;
     const float step = (range.y - range.x) / float(push.coarse);
     Composite whole = composite_begin();
-    for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(i), step, vec3(0.0), 0.0);
+    for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(ray, i), step, vec3(0.0), 0.0);
     const float alpha = 1.0 - whole.transmittance;
     // Where nothing is to be found all of it is spread evenly.
     const float found = alpha > 1e-4 ? (1.0 - kFloor) / alpha : 0.0;
@@ -37,20 +38,20 @@ void main() {
 
     Composite sum = composite_begin();
     uint bin = 0u;
-    float below = 0.0, share = even + found * composite_add(sum, sigma_of(0u), step, vec3(0.0), 0.0);
+    float below = 0.0, share = even + found * composite_add(sum, sigma_of(ray, 0u), step, vec3(0.0), 0.0);
     float edge = range.x;
     for (uint i = 0u; i < push.fine; i++) {
         const float goal = float(i + 1u) / float(push.fine);
         while (below + share < goal && bin + 1u < push.coarse) {
             below += share;
             bin++;
-            share = even + found * composite_add(sum, sigma_of(bin), step, vec3(0.0), 0.0);
+            share = even + found * composite_add(sum, sigma_of(ray, bin), step, vec3(0.0), 0.0);
         }
         const float inside = clamp((goal - below) / share, 0.0, 1.0);
         const float next = i + 1u == push.fine ? range.y : max(range.x + (float(bin) + inside) * step, edge);
         const float t = mix(edge, next, random_at(push.seed, ray.index, push.coarse + i));
         const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
-        imageStore(points, int((tile_group() * push.fine + i) * kPsiBlock + gl_LocalInvocationID.x),
+        imageStore(points, int((tile_group() * push.fine + i) * kPsiBlock + ray.in_tile),
                    vec4(at, next - edge));
         edge = next;
     }

@@ -13,6 +13,7 @@ layout(binding = kPsiDirections, rgba32f) writeonly uniform imageBuffer directio
 layout(binding = kPsiRanges, rgba32f) writeonly uniform imageBuffer ranges;
 layout(push_constant) uniform Push { PsiRayPush push; };
 #include "psi_random.glsl"
+#include "every_tile.glsl"
 #include "ray.glsl"
 
 vec2 box_range(Ray ray) {
@@ -21,7 +22,7 @@ vec2 box_range(Ray ray) {
     const vec3 b = (push.box_min.xyz + push.box_size.xyz - ray.origin_world) / safe;
     const vec3 near = min(a, b), far = max(a, b);
     const vec2 range = vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
-    return range.x < range.y && ray.inside ? range : vec2(0.0);
+    return range.x < range.y && ray.range.x < ray.range.y ? range : vec2(0.0);
 }
 
 void main() {
@@ -34,6 +35,6 @@ void main() {
     for (uint i = 0u; i < push.coarse; i++) {
         const float t = range.x + (float(i) + random_at(push.seed, ray.index, i)) * step;
         const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
-        imageStore(points, int((tile_group() * push.coarse + i) * kPsiBlock + gl_LocalInvocationID.x), vec4(at, step));
+        imageStore(points, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile), vec4(at, step));
     }
 }

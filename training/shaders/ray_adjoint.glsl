@@ -4,7 +4,6 @@
 // only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
 // blending weights w_i count as constants there: it colours matter and never moves it.
 #include "composite.glsl"
-#include "march.glsl"
 #include "ray.glsl"
 
 const float kMaxPullDepth = 8.0;  // optical depth
@@ -26,17 +25,16 @@ void main() {
     sh_y = sh_basis(ray.direction_world);
     Composite sum = composite_begin();
     March march = march_begin((ray.origin_world - push.box_min.xyz) / push.box_size.xyz,
-                              ray.direction_world / push.box_size.xyz);
-    march.inside = march.inside && ray.inside && d_ray != vec4(0.0);
+                              ray.direction_world / push.box_size.xyz, d_ray != vec4(0.0) ? ray.range : vec2(kFar, 0.0));
     MarchSegment part;
     while (sum.transmittance >= push.box_min.w && march_next(march, part)) {
-        const float delta = part.t_out - part.t_in;
-        const vec3 c = sample_colour();
-        const float weight = composite_add(sum, sigma, delta, c, 0.0);
-        const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
-        const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
-        // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
-        const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
-        scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
-    }
+            const float delta = part.t_out - part.t_in;
+            const vec3 c = sample_colour();
+            const float weight = composite_add(sum, sigma, delta, c, 0.0);
+            const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
+            const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
+            // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
+            const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
+            scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
+        }
 }

@@ -35,6 +35,10 @@ vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return imageLoad(we
 #include "adam.glsl"
 #include "slice_leaf.glsl"
 
+void store_coefficient(uint slot, uint j, vec3 k) {
+    imageStore(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));
+}
+
 shared vec4 share[kSliceGroup];
 
 void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
@@ -134,5 +138,5 @@ void main() {
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
     imageStore(head, int(leaf), uvec4(floatBitsToUint(leaf_sigma(leaf, push.leaf_count)), slot, 0u, 0u));
-    store_slice_colour(slot, leaf, push.leaf_count);
+    store_leaf_colour(slot, leaf, push.leaf_count);
 }

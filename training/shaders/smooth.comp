@@ -11,6 +11,8 @@
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(constant_id = 2) const uint kTopLevels = 2u;
+const bool kRestart = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -23,18 +25,19 @@ layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
 layout(push_constant) uniform Push { SmoothPush push; };
-#include "march.glsl"
 #include "slice_sample.glsl"
 
 const float kEpsilon = 0.1;  // of α: smaller differences count by their squares
 
 // α of the live leaf at a finest cell, over the length of `edge`; 0 beyond the tree and where there is none.
 float alpha_at(ivec3 cell, float edge) {
-    const int side = 1 << (2u * kNodeLevels);
-    if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(side)))) return 0.0;
-    uint shift;
-    const uint leaf = march_cell(cell, shift);
-    if (leaf == kNoLeaf || !march_wants(leaf)) return 0.0;
+    March walk;
+    walk.cell = cell;
+    walk.t = 0.0;
+    walk.t_end = 1.0;
+    if (!march_enter(walk)) return 0.0;
+    const uint bit = march_bit(walk);
+    if (!node_lives(walk.node, bit) || !march_wants(march_child(node_child(walk.node, bit)) & ~kLeafBit)) return 0.0;
     return 1.0 - exp(-sigma * edge);
 }
 

@@ -5,6 +5,8 @@
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(constant_id = 2) const uint kTopLevels = 2u;
+const bool kRestart = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -21,6 +23,7 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"
 #include "slice_sample.glsl"
+#include "every_tile.glsl"
 #include "ray_adjoint.glsl"
 
 // Adds one sample's derivatives to its slot.

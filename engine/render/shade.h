@@ -1,0 +1,27 @@
+// Shade: a slice tree as seen from one eye, one colour a leaf.
+#pragma once
+
+#include "render/slice_tree.h"
+
+namespace neuvv {
+
+class Shader {
+  public:
+    // All must outlive it. `shaded` has room for the tree's entries (shaded_entries).
+    Shader(const Device& device, const Field& field, const SliceTree& tree, const Buffer& shaded);
+
+  private:
+    friend void record_shade(Commands& commands, const Shader& shader, glm::vec3 eye);
+    const Field& field_;
+    const SliceTree& tree_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// A buffer for the shaded entries of any slice tree of so many.
+Buffer shaded_entries(const Device& device, uint32_t capacity);
+
+// `eye`: world, metres.
+void record_shade(Commands& commands, const Shader& shader, glm::vec3 eye);
+
+}  // namespace neuvv

@@ -1,0 +1,37 @@
+#include "render/trace_tree.h"
+
+#include "spirv/trace_tree.comp.h"
+
+namespace neuvv {
+
+TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree& tree, const Buffer& entries,
+                       const TileRanges& ranges, const RayBatch& rays, Shading shading)
+    : field_(field),
+      ranges_(ranges),
+      pass_(device, "trace tree", trace_tree_comp,
+            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u}),
+      set_(pass_, {{kTraceTop, &field.top},
+                   {kTraceNodes, &tree.nodes},
+                   {kTraceEntries, &entries},
+                   {kTraceCameras, &rays.cameras},
+                   {kTraceTiles, &rays.tiles},
+                   {kTraceTileList, &ranges.list},
+                   {kTraceTileRanges, &ranges.ranges},
+                   {kTraceRadiance, &rays.radiance},
+                   {kTraceDepth, &rays.depth}}) {}
+
+void record_clear(Commands& commands, const RayBatch& rays) {
+    constexpr uint32_t kInfinity = 0x7f800000;
+    fill(commands, rays.radiance, 0);
+    fill(commands, rays.depth, kInfinity);
+    compute_barrier(commands);
+}
+
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, const RayBatch& rays, float stop) {
+    const PassScope scope(commands, "trace");
+    record_clear(commands, rays);
+    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.ranges_.count, 0, trace_push(tracer.field_, stop));
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,201 @@
+#include "render/walk_tree.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint64_t kOctant = 0xff;
+constexpr uint64_t kMaxTopCells = 1u << 22;  // 16 MB
+
+glm::uvec3 octant_place(uint32_t octant) {
+    return {octant & 1, octant >> 1 & 1, octant >> 2};
+}
+
+uint64_t mask_of(const TreeNode& node) {
+    return uint64_t{node.mask_hi} << 32 | node.mask_lo;
+}
+
+// One leaf fills all of the octant, whose first child stands at `slot`.
+bool is_wide(const VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
+    if ((mask >> (8 * octant) & kOctant) != kOctant || !(tree.children[slot] & kLeafBit)) return false;
+    return std::all_of(&tree.children[slot], &tree.children[slot] + 8,
+                       [&](uint32_t other) { return other == tree.children[slot]; });
+}
+
+glm::uvec2 packed(glm::uvec3 place, uint32_t depth) {
+    return {place.x | place.y << 16, place.z | depth << 16};
+}
+
+glm::uvec3 unpacked(glm::uvec2 place) {
+    return {place.x & 0xffff, place.x >> 16, place.y & 0xffff};
+}
+
+// Takes the nodes level by level; child nodes get the next free number.
+class Walker {
+  public:
+    explicit Walker(const VOctree& tree) : tree_(tree) {
+        walk_.nodes.reserve(tree.nodes.size());
+        walk_.children.reserve(tree.children.size());
+        walk_.leaf_cells.resize(tree.leaf_count);
+        walk_.node_cells.resize(tree.nodes.size());
+        walk_.leaf_places.resize(tree.leaf_count);
+        walk_.node_places.resize(tree.nodes.size());
+        walk_.inner_cells.resize(tree.nodes.size());
+        std::vector<uint32_t> level = {0}, next;
+        while (!level.empty()) {
+            walk_.level_begin.push_back(static_cast<uint32_t>(walk_.nodes.size()));
+            const auto first_below = static_cast<uint32_t>(walk_.nodes.size() + level.size());
+            for (const uint32_t node : level) add_node(tree.nodes[node], first_below, next);
+            level.swap(next);
+            next.clear();
+        }
+        walk_.level_begin.push_back(static_cast<uint32_t>(walk_.nodes.size()));
+    }
+    WalkTree take() { return std::move(walk_); }
+
+  private:
+    void add_node(const TreeNode& node, uint32_t first_below, std::vector<uint32_t>& below) {
+        const auto index = static_cast<uint32_t>(walk_.nodes.size());
+        const uint32_t level = walk_.node_places[index].y >> 16;
+        const glm::uvec3 corner = unpacked(walk_.node_places[index]);
+        TreeNode added{node.mask_lo, node.mask_hi, static_cast<uint32_t>(walk_.children.size()), 0};
+        const uint64_t mask = mask_of(node);
+        size_t slot = node.first_child;
+        for (uint32_t bit = 0; bit < 64; bit++) {
+            if (!(mask >> bit & 1)) continue;
+            const uint32_t word = 2 * index + bit / 32, flag = 1u << bit % 32, entry = tree_.children[slot];
+            const glm::uvec3 octant = 2u * corner + octant_place(bit >> 3);
+            const glm::uvec3 cell = 2u * octant + octant_place(bit & 7);
+            if (bit % 8 == 0 && is_wide(tree_, mask, bit / 8, slot)) {
+                added.wide |= 1u << bit / 8;
+                add_leaf(entry, {word, 0xffu << bit % 32}, packed(octant, 2 * level + 1));
+                bit += 7;
+                slot += 8;
+                continue;
+            }
+            slot++;
+            if (entry & kLeafBit) {
+                add_leaf(entry, {word, flag}, packed(cell, 2 * level + 2));
+            } else {
+                const auto child = static_cast<uint32_t>(first_below + below.size());
+                walk_.children.push_back(child);
+                walk_.node_cells[child] = {word, flag};
+                walk_.node_places[child] = packed(cell, level + 1);
+                walk_.inner_cells[index][static_cast<int>(bit / 32)] |= flag;
+                below.push_back(entry);
+            }
+        }
+        walk_.nodes.push_back(added);
+    }
+
+    void add_leaf(uint32_t entry, glm::uvec2 cells, glm::uvec2 place) {
+        walk_.children.push_back(entry);
+        walk_.leaf_cells[entry & ~kLeafBit] = cells;
+        walk_.leaf_places[entry & ~kLeafBit] = place;
+    }
+
+    const VOctree& tree_;
+    WalkTree walk_;
+};
+
+// The cells that hold all leaves, of a grid of 4^levels cells a side.
+struct Bounds {
+    glm::uvec3 low{0}, last{0};
+    uint64_t cells() const {
+        const glm::u64vec3 size(last - low + 1u);
+        return size.x * size.y * size.z;
+    }
+};
+
+Bounds bounds_of(const std::vector<LeafPlace>& places, uint32_t levels) {
+    Bounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
+    for (const LeafPlace& place : places) {
+        const glm::uvec3 cell(place.x, place.y, place.z);
+        const bool finer = place.depth > 2 * levels;
+        const uint32_t shift = finer ? place.depth - 2 * levels : 2 * levels - place.depth;
+        bounds.low = glm::min(bounds.low, finer ? cell >> shift : cell << shift);
+        bounds.last = glm::max(bounds.last, finer ? cell >> shift : ((cell + 1u) << shift) - 1u);
+    }
+    return places.empty() ? Bounds{} : bounds;
+}
+
+// Fills the grid over the upper levels.
+class TopGrid {
+  public:
+    explicit TopGrid(const WalkTree& walk)
+        : walk_(walk), lowest_(walk.node_levels - walk.top_levels), size_(walk.top_last - walk.top_low + 1u) {
+        cells_.resize(size_t{size_.x} * size_.y * size_.z);
+        fill_node(0, walk.node_levels, glm::uvec3(0));
+    }
+    std::vector<uint32_t> take() { return std::move(cells_); }
+
+  private:
+    // `level`: the node's side is 4^level finest cells; `corner` in those.
+    void fill_node(uint32_t node, uint32_t level, glm::uvec3 corner) {
+        const uint32_t size = 1u << (2 * (level - lowest_));
+        const glm::uvec3 first = glm::max(corner * size, walk_.top_low) - walk_.top_low;
+        const glm::uvec3 end = glm::min((corner + 1u) * size, walk_.top_last + 1u) - walk_.top_low;
+        for (uint32_t z = first.z; z < end.z; z++)
+            for (uint32_t y = first.y; y < end.y; y++) {
+                const auto row = cells_.begin() + static_cast<ptrdiff_t>((size_t{z} * size_.y + y) * size_.x);
+                std::fill(row + first.x, row + end.x, node | (level - 1) << kTopLevelShift);
+            }
+        if (level == lowest_) return;
+        const uint64_t inner = uint64_t{walk_.inner_cells[node].y} << 32 | walk_.inner_cells[node].x;
+        for (uint32_t bit = 0; bit < 64; bit++) {
+            if (!(inner >> bit & 1)) continue;
+            const uint32_t child = child_of(walk_.nodes[node], bit);
+            fill_node(child, level - 1, 4u * corner + 2u * octant_place(bit >> 3) + octant_place(bit & 7));
+        }
+    }
+
+    uint32_t child_of(const TreeNode& node, uint32_t bit) const {
+        uint64_t runs = mask_of(node);
+        for (uint32_t octant = 0; octant < 8; octant++)
+            if (node.wide >> octant & 1) runs &= ~(uint64_t{0xfe} << (8 * octant));
+        const auto below = static_cast<uint32_t>(std::popcount(runs & ((uint64_t{1} << bit) - 1)));
+        return walk_.children[node.first_child + below];
+    }
+
+    const WalkTree& walk_;
+    uint32_t lowest_;
+    glm::uvec3 size_;
+    std::vector<uint32_t> cells_;
+};
+
+}  // namespace
+
+WalkTree walk_tree(const VOctree& tree) {
+    std::vector<LeafPlace> places = leaf_places(tree);
+    uint32_t finest = 1;
+    size_t odd = 0;
+    for (const LeafPlace& place : places) {
+        finest = std::max(finest, place.depth);
+        odd += place.depth % 2;
+    }
+    const uint32_t above = odd > places.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
+    VOctree rooted;
+    rooted.node_levels = (finest + above + 1) / 2;
+    for (LeafPlace& place : places) place.depth += above;
+    build_nodes(rooted, places);
+
+    WalkTree walk = Walker(rooted).take();
+    walk.node_levels = rooted.node_levels;
+    walk.scale = 1 + above;
+    Bounds bounds;
+    for (uint32_t levels = 0; levels < walk.node_levels; levels++) {
+        const Bounds finer = bounds_of(places, levels);
+        if (levels > 0 && finer.cells() > kMaxTopCells) break;
+        walk.top_levels = levels;
+        bounds = finer;
+    }
+    walk.top_low = bounds.low;
+    walk.top_last = bounds.last;
+    walk.top = TopGrid(walk).take();
+    return walk;
+}
+
+}  // namespace neuvv

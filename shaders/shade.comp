@@ -1,0 +1,42 @@
+// Shade: the colour of every live leaf as seen from one eye, its SH taken along the line from the eye to the leaf's middle
+// and not along each ray: a sample is one fetch then.
+// Reads entries of a slice tree and their leaves; writes one shaded entry each. One thread an entry, dispatched indirectly.
+// Bound by memory: 8·(n_max+1)² + 20 bytes an entry.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/slice_tree.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(binding = kShadeEntries) uniform utextureBuffer entries;
+layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
+layout(binding = kShadePlaces) uniform utextureBuffer leaf_places;
+layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount count; };
+layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
+layout(push_constant) uniform Push { ShadePush push; };
+#include "sh.glsl"
+
+// Unit, world space, from the eye to the middle of a leaf.
+vec3 direction_of(uvec2 place) {
+    const float edge = 1.0 / float(1u << (place.y >> 16u));
+    const vec3 middle = (vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) + 0.5) * edge;
+    const vec3 line = push.box_min.xyz + middle * push.box_size.xyz - push.eye.xyz;
+    return line * inversesqrt(max(dot(line, line), 1e-20));
+}
+
+void main() {
+    const uint entry = gl_GlobalInvocationID.x;
+    if (entry >= min(count.slots, push.capacity)) return;
+    const int first = int(entry * sh_count(kHhDegree));
+    const uvec2 words = texelFetch(entries, first).xy;
+    const uint leaf = texelFetch(entry_leaf, int(entry)).x;
+    const float sh_y[kMaxShCount] = sh_basis(direction_of(texelFetch(leaf_places, int(leaf == kNoLeaf ? 0u : leaf)).xy));
+    vec3 raw = sh_y[0] * vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y));
+    for (uint j = 1u; j < sh_count(kHhDegree); j++) {
+        const uvec2 more = texelFetch(entries, first + int(j)).xy;
+        raw += sh_y[j] * vec3(unpackHalf2x16(more.x).y, unpackHalf2x16(more.y));
+    }
+    const vec3 colour = 1.0 / (1.0 + exp(-raw));  // errata 8
+    const uvec2 leaf_words = uvec2((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb));
+    imageStore(shaded, int(entry), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
+}

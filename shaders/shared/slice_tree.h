@@ -1,0 +1,89 @@
+// A slice as a tree of its own, for playing: nodes pruned to live cells, and σ and colour of a cell where the walk finds it.
+//
+// A node is four words: mask_lo, mask_hi of its live cells, the entry of the lowest, its wide octants; a dead node has no
+// cell. Each cell (each wide octant) has an entry. A leaf's holds its σ and SH coefficients as fp16, kEntryWords words for
+// each SH function; shaded, it is the first of these alone, with the colour in place of the coefficients:
+//   word 0: σ (1/m) | R << 16, word 1: G | B << 16;  of the functions after the first σ is 0.
+// That of a child node has the sign of σ set, and the node in word 1.
+#ifndef NEUVV_SHARED_SLICE_TREE_H
+#define NEUVV_SHARED_SLICE_TREE_H
+#include "shared/slice.h"
+#include "shared/trace.h"
+
+NEUVV_SHARED
+
+CONSTEXPR uint kEntryWords = 2u;
+CONSTEXPR uint kEntryIsNode = 0x8000u;     // in word 0
+CONSTEXPR uint kNoLeaf = 0xffffffffu;      // of a child node's entry
+CONSTEXPR float kMaxEntryNumber = 65504.0f;  // what fp16 holds
+
+// slice_nodes.comp
+CONSTEXPR uint kNodesTree = 0u;
+CONSTEXPR uint kNodesChildren = 1u;
+CONSTEXPR uint kNodesInner = 2u;   // per node: mask of the cells that are nodes
+CONSTEXPR uint kNodesParent = 3u;  // per node: (word of kNodesLive, its bit there)
+CONSTEXPR uint kNodesLive = 4u;    // per node: mask of live cells, those of finer nodes complete
+CONSTEXPR uint kNodesOut = 5u;
+CONSTEXPR uint kNodesEntries = 6u;
+CONSTEXPR uint kNodesLeaves = 7u;  // per entry: its leaf, or kNoLeaf
+CONSTEXPR uint kNodesCount = 8u;   // a LiveCount of entries
+
+struct SliceNodesPush {
+    uint first_node;  // of the level
+    uint nodes;
+    uint capacity;  // entries
+};
+
+// slice_entries.comp: the bindings of slice_colour.comp but for kSliceSh, and
+CONSTEXPR uint kEntriesCells = 6u;  // as kSliceLeafCells
+CONSTEXPR uint kEntriesNodes = 7u;
+CONSTEXPR uint kEntriesOut = 8u;
+CONSTEXPR uint kEntriesLeaves = 9u;
+
+// shade.comp
+CONSTEXPR uint kShadeEntries = 0u;
+CONSTEXPR uint kShadeLeaves = 1u;
+CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_places
+CONSTEXPR uint kShadeCount = 3u;
+CONSTEXPR uint kShadeOut = 4u;
+
+struct ShadePush {
+    vec4 eye;       // world, metres
+    vec4 box_min;   // metres
+    vec4 box_size;  // metres
+    uint capacity;  // entries
+};
+
+// tile_range.comp and tile_list.comp
+CONSTEXPR uint kRangeNodes = 0u;
+CONSTEXPR uint kRangeInner = 1u;
+CONSTEXPR uint kRangePlaces = 2u;  // per node: as Field::node_places
+CONSTEXPR uint kRangeTiles = 3u;   // per tile: bits of the least distance, and the complement of those of the largest
+CONSTEXPR uint kRangeList = 4u;    // tiles that see anything, then kNoTile
+CONSTEXPR uint kRangeCount = 5u;   // a LiveCount of them
+CONSTEXPR uint kRangePictures = 6u;      // the picture's tiles that these belong to, then kNoTile
+CONSTEXPR uint kRangePictureCount = 7u;  // a LiveCount of them
+
+CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
+
+struct TileRangePush {
+    vec4 eye;      // world, metres
+    vec4 row_x;    // (row_x, row_y, row_z) · (p − eye) = z (x, y, 1): the pixel x, y that sees p
+    vec4 row_y;
+    vec4 row_z;
+    vec4 box_min;   // metres
+    vec4 box_size;  // metres
+    uint nodes;
+    uint tiles_across;  // of rays
+    uint tiles_down;
+    uint samples;  // tiles of rays in one of the picture, along each side
+};
+
+NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::SliceNodesPush) == 12);
+static_assert(sizeof(neuvv::ShadePush) == 52);
+static_assert(sizeof(neuvv::TileRangePush) == 112);
+#endif
+#endif

@@ -1,0 +1,72 @@
+// Slice tree, first half: the nodes of one level, pruned to live cells, finest level first. A node with live cells takes
+// entries for them, points those of child nodes at these, and lives in its parent.
+// Reads the tree's nodes and the live masks; writes nodes and entries of nodes. One thread a node. Bound by memory: some
+// 64 bytes a node, and by one atomic addition a workgroup.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/slice_tree.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(binding = kNodesTree) uniform utextureBuffer tree_nodes;
+layout(binding = kNodesChildren) uniform utextureBuffer tree_children;
+layout(binding = kNodesInner) uniform utextureBuffer inner_cells;
+layout(binding = kNodesParent) uniform utextureBuffer node_cells;
+layout(binding = kNodesLive, std430) buffer NodeLive { uint node_live[]; };
+layout(binding = kNodesOut, rgba32ui) writeonly uniform uimageBuffer nodes;
+layout(binding = kNodesEntries, rg32ui) writeonly uniform uimageBuffer entries;
+layout(binding = kNodesLeaves, r32ui) writeonly uniform uimageBuffer entry_leaf;
+layout(binding = kNodesCount, std430) buffer Count { LiveCount count; };
+layout(push_constant) uniform Push { SliceNodesPush push; };
+#include "node.glsl"
+
+shared uint group_count;
+shared uint group_first;
+
+// The entries of the child nodes among 32 cells.
+void store_child_nodes(Node in_tree, Node in_slice, uint word, uint cells) {
+    while (cells != 0u) {
+        const uint bit = 32u * word + uint(findLSB(cells));
+        cells &= cells - 1u;
+        const uint entry = node_child(in_slice, bit);
+        const uint child = texelFetch(tree_children, int(node_child(in_tree, bit))).x;
+        imageStore(entries, int(entry * sh_count(kHhDegree)), uvec4(kEntryIsNode, child, 0u, 0u));
+        imageStore(entry_leaf, int(entry), uvec4(kNoLeaf));
+    }
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint at = group * kSliceGroup + gl_LocalInvocationID.x;
+    const uint node = push.first_node + at;
+    if (gl_LocalInvocationID.x == 0u) group_count = 0u;
+    barrier();
+
+    const uvec4 own = at < push.nodes ? texelFetch(tree_nodes, int(node)) : uvec4(0u);
+    uvec2 live = at < push.nodes ? uvec2(node_live[2u * node], node_live[2u * node + 1u]) : uvec2(0u);
+    const uvec2 runs = node_runs(live, own.w);
+    const uint wanted = bitCount(runs.x) + bitCount(runs.y);
+    const uint place = wanted > 0u ? atomicAdd(group_count, wanted) : 0u;
+    barrier();
+    if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
+        group_first = atomicAdd(count.slots, group_count);
+        const uint end = min(group_first + group_count, push.capacity);
+        atomicMax(count.groups_x, (end + kSliceGroup - 1u) / kSliceGroup);
+    }
+    barrier();
+
+    if (at >= push.nodes) return;
+    const uint first = group_first + place;
+    if (wanted > 0u && first + wanted > push.capacity) {
+        atomicAdd(count.overflow, wanted);
+        live = uvec2(0u);
+    }
+    imageStore(nodes, int(node), uvec4(live, first, own.w));
+    if (live == uvec2(0u)) return;
+    const uvec2 parent = texelFetch(node_cells, int(node)).xy;
+    atomicOr(node_live[parent.x], parent.y);
+    const uvec2 inner = live & texelFetch(inner_cells, int(node)).xy;
+    const Node in_tree = Node(live, own.xy, own.z, own.w), in_slice = Node(live, live, first, own.w);
+    store_child_nodes(in_tree, in_slice, 0u, inner.x);
+    store_child_nodes(in_tree, in_slice, 1u, inner.y);
+}

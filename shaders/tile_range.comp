@@ -1,0 +1,94 @@
+// How far each tile of a picture is from what it may see: the live leaves of every node, boxed, go to the tiles that their
+// box covers. Rays start at the least distance of their tile and end at the largest; tiles that no box covers have no rays.
+// Reads nodes of a slice tree; takes the minimum in two words a covered tile. One thread a node. Bound by arithmetic, some
+// 300 operations a live node, and where the eye is close by atomics, one pair for each covered tile.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/slice_tree.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(binding = kRangeNodes) uniform utextureBuffer nodes;
+layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
+layout(binding = kRangePlaces) uniform utextureBuffer node_places;
+layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
+layout(push_constant) uniform Push { TileRangePush push; };
+
+const float kNearest = 1e-3;  // metres before the eye's plane: boxes that reach behind it are cut there
+const float kSlack = 1e-4;    // relative, of distances: for rounding
+
+struct Box {
+    vec3 low, high;
+};
+
+// The first and the last layer of cells along an axis that hold any, given the cells of each layer.
+uvec2 first_and_last(uint layer0, uint layer1, uint layer2, uint layer3) {
+    const uint any = (layer0 != 0u ? 1u : 0u) | (layer1 != 0u ? 2u : 0u) | (layer2 != 0u ? 4u : 0u) |
+                     (layer3 != 0u ? 8u : 0u);
+    return uvec2(findLSB(any), findMSB(any));
+}
+
+// Around some of a node's cells, in these: 0..4 on each axis. Bits of a cell in its word: y1 x1 z0 y0 x0 (shared/tree.h).
+Box cells_box(uvec2 cells) {
+    const uint any = cells.x | cells.y;
+    const uvec2 x = first_and_last(any & 0x00550055u, any & 0x00aa00aau, any & 0x55005500u, any & 0xaa00aa00u);
+    const uvec2 y = first_and_last(any & 0x00003333u, any & 0x0000ccccu, any & 0x33330000u, any & 0xcccc0000u);
+    const uvec2 z = first_and_last(cells.x & 0x0f0f0f0fu, cells.x & 0xf0f0f0f0u, cells.y & 0x0f0f0f0fu,
+                                   cells.y & 0xf0f0f0f0u);
+    return Box(vec3(x.x, y.x, z.x), vec3(x.y, y.y, z.y) + 1.0);
+}
+
+// z (x, y, 1) of the pixel that sees a place, relative to the eye
+vec3 homogeneous(vec3 from_eye) {
+    return vec3(dot(push.row_x.xyz, from_eye), dot(push.row_y.xyz, from_eye), dot(push.row_z.xyz, from_eye));
+}
+
+vec3 corner_of(Box box, uint i) {
+    return vec3((i & 1u) != 0u ? box.high.x : box.low.x, (i & 2u) != 0u ? box.high.y : box.low.y,
+                (i & 4u) != 0u ? box.high.z : box.low.z);
+}
+
+// Least and largest pixel coordinates of the part of a box before the eye; none (x > z) where there is none.
+vec4 pixels_of(Box from_eye) {
+    vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
+    for (uint i = 0u; i < 8u; i++) {
+        const vec3 a = homogeneous(corner_of(from_eye, i));
+        if (a.z >= kNearest) bounds = vec4(min(bounds.xy, a.xy / a.z), max(bounds.zw, a.xy / a.z));
+        for (uint axis = 1u; axis < 8u; axis <<= 1u) {  // the edges that begin here, where they pass the plane
+            if ((i & axis) != 0u) continue;
+            const vec3 b = homogeneous(corner_of(from_eye, i | axis));
+            if ((a.z < kNearest) == (b.z < kNearest)) continue;
+            const vec3 cut = mix(a, b, (kNearest - a.z) / (b.z - a.z));
+            bounds = vec4(min(bounds.xy, cut.xy / kNearest), max(bounds.zw, cut.xy / kNearest));
+        }
+    }
+    return bounds;
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
+    if (node >= push.nodes) return;
+    const uvec2 leaves = texelFetch(nodes, int(node)).xy & ~texelFetch(inner_cells, int(node)).xy;
+    if (leaves == uvec2(0u)) return;
+    const uvec2 place = texelFetch(node_places, int(node)).xy;
+    const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);
+    const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
+    const Box cells = cells_box(leaves);
+    const vec3 from = push.box_min.xyz - push.eye.xyz;
+    const Box box = Box(from + (corner + cells.low) * cell, from + (corner + cells.high) * cell);
+
+    const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
+    const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
+    const vec2 tiles = vec2(push.tiles_across, push.tiles_down);
+    vec4 covered = pixels_of(box) / float(kTile);
+    if (near < 2.0 * kNearest) covered = vec4(0.0, 0.0, tiles);  // around the eye
+    // Half a thousandth of a tile for rounding.
+    const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
+    const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) {
+            const uint at = 2u * (uint(y) * push.tiles_across + uint(x));
+            atomicMin(tile_ranges[at], floatBitsToUint(near));
+            atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
+        }
+}

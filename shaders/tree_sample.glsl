@@ -1,0 +1,39 @@
+// What a ray meets in a slice tree (shared/slice_tree.h): sample_colour is the leaf's along the ray, or where kShaded is set
+// as its entry has it. The includer binds utextureBuffers `nodes` and `entries`, and sets sh_y to its ray's sh_basis.
+#ifndef NEUVV_TREE_SAMPLE_GLSL
+#define NEUVV_TREE_SAMPLE_GLSL
+#include "march.glsl"
+#include "sh.glsl"
+
+float sh_y[kMaxShCount];
+float sigma;  // 1/m, of the leaf that the walk stopped at
+uint entry;
+uvec2 entry_words;
+
+Node march_node(uint node) {
+    const uvec4 words = texelFetch(nodes, int(node));
+    return Node(words.xy, words.xy, words.z, words.w);
+}
+
+uint march_child(uint index) {
+    entry = kShaded ? index : index * sh_count(kHhDegree);
+    entry_words = texelFetch(entries, int(entry)).xy;
+    return (entry_words.x & kEntryIsNode) != 0u ? entry_words.y : kLeafBit;
+}
+
+bool march_wants(uint leaf) {
+    sigma = unpackHalf2x16(entry_words.x).x;
+    return true;
+}
+
+vec3 entry_colour(uvec2 words) { return vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y)); }
+
+vec3 sample_colour() {
+    if (kShaded) return entry_colour(entry_words);
+    vec3 raw = sh_y[0] * entry_colour(entry_words);
+    for (uint j = 1u; j < sh_count(kHhDegree); j++)
+        raw += sh_y[j] * entry_colour(texelFetch(entries, int(entry + j)).xy);
+    return 1.0 / (1.0 + exp(-raw));  // errata 8
+}
+
+#endif

@@ -1,0 +1,210 @@
+// The slice tree against the reference's slice: which cells live, what their entries say; and the ranges of tiles.
+#include "render/slice_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+#include "reference/camera.h"
+#include "reference/slice.h"
+#include "reference/trace.h"
+#include "render/tile_range.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+
+namespace neuvv::test {
+namespace {
+
+struct HostTree {
+    std::vector<glm::uvec4> nodes;
+    std::vector<glm::uvec2> entries;
+    std::vector<uint32_t> leaves;
+    LiveCount count;
+};
+
+HostTree download_tree(const Device& device, const Field& field, const SliceTree& tree) {
+    HostTree host;
+    host.nodes.resize(field.node_count());
+    host.entries.resize(size_t{tree.capacity} * sh_count(field.hh_degree));
+    host.leaves.resize(tree.capacity);
+    download(device, tree.nodes, host.nodes.data(), host.nodes.size() * sizeof(glm::uvec4));
+    download(device, tree.entries, host.entries.data(), host.entries.size() * sizeof(glm::uvec2));
+    download(device, tree.entry_leaf, host.leaves.data(), host.leaves.size() * sizeof(uint32_t));
+    download(device, tree.count, &host.count, sizeof(LiveCount));
+    return host;
+}
+
+double number(uint32_t word, int shift) {
+    return float_from_half(static_cast<uint16_t>(word >> shift));
+}
+
+// Walks what the device built as a shader does, and ticks off the leaves it meets.
+struct TreeCheck {
+    const HostTree& host;
+    const VOctree& tree;
+    const std::vector<reference::LeafSlice>& truth;
+    std::vector<bool> met = std::vector<bool>(tree.leaf_count);
+    uint32_t entries = 0;
+    double worst = 0;  // of σ and coefficients, relative to the largest of a leaf
+
+    void visit(uint32_t node, uint32_t level) {
+        const glm::uvec4 words = host.nodes[node];
+        uint32_t entry = words.z;
+        const uint64_t live = uint64_t{words.y} << 32 | words.x;
+        ASSERT_NE(live, 0u) << "a dead node is reached";
+        for (uint32_t bit = 0; bit < 64; bit++) {
+            if (!(live >> bit & 1)) continue;
+            const bool wide = words.w >> (bit / 8) & 1;
+            ASSERT_LT(entry, host.leaves.size());
+            entries++;
+            const glm::uvec2 first = host.entries[size_t{entry} * sh_count(tree.hh_degree)];
+            if (first.x & kEntryIsNode) {
+                EXPECT_EQ(host.leaves[entry], kNoLeaf);
+                ASSERT_LT(level + 1, tree.node_levels);
+                visit(first.y, level + 1);
+            } else {
+                check_leaf(host.leaves[entry], entry, 2 * level + (wide ? 1 : 2));
+            }
+            entry++;
+            if (wide) bit += 7;
+        }
+    }
+
+    void check_leaf(uint32_t leaf, uint32_t entry, uint32_t depth) {
+        ASSERT_LT(leaf, tree.leaf_count);
+        EXPECT_FALSE(met[leaf]) << "leaf " << leaf << " twice";
+        met[leaf] = true;
+        EXPECT_EQ(leaf_places(tree)[leaf].depth, depth);
+        const auto relative = [](double value, double expected, double scale) {
+            return std::abs(value - expected) / std::max(scale, 1e-3);
+        };
+        const size_t functions = sh_count(tree.hh_degree);
+        const glm::uvec2* words = &host.entries[size_t{entry} * functions];
+        worst = std::max(worst, relative(number(words[0].x, 0), truth[leaf].sigma, truth[leaf].sigma));
+        for (size_t j = 0; j < functions; j++)
+            for (size_t c = 0; c < 3; c++) {
+                const double k = c == 0 ? number(words[j].x, 16) : number(words[j].y, c == 1 ? 0 : 16);
+                worst = std::max(worst, relative(k, truth[leaf].k[c][j], std::abs(truth[leaf].k[c][j])));
+            }
+    }
+};
+
+using SliceTreeTest = GpuTest;
+
+TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
+    constexpr uint32_t kLevels[] = {1, 2, 4, 6};
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+        const VOctree tree = random_tree({.seed = degree + 20,
+                                          .node_levels = kLevels[degree],
+                                          .leaves = 600,
+                                          .bases = 5,
+                                          .hh_degree = degree});
+        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+        const LiveLeaves live(device(), field, field.leaf_count);
+        const SliceTree sliced(device(), field, most_entries(field));
+        const TreeSlicer slicer(device(), field, live, sliced);
+        for (const float frame : {0.0f, 2.5f, 4.0f}) {
+            run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, frame); });
+            const HostTree host = download_tree(device(), field, sliced);
+            const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, frame);
+            TreeCheck check{host, tree, truth};
+            check.visit(0, 0);
+            EXPECT_LE(check.worst, 0x1p-10) << "fp16 rounds to 2^-11 of a number";
+            uint32_t expected = 0;
+            for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+                EXPECT_EQ(check.met[leaf], truth[leaf].sigma > 0) << "leaf " << leaf;
+                expected += truth[leaf].sigma > 0;
+            }
+            EXPECT_GT(expected, 5u);
+            EXPECT_EQ(check.entries, host.count.slots);
+            EXPECT_EQ(host.count.overflow, 0u);
+            EXPECT_EQ(host.count.groups_x, (host.count.slots + kSliceGroup - 1) / kSliceGroup);
+        }
+    }
+}
+
+TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
+    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 900, .hh_degree = 1});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const LiveLeaves live(device(), field, field.leaf_count);
+    const SliceTree sliced(device(), field, 100);
+    const TreeSlicer slicer(device(), field, live, sliced);
+    run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 1); });
+    const HostTree host = download_tree(device(), field, sliced);
+    EXPECT_GT(host.count.overflow, 0u);
+    EXPECT_GT(host.count.slots, 100u);
+    for (const glm::uvec4& node : host.nodes) {
+        if (!node.x && !node.y) continue;
+        EXPECT_LT(node.z, 100u);
+    }
+}
+
+// A ray's part inside live leaves, in metres; none (x > y) where it meets none.
+glm::dvec2 seen_range(const VOctree& tree, const std::vector<reference::LeafSlice>& slices, const reference::Ray& ray) {
+    glm::dvec2 range(1e30, -1e30);
+    for (const reference::Segment& segment : reference::intersect(tree, ray)) {
+        if (!(slices[segment.leaf].sigma > 0)) continue;
+        range = {std::min(range.x, segment.t_enter), std::max(range.y, segment.t_exit)};
+    }
+    return range;
+}
+
+TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
+    constexpr uint32_t kWidth = 150, kHeight = 101, kAcross = (kWidth + 7) / 8, kDown = (kHeight + 7) / 8;
+    const VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const LiveLeaves live(device(), field, field.leaf_count);
+    const SliceTree sliced(device(), field, most_entries(field));
+    const TreeSlicer slicer(device(), field, live, sliced);
+    const TileRanges ranges(device(), kAcross * kDown);
+    const TileRanger ranger(device(), field, sliced, ranges);
+    const glm::dvec3 low(tree.box_min), size(tree.box_size);
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
+    const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {
+        return look_at(low + from * size, low + at * size, kWidth, kHeight, focal);
+    };
+    struct View {
+        Camera camera;
+        bool outside;
+    };
+    for (const auto& [camera, outside] : {View{look({2.7, 2.4, 3.1}, glm::dvec3(0.5), 1.1), true},
+                                          View{look({0.43, 0.57, 0.61}, {0.1, 0.2, 0.05}, 0.5), false},
+                                          View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false},
+                                          View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false}}) {
+        run_once(device(), "ranges", [&](Commands& commands) {
+            record_slice_tree(commands, slicer, 1);
+            record_tile_ranges(commands, ranger, shader_camera(camera));
+        });
+        std::vector<glm::uvec2> words(kAcross * kDown);
+        LiveCount count;
+        download(device(), ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+        download(device(), ranges.count, &count, sizeof(count));
+        uint32_t listed = 0, seeing = 0;
+        for (uint32_t tile = 0; tile < words.size(); tile++) {
+            glm::dvec2 seen(1e30, -1e30);
+            for (uint32_t i = 0; i < 64; i++) {
+                const uint32_t x = tile % kAcross * 8 + i % 8, y = tile / kAcross * 8 + i / 8;
+                if (x >= kWidth || y >= kHeight) continue;
+                const glm::dvec2 range = seen_range(tree, slices, reference::camera_ray(camera, x, y));
+                seen = {std::min(seen.x, range.x), std::max(seen.y, range.y)};
+            }
+            listed += words[tile].x != kNoTile;
+            seeing += seen.x < seen.y;
+            if (!(seen.x < seen.y)) continue;
+            ASSERT_NE(words[tile].x, kNoTile) << "tile " << tile << " sees, and is not listed";
+            const float near = std::bit_cast<float>(words[tile].x), far = std::bit_cast<float>(~words[tile].y);
+            EXPECT_LE(near, seen.x) << "tile " << tile;
+            EXPECT_GE(far, seen.y) << "tile " << tile;
+        }
+        EXPECT_EQ(count.slots, listed);
+        EXPECT_GE(count.groups_x * count.groups_y, listed);
+        if (!outside) continue;
+        EXPECT_LT(listed, kAcross * kDown / 2);
+        EXPECT_LE(listed, 2 * seeing) << "tiles beside the leaves are few";
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test

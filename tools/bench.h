@@ -1,0 +1,17 @@
+// What the measurements of `neuvv bench` share.
+#pragma once
+
+#include <vector>
+
+#include "tools/commands.h"
+
+namespace neuvv {
+
+void add_bench_train(CLI::App& bench, CommonOptions& common);
+void add_bench_render(CLI::App& bench, CommonOptions& common);
+
+// The value that a share `p` of the values does not exceed; 0 of none.
+double quantile(std::vector<double> values, double p);
+inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+}  // namespace neuvv

@@ -1,0 +1,271 @@
+// neuvv bench render: pictures of a scene the paper's way and ours, in one run, with what the pictures differ by.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/platform.h"
+#include "render/frame.h"
+#include "tools/bench.h"
+#include "tools/cpu_marcher.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/view_path.h"
+#include "training/metrics.h"
+#include "voctree/half.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchRenderOptions {
+    std::string scene, size = "1280x720";
+    uint32_t views = 4, repeats = 5;
+    bool json = false;
+};
+
+// A clip of 25 pictures a second on a display of 90 Hz for two eyes: so many views share a slice.
+constexpr double kViewsPerSlice = 2 * 90 / 25.0;
+
+// A way to make a picture, and how long its frames took.
+struct Way {
+    const char* name;
+    const char* key;  // in JSON
+    TraceMode mode;
+    std::vector<double> slice_ms, rest_ms;  // of each picture; a picture's slice is made once
+    double seconds(double slices) const { return (slices * median(slice_ms) + median(rest_ms)) / 1000; }
+    double p99(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
+};
+
+double milliseconds(const std::vector<PassTime>& passes, bool of_slice) {
+    double sum = 0;
+    for (const PassTime& pass : passes)
+        if ((pass.name == "slice") == of_slice) sum += pass.milliseconds;
+    return sum;
+}
+
+struct PassSum {
+    std::string name;
+    std::vector<double> ms;
+};
+
+void add_passes(std::vector<PassSum>& sums, const std::vector<PassTime>& passes) {
+    for (const PassTime& pass : passes) {
+        auto found = std::find_if(sums.begin(), sums.end(), [&](const PassSum& sum) { return sum.name == pass.name; });
+        if (found == sums.end()) found = sums.insert(sums.end(), {pass.name, {}});
+        found->ms.push_back(pass.milliseconds);
+    }
+}
+
+struct HostTimes {
+    std::vector<double> ms;  // the rays alone
+    double worst_difference = 0;  // from the device's rays, of alpha and colour
+};
+
+struct Result {
+    std::vector<Way> ways;
+    std::vector<PassSum> passes;  // of the shaded way
+    HostTimes host;
+    std::vector<double> trace_ms;  // the device's rays, as the host's
+    double covered = 0, mean_difference = 0, psnr = 0;  // pictures: shaded against the paper's
+    uint64_t rays = 0;
+};
+
+HostSlice host_slice(const Device& device, const Field& field, const TreePath& path) {
+    HostSlice slice;
+    LiveCount count;
+    download(device, path.tree.count, &count, sizeof(count));
+    std::vector<glm::uvec2> words(std::min(count.slots, path.tree.capacity));
+    slice.nodes.resize(field.node_count());
+    download(device, path.tree.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
+    download(device, path.shaded, words.data(), words.size() * sizeof(glm::uvec2));
+    const auto number = [](uint32_t word, int shift) { return float_from_half(static_cast<uint16_t>(word >> shift)); };
+    for (const glm::uvec2 word : words) {
+        if (word.x & kEntryIsNode)
+            slice.entries.push_back({0, {}, word.y});
+        else
+            slice.entries.push_back({number(word.x, 0), {number(word.x, 16), number(word.y, 0), number(word.y, 16)}});
+    }
+    slice.box_min = field.box_min;
+    slice.box_size = field.box_size;
+    slice.node_levels = field.node_levels;
+    return slice;
+}
+
+HostTileRanges host_ranges(const Device& device, const TreePath& path, size_t tiles) {
+    std::vector<glm::uvec2> words(tiles);
+    download(device, path.ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    HostTileRanges ranges;
+    for (const glm::uvec2 word : words)
+        ranges.push_back(word.x == kNoTile ? glm::vec2(1, 0)
+                                           : glm::vec2(std::bit_cast<float>(word.x), std::bit_cast<float>(~word.y)));
+    return ranges;
+}
+
+// The rays of the picture that the renderer has just shaded, by the host.
+void measure_host(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
+                  uint32_t repeats, HostTimes& host) {
+    const HostSlice slice = host_slice(device, field, *renderer.tree_path());
+    const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
+    const HostTileRanges ranges = host_ranges(device, *renderer.tree_path(), tiles);
+    std::vector<glm::vec4> rays;
+    for (uint32_t i = 0; i < repeats; i++) {
+        const auto start = std::chrono::steady_clock::now();
+        rays = march_on_host(slice, ranges, camera, kStopTransmittance);
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+        host.ms.push_back(took.count());
+    }
+    const std::vector<glm::vec4> truth = renderer.radiance(camera.width, camera.height);
+    for (size_t i = 0; i < rays.size(); i++)
+        for (int c = 0; c < 4; c++)
+            host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
+}
+
+// Adds to a way's times; returns the last picture.
+Image measure(FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t repeats, Result& result) {
+    FrameSettings settings;
+    settings.frame = static_cast<float>(view.frame);
+    settings.width = view.camera.width;
+    settings.height = view.camera.height;
+    settings.mode = way.mode;
+    settings.resolve.background = {1, 1, 1, 1};
+    Image image = renderer.render(view.camera, settings);  // warms caches, compiles
+    for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
+        renderer.forget_slice();
+        image = renderer.render(view.camera, settings);
+        const std::vector<PassTime> passes = renderer.pass_times();
+        way.slice_ms.push_back(milliseconds(passes, true));
+        way.rest_ms.push_back(milliseconds(passes, false));
+        if (way.mode != TraceMode::kShaded) continue;
+        add_passes(result.passes, passes);
+        for (const PassTime& pass : passes)
+            if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
+    }
+    return image;
+}
+
+double covered_share(const std::vector<glm::vec4>& rays) {
+    const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
+    return static_cast<double>(seen) / static_cast<double>(rays.size());
+}
+
+Result measure_all(const Device& device, const VOctree& tree, const BenchRenderOptions& options) {
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const PictureSize size = parse_size(options.size);
+    std::vector<ViewStep> path = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    Result result;
+    result.rays = uint64_t{size.width} * size.height;
+    result.ways = {{"the paper's: from the root, all numbers", "paper", TraceMode::kPaper, {}, {}},
+                   {"all numbers, our walk", "direct", TraceMode::kDirect, {}, {}},
+                   {"slice in slots, our walk", "slice", TraceMode::kSlice, {}, {}},
+                   {"slice tree and tile ranges", "tree", TraceMode::kTree, {}, {}},
+                   {"the same, shaded", "shaded", TraceMode::kShaded, {}, {}}};
+    FrameRenderer renderer(device, field, size.width, size.height);
+    Progress progress("bench", options.views * result.ways.size());
+    double squares = 0;
+    for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
+        const ViewStep& view = path[i * path.size() / options.views];
+        Image truth;
+        for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
+            const Image picture = measure(renderer, result.ways[w], view, w < 2 ? 1 : options.repeats, result);
+            if (w == 0) truth = picture;
+            if (w + 1 == result.ways.size()) {
+                const Quality quality = compare(truth, picture);
+                result.mean_difference += quality.mae / options.views;
+                squares += std::pow(10, -quality.psnr / 10) / options.views;
+            }
+            progress.update(i * result.ways.size() + w + 1);
+        }
+        result.covered += covered_share(renderer.radiance(size.width, size.height)) / options.views;
+        measure_host(device, field, renderer, view.camera, options.repeats, result.host);
+    }
+    result.psnr = -10 * std::log10(std::max(squares, 1e-10));
+    return result;
+}
+
+void print(const Result& result, const Device& device, const BenchRenderOptions& options, const VOctree& tree) {
+    const auto rays = static_cast<double>(result.rays);
+    fmt::print("{}: {}, {} leaves, degree {}; {} pixels, {} views, {:.0f} % of the pixels covered\n",
+               device.summary().name, options.scene, tree.leaf_count, tree.hh_degree, options.size, options.views,
+               100 * result.covered);
+    fmt::print("{:<42} {:>9} {:>9} {:>8} {:>7}\n", "", "ms (p50)", "p99", "Mrays/s", "times");
+    const double paper = result.ways[0].seconds(1);
+    const auto line = [&](const std::string& name, double seconds, double p99) {
+        fmt::print("{:<42} {:>9.1f} {:>9.1f} {:>8.2f} {:>7.1f}\n", name, 1000 * seconds, p99, rays / seconds / 1e6,
+                   paper / seconds);
+    };
+    for (const Way& way : result.ways) line(way.name, way.seconds(1), way.p99(1));
+    const Way& shaded = result.ways.back();
+    line("playing at 25 fps on 2 x 90 Hz", shaded.seconds(1 / kViewsPerSlice), shaded.p99(1 / kViewsPerSlice));
+    fmt::print("passes of the shaded picture:");
+    for (const PassSum& pass : result.passes) fmt::print(" {} {:.1f}", pass.name, median(pass.ms));
+    fmt::print(" ms\n");
+    fmt::print("the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
+               std::thread::hardware_concurrency(), median(result.host.ms),
+               median(result.host.ms) / median(result.trace_ms), median(result.trace_ms), result.host.worst_difference);
+    fmt::print("shaded against the paper's: {:.3f}/255 apart in the mean, PSNR {:.1f} dB\n",
+               255 * result.mean_difference, result.psnr);
+}
+
+nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchRenderOptions& options) {
+    auto ways = nlohmann::ordered_json::object();
+    const double paper = result.ways[0].seconds(1);
+    for (const Way& way : result.ways)
+        ways[way.key] = {{"slice_ms", median(way.slice_ms)},
+                         {"rest_ms", median(way.rest_ms)},
+                         {"p99_ms", way.p99(1)},
+                         {"mrays_per_second", static_cast<double>(result.rays) / way.seconds(1) / 1e6},
+                         {"times_paper", paper / way.seconds(1)}};
+    auto passes = nlohmann::ordered_json::object();
+    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
+    const double playing = result.ways.back().seconds(1 / kViewsPerSlice);
+    return {{"device", device.summary().name},
+            {"scene", options.scene},
+            {"size", options.size},
+            {"views", options.views},
+            {"covered", result.covered},
+            {"ways", ways},
+            {"playing", {{"ms", 1000 * playing}, {"times_paper", paper / playing}}},
+            {"shaded_passes_ms", passes},
+            {"host_rays_ms", median(result.host.ms)},
+            {"device_rays_ms", median(result.trace_ms)},
+            {"host_difference", result.host.worst_difference},
+            {"mean_difference_of_255", 255 * result.mean_difference},
+            {"psnr_db", result.psnr}};
+}
+
+void run(const BenchRenderOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    const Result result = measure_all(device, tree, options);
+    if (stop_requested()) return;
+    if (options.json)
+        fmt::print("{}", json_text(json_of(result, device, options)));
+    else
+        print(result, device, options, tree);
+}
+
+}  // namespace
+
+void add_bench_render(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("render", "Pictures of a scene, the paper's way and ours");
+    const auto options = std::make_shared<BenchRenderOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")->check(CLI::Range(1, 100));
+    verb->add_option("--repeats", options->repeats, "Pictures of each view that the medians are over")
+        ->check(CLI::Range(1, 1000));
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(std::string("Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
+                             "time of a picture,\nits slice included, its ratio to the paper's path and what the "
+                             "pictures differ by. ") +
+                 kDeviceHelp + kExamplesHead + "  neuvv bench render build/performer.nvv --views 2");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
