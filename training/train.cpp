@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "training/batch.h"
 #include "training/merge.h"
+#include "training/revive.h"
 #include "training/schedule.h"
 
 namespace neuvv {
@@ -204,6 +205,7 @@ void Run::begin_stage_if_due() {
     LeafUse use = read_use(device_, step_->tally(), tree_);
     if (stage.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, stage.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
+    if (!coarse) revive_holes(tree_);
     make_step();
     run_.adam_step = 0;
     run_.stage_rays = 0;

@@ -1,0 +1,14 @@
+// Holes in a surface: leaves that are empty in a frame although their neighbours are not.
+#pragma once
+
+#include "voctree/voctree.h"
+
+namespace neuvv {
+
+// A leaf that died in a frame gets no gradient there, however much its rays want it back. Gives a little density to each
+// leaf in each frame in which it has none and at least four of the leaves at the middles of its six faces do: the surface
+// goes on around it. Where it is wanted, it grows; else it dies again. Returns how often. Trees whose frames share bases
+// stay as they are.
+size_t revive_holes(VOctree& tree);
+
+}  // namespace neuvv
