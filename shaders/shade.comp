@@ -11,7 +11,7 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(binding = kShadeEntries) uniform utextureBuffer entries;
 layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
 layout(binding = kShadePlaces) uniform utextureBuffer leaf_places;
-layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount count; };
+layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
 layout(push_constant) uniform Push { ShadePush push; };
 #include "sh.glsl"
@@ -25,8 +25,8 @@ vec3 direction_of(uvec2 place) {
 }
 
 void main() {
-    const uint entry = gl_GlobalInvocationID.x;
-    if (entry >= min(count.slots, push.capacity)) return;
+    if (gl_GlobalInvocationID.x >= min(counts[push.slice].slots, push.capacity)) return;
+    const uint entry = push.slice * push.capacity + gl_GlobalInvocationID.x;
     const int first = int(entry * sh_count(kHhDegree));
     const uvec2 words = texelFetch(entries, first).xy;
     const uint leaf = texelFetch(entry_leaf, int(entry)).x;
@@ -38,5 +38,5 @@ void main() {
     }
     const vec3 colour = 1.0 / (1.0 + exp(-raw));  // errata 8
     const uvec2 leaf_words = uvec2((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb));
-    imageStore(shaded, int(entry), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
+    imageStore(shaded, int(gl_GlobalInvocationID.x), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
 }

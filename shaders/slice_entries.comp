@@ -18,7 +18,7 @@ layout(binding = kEntriesCells) uniform utextureBuffer leaf_cells;
 layout(binding = kEntriesNodes) uniform utextureBuffer nodes;
 layout(binding = kEntriesOut, rg32ui) writeonly uniform uimageBuffer entries;
 layout(binding = kEntriesLeaves, r32ui) writeonly uniform uimageBuffer entry_leaf;
-layout(push_constant) uniform Push { SlicePush push; };
+layout(push_constant) uniform Push { SliceEntriesPush push; };
 #include "node.glsl"
 
 float sigma;
@@ -36,7 +36,7 @@ void main() {
     if (slot >= min(live.slots, push.capacity)) return;
     const uint leaf = texelFetch(slot_leaf, int(slot)).x;
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
-    const uvec4 own = texelFetch(nodes, int(cells.x >> 1u));
+    const uvec4 own = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
     const Node node = Node(own.xy, own.xy, own.z, own.w);
     const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
     if (!node_lives(node, bit)) return;  // the node found no room

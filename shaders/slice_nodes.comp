@@ -16,7 +16,7 @@ layout(binding = kNodesLive, std430) buffer NodeLive { uint node_live[]; };
 layout(binding = kNodesOut, rgba32ui) writeonly uniform uimageBuffer nodes;
 layout(binding = kNodesEntries, rg32ui) writeonly uniform uimageBuffer entries;
 layout(binding = kNodesLeaves, r32ui) writeonly uniform uimageBuffer entry_leaf;
-layout(binding = kNodesCount, std430) buffer Count { LiveCount count; };
+layout(binding = kNodesCount, std430) buffer Count { LiveCount counts[]; };
 layout(push_constant) uniform Push { SliceNodesPush push; };
 #include "node.glsl"
 
@@ -49,24 +49,25 @@ void main() {
     const uint place = wanted > 0u ? atomicAdd(group_count, wanted) : 0u;
     barrier();
     if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
-        group_first = atomicAdd(count.slots, group_count);
+        group_first = atomicAdd(counts[push.slice].slots, group_count);
         const uint end = min(group_first + group_count, push.capacity);
-        atomicMax(count.groups_x, (end + kSliceGroup - 1u) / kSliceGroup);
+        atomicMax(counts[push.slice].groups_x, (end + kSliceGroup - 1u) / kSliceGroup);
     }
     barrier();
 
     if (at >= push.nodes) return;
     const uint first = group_first + place;
     if (wanted > 0u && first + wanted > push.capacity) {
-        atomicAdd(count.overflow, wanted);
+        atomicAdd(counts[push.slice].overflow, wanted);
         live = uvec2(0u);
     }
-    imageStore(nodes, int(node), uvec4(live, first, own.w));
+    const uint first_entry = push.slice * push.capacity + first;
+    imageStore(nodes, int(push.node_base + node), uvec4(live, first_entry, own.w));
     if (live == uvec2(0u)) return;
     const uvec2 parent = texelFetch(node_cells, int(node)).xy;
     atomicOr(node_live[parent.x], parent.y);
     const uvec2 inner = live & texelFetch(inner_cells, int(node)).xy;
-    const Node in_tree = Node(live, own.xy, own.z, own.w), in_slice = Node(live, live, first, own.w);
+    const Node in_tree = Node(live, own.xy, own.z, own.w), in_slice = Node(live, live, first_entry, own.w);
     store_child_nodes(in_tree, in_slice, 0u, inner.x);
     store_child_nodes(in_tree, in_slice, 1u, inner.y);
 }

@@ -68,7 +68,7 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
     if (node >= push.nodes) return;
-    const uvec2 leaves = texelFetch(nodes, int(node)).xy & ~texelFetch(inner_cells, int(node)).xy;
+    const uvec2 leaves = texelFetch(nodes, int(push.node_base + node)).xy & ~texelFetch(inner_cells, int(node)).xy;
     if (leaves == uvec2(0u)) return;
     const uvec2 place = texelFetch(node_places, int(node)).xy;
     const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);

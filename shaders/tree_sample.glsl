@@ -11,12 +11,12 @@ uint entry;
 uvec2 entry_words;
 
 Node march_node(uint node) {
-    const uvec4 words = texelFetch(nodes, int(node));
+    const uvec4 words = texelFetch(nodes, int(push.node_base + node));
     return Node(words.xy, words.xy, words.z, words.w);
 }
 
 uint march_child(uint index) {
-    entry = kShaded ? index : index * sh_count(kHhDegree);
+    entry = kShaded ? index - push.entry_base : index * sh_count(kHhDegree);
     entry_words = texelFetch(entries, int(entry)).xy;
     return (entry_words.x & kEntryIsNode) != 0u ? entry_words.y : kLeafBit;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "gpu/commands.h"
+
 namespace neuvv {
 
 double quantile(std::vector<double> values, double p) {
@@ -12,10 +14,23 @@ double quantile(std::vector<double> values, double p) {
     return values[at];
 }
 
+double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
+    Commands commands(device, "copy");
+    commands.begin();
+    {
+        const PassScope scope(commands, "copy");
+        copy(commands, from, to, from.bytes);
+    }
+    commands.submit();
+    commands.wait();
+    return commands.pass_times()[0].milliseconds;
+}
+
 void add_bench(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
     verb->require_subcommand(1);
     add_bench_render(*verb, common);
+    add_bench_slice(*verb, common);
     add_bench_train(*verb, common);
 }
 

@@ -44,7 +44,7 @@ struct Way {
 double milliseconds(const std::vector<PassTime>& passes, bool of_slice) {
     double sum = 0;
     for (const PassTime& pass : passes)
-        if ((pass.name == "slice") == of_slice) sum += pass.milliseconds;
+        if (pass.name.starts_with("slice") == of_slice) sum += pass.milliseconds;
     return sum;
 }
 
@@ -75,13 +75,14 @@ struct Result {
     uint64_t rays = 0;
 };
 
+// The first of the slices that are kept.
 HostSlice host_slice(const Device& device, const Field& field, const TreePath& path) {
     HostSlice slice;
     LiveCount count;
-    download(device, path.tree.count, &count, sizeof(count));
-    std::vector<glm::uvec2> words(std::min(count.slots, path.tree.capacity));
+    download(device, path.trees.counts, &count, sizeof(count));
+    std::vector<glm::uvec2> words(std::min(count.slots, path.trees.capacity));
     slice.nodes.resize(field.node_count());
-    download(device, path.tree.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
+    download(device, path.trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
     download(device, path.shaded, words.data(), words.size() * sizeof(glm::uvec2));
     const auto number = [](uint32_t word, int shift) { return float_from_half(static_cast<uint16_t>(word >> shift)); };
     for (const glm::uvec2 word : words) {
@@ -135,7 +136,7 @@ Image measure(FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t 
     settings.resolve.background = {1, 1, 1, 1};
     Image image = renderer.render(view.camera, settings);  // warms caches, compiles
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        renderer.forget_slice();
+        renderer.forget_slices();
         image = renderer.render(view.camera, settings);
         const std::vector<PassTime> passes = renderer.pass_times();
         way.slice_ms.push_back(milliseconds(passes, true));

@@ -64,20 +64,6 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// How long the device takes to copy the weights once: reads and writes of as many bytes as the optimiser's buffers
-// have.
-double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
-    Commands commands(device, "copy");
-    commands.begin();
-    {
-        const PassScope scope(commands, "copy");
-        copy(commands, from, to, from.bytes);
-    }
-    commands.submit();
-    commands.wait();
-    return commands.pass_times()[0].milliseconds;
-}
-
 BenchTrainResult measure_train(const Device& device, const VOctree& tree, const Dataset& dataset,
                                const BenchTrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());

@@ -156,8 +156,8 @@ void fill(Commands& commands, const Buffer& buffer, uint32_t word) {
     vkCmdFillBuffer(commands.handle(), buffer.buffer, 0, VK_WHOLE_SIZE, word);
 }
 
-void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes) {
-    vkCmdUpdateBuffer(commands.handle(), buffer.buffer, 0, bytes, data);
+void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset) {
+    vkCmdUpdateBuffer(commands.handle(), buffer.buffer, offset, bytes, data);
 }
 
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset,

@@ -81,11 +81,11 @@ void compute_barrier(Commands& commands);
 void host_barrier(Commands& commands);
 
 void fill(Commands& commands, const Buffer& buffer, uint32_t word);
-// Writes a few bytes (a multiple of 4, at most 64 KiB) that travel in the command buffer itself, at the buffer's start.
-void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes);
+// Writes a few bytes (a multiple of 4, at most 64 KiB) that travel in the command buffer itself.
+void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset = 0);
 template <typename T>
-void update(Commands& commands, const Buffer& buffer, const T& value) {
-    update(commands, buffer, &value, sizeof(T));
+void update(Commands& commands, const Buffer& buffer, const T& value, uint64_t offset = 0) {
+    update(commands, buffer, &value, sizeof(T), offset);
 }
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0,
           uint64_t to_offset = 0);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "base/error.h"
@@ -51,18 +52,34 @@ TraceMode play_mode(const Field& field, glm::vec3 eye) {
 SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
     : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
 
-TreePath::TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture)
+TreePath::TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture,
+                   uint32_t entries, uint64_t slice_budget)
     : live(device, field, field.leaf_count),
-      tree(device, field, most_entries(field)),
-      shaded(shaded_entries(device, tree.capacity)),
+      trees(device, field, entries,
+            static_cast<uint32_t>(std::clamp<uint64_t>(slice_budget / slice_bytes(field, entries), 1, field.frames))),
+      shaded(shaded_entries(device, trees.capacity)),
       ranges(device, rays.tile_capacity),
-      slicer(device, field, live, tree),
-      shader(device, field, tree, shaded),
-      ranger(device, field, tree, ranges),
-      unshaded_tracer(device, field, tree, tree.entries, ranges, rays, Shading::kPerRay),
-      shaded_tracer(device, field, tree, shaded, ranges, rays, Shading::kPerLeaf),
+      slicer(device, field, live, trees),
+      shader(device, field, trees, shaded),
+      ranger(device, field, trees, ranges),
+      unshaded_tracer(device, field, trees, trees.entries, ranges, rays, Shading::kPerRay),
+      shaded_tracer(device, field, trees, shaded, ranges, rays, Shading::kPerLeaf),
       resolver(device, rays, picture, &ranges),
-      blank(device, "blank picture", picture.bytes, MemoryKind::kDevice) {}
+      blank(device, "blank picture", picture.bytes, MemoryKind::kDevice),
+      kept(trees.slices),
+      count_readback(device, "entries readback", sizeof(LiveCount), MemoryKind::kReadback) {}
+
+TreePath::Place TreePath::place_of(float frame) {
+    pictures++;
+    auto found = std::find_if(kept.begin(), kept.end(), [frame](const Kept& one) { return one.frame == frame; });
+    const bool built = found != kept.end();
+    if (!built)
+        found = std::min_element(kept.begin(), kept.end(),
+                                 [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
+    *found = {frame, pictures};
+    slice = static_cast<uint32_t>(found - kept.begin());
+    return {slice, built};
+}
 
 DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
     : live(device, field, 1),
@@ -71,6 +88,16 @@ DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch&
       paper(device, field, live, rays, Walk::kFromRoot) {}
 
 namespace {
+
+bool is_of_tree(TraceMode mode) {
+    return mode == TraceMode::kShaded || mode == TraceMode::kTree;
+}
+
+// A part of a clip's leaves live in one of its frames, all those of a still.
+uint32_t likely_entries(const Field& field) {
+    const uint32_t most = most_entries(field);
+    return field.frames == 1 ? most : std::min(most, most / 4 + 4096);
+}
 
 // Settings whose pictures of nothing are the same.
 bool same_blank(const FrameSettings& a, const FrameSettings& b) {
@@ -87,12 +114,13 @@ void record_tree(Commands& commands, FrameRenderer& r, const ShaderCamera& camer
         copy(commands, r.picture_, path.blank, path.blank.bytes);
         path.blank_settings = settings;
     }
-    if (path.frame != settings.frame) record_slice_tree(commands, path.slicer, settings.frame);
-    path.frame = settings.frame;
+    const auto [slice, built] = path.place_of(settings.frame);
+    if (!built) record_slice_tree(commands, path.slicer, slice, settings.frame);
+    copy(commands, path.trees.counts, path.count_readback, sizeof(LiveCount), slice * sizeof(LiveCount));
     const bool shaded = settings.mode == TraceMode::kShaded;
-    if (shaded) record_shade(commands, path.shader, glm::vec3(camera.origin));
-    record_tile_ranges(commands, path.ranger, camera);
-    record_trace_tree(commands, shaded ? path.shaded_tracer : path.unshaded_tracer, r.rays_, settings.stop);
+    if (shaded) record_shade(commands, path.shader, slice, glm::vec3(camera.origin));
+    record_tile_ranges(commands, path.ranger, slice, camera);
+    record_trace_tree(commands, shaded ? path.shaded_tracer : path.unshaded_tracer, slice, r.rays_, settings.stop);
     copy(commands, path.blank, r.picture_, path.blank.bytes);
     compute_barrier(commands);
     record_resolve(commands, path.resolver, settings.width, settings.height, settings.samples, settings.resolve);
@@ -114,16 +142,17 @@ void record_frame(Commands& commands, FrameRenderer& r, const ShaderCamera& came
                           settings.stop);
             break;
     }
-    if (settings.mode != TraceMode::kShaded && settings.mode != TraceMode::kTree)
+    if (!is_of_tree(settings.mode))
         record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
     copy(commands, r.picture_, r.readback_, uint64_t{4} * settings.width * settings.height);
     host_barrier(commands);
 }
 
 FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
-                             uint32_t max_samples)
+                             uint32_t max_samples, uint64_t slice_budget)
     : device_(device),
       field_(field),
+      slice_budget_(slice_budget),
       rays_(device, 1, checked_tiles(device, max_width, max_height, max_samples)),
       picture_(device, "picture", uint64_t{4} * max_width * max_height, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", uint64_t{4} * max_width * max_height, MemoryKind::kReadback),
@@ -134,7 +163,9 @@ void FrameRenderer::prepare(TraceMode mode) {
     switch (mode) {
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            if (!tree_) tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_);
+            if (!tree_)
+                tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_, likely_entries(field_),
+                                                   slice_budget_);
             break;
         case TraceMode::kSlice:
             if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
@@ -146,8 +177,17 @@ void FrameRenderer::prepare(TraceMode mode) {
     }
 }
 
-void FrameRenderer::forget_slice() {
-    if (tree_) tree_->frame.reset();
+// Whether the last picture's slice had more entries than there was room for; then there is more for the next.
+bool FrameRenderer::enlarge_slices() {
+    if (!tree_ || tree_->count_readback.as<LiveCount>()->overflow == 0) return false;
+    const uint32_t entries = std::min(most_entries(field_), 2 * tree_->trees.capacity);
+    tree_.reset();  // before there is another
+    tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_, entries, slice_budget_);
+    return true;
+}
+
+void FrameRenderer::forget_slices() {
+    if (tree_) std::fill(tree_->kept.begin(), tree_->kept.end(), TreePath::Kept{});
 }
 
 Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
@@ -161,10 +201,12 @@ Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings)
     const ShaderCamera seen = shader_camera(enlarged(camera, settings.samples), settings.samples);
     *rays_.cameras.as<ShaderCamera>() = seen;
     std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
-    commands_.begin();
-    record_frame(commands_, *this, seen, settings);
-    commands_.submit();
-    commands_.wait();
+    do {
+        commands_.begin();
+        record_frame(commands_, *this, seen, settings);
+        commands_.submit();
+        commands_.wait();
+    } while (is_of_tree(settings.mode) && enlarge_slices());
     std::memcpy(image.rgba.data(), readback_.mapped, image.rgba.size());
     return image;
 }

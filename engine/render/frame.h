@@ -40,9 +40,18 @@ struct SlotPath {
 };
 
 struct TreePath {
-    TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture);
+    // Room for as many slices of `entries` entries as the budget allows, one at least.
+    TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture, uint32_t entries,
+             uint64_t slice_budget);
+    // Where the slice of a frame is: `built`, or where it shall be, in place of the one that was not asked for for longest.
+    struct Place {
+        uint32_t slice;
+        bool built;
+    };
+    Place place_of(float frame);
+
     LiveLeaves live;
-    SliceTree tree;
+    SliceTrees trees;
     Buffer shaded;
     TileRanges ranges;
     TreeSlicer slicer;
@@ -51,8 +60,15 @@ struct TreePath {
     TreeTracer unshaded_tracer, shaded_tracer;
     Resolver resolver;           // of tiles that see anything; `blank` is what the others show
     Buffer blank;
-    std::optional<float> frame;  // that the tree holds
     std::optional<FrameSettings> blank_settings;
+    struct Kept {
+        std::optional<float> frame;
+        uint64_t asked = 0;  // the last time, in pictures
+    };
+    std::vector<Kept> kept;  // per slice
+    uint64_t pictures = 0;
+    Buffer count_readback;  // LiveCount of the last picture's slice
+    uint32_t slice = 0;     // of the last picture
 };
 
 struct DirectPath {
@@ -62,18 +78,22 @@ struct DirectPath {
     DirectTracer direct, paper;
 };
 
+// Bytes that slices of frames may take on the device, however many frames are shown: those shown last are kept.
+constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
+
 // Everything a frame needs on the device, made once for the largest picture.
 class FrameRenderer {
   public:
     FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
-                  uint32_t max_samples = 1);
+                  uint32_t max_samples = 1, uint64_t slice_budget = kSliceBudget);
 
-    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. A slice tree stays for
-    // the next picture of the same frame. Throws RuntimeFailure for a picture larger than the renderer was made for.
+    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure for a picture larger than the renderer was made for.
     Image render(const Camera& camera, const FrameSettings& settings);
 
-    // The next picture slices anew, as if its frame were another (for measuring).
-    void forget_slice();
+    // The next picture slices anew, as if no frame had been shown yet (for measuring).
+    void forget_slices();
+    // Slices that are kept at most; 0 before the first picture by slice tree.
+    uint32_t slice_capacity() const { return tree_ ? tree_->trees.slices : 0; }
 
     // Rays of the last picture in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.
     std::vector<glm::vec4> radiance(uint32_t width, uint32_t height) const;
@@ -91,8 +111,10 @@ class FrameRenderer {
     friend void record_tree(Commands& commands, FrameRenderer& renderer, const ShaderCamera& camera,
                             const FrameSettings& settings);
     void prepare(TraceMode mode);
+    bool enlarge_slices();
     const Device& device_;
     const Field& field_;
+    uint64_t slice_budget_;
     RayBatch rays_;
     Buffer picture_, readback_;
     std::unique_ptr<SlotPath> slots_;  // each made when first asked for

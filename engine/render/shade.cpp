@@ -9,22 +9,22 @@ Buffer shaded_entries(const Device& device, uint32_t capacity) {
                   VK_FORMAT_R32G32_UINT);
 }
 
-Shader::Shader(const Device& device, const Field& field, const SliceTree& tree, const Buffer& shaded)
+Shader::Shader(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded)
     : field_(field),
-      tree_(tree),
+      trees_(trees),
       pass_(device, "shade", shade_comp, {field.hh_degree}),
-      set_(pass_, {{kShadeEntries, &tree.entries},
-                   {kShadeLeaves, &tree.entry_leaf},
+      set_(pass_, {{kShadeEntries, &trees.entries},
+                   {kShadeLeaves, &trees.entry_leaf},
                    {kShadePlaces, &field.leaf_places},
-                   {kShadeCount, &tree.count},
+                   {kShadeCount, &trees.counts},
                    {kShadeOut, &shaded}}) {}
 
-void record_shade(Commands& commands, const Shader& shader, glm::vec3 eye) {
+void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye) {
     const PassScope scope(commands, "shade");
     const Field& field = shader.field_;
-    dispatch_indirect(commands, shader.pass_, shader.set_, shader.tree_.count, 0,
-                      ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0),
-                                shader.tree_.capacity});
+    dispatch_indirect(commands, shader.pass_, shader.set_, shader.trees_.counts, slice * sizeof(LiveCount),
+                      ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0), slice,
+                                shader.trees_.capacity});
     compute_barrier(commands);
 }
 

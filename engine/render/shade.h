@@ -7,21 +7,21 @@ namespace neuvv {
 
 class Shader {
   public:
-    // All must outlive it. `shaded` has room for the tree's entries (shaded_entries).
-    Shader(const Device& device, const Field& field, const SliceTree& tree, const Buffer& shaded);
+    // All must outlive it. `shaded` has room for the entries of one slice (shaded_entries).
+    Shader(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded);
 
   private:
-    friend void record_shade(Commands& commands, const Shader& shader, glm::vec3 eye);
+    friend void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye);
     const Field& field_;
-    const SliceTree& tree_;
+    const SliceTrees& trees_;
     ComputePass pass_;
     BindingSet set_;
 };
 
-// A buffer for the shaded entries of any slice tree of so many.
+// A buffer for the shaded entries of a slice with room for so many.
 Buffer shaded_entries(const Device& device, uint32_t capacity);
 
 // `eye`: world, metres.
-void record_shade(Commands& commands, const Shader& shader, glm::vec3 eye);
+void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye);
 
 }  // namespace neuvv

@@ -7,37 +7,43 @@
 
 namespace neuvv {
 
-struct SliceTree {
-    // Room for `capacity` entries: one for each live leaf and each live node but the root. A node that finds none is dead,
-    // and its cells are counted in LiveCount::overflow.
-    SliceTree(const Device& device, const Field& field, uint32_t entry_capacity);
+// Slices of one field behind each other.
+struct SliceTrees {
+    // Room for `capacity` entries a slice: one for each live leaf and each live node but the root. A node that finds none is
+    // dead, and its cells are counted in LiveCount::overflow.
+    SliceTrees(const Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices);
 
-    uint32_t capacity;
-    Buffer nodes;       // per node of the field: live cells, first entry, wide octants
+    uint32_t capacity, slices, node_count;
+    Buffer nodes;       // per slice and node of the field: live cells, first entry, wide octants
     Buffer entries;     // σ and SH, fp16
     Buffer entry_leaf;  // per entry its leaf, or kNoLeaf
-    Buffer count;       // LiveCount of entries
+    Buffer counts;      // per slice LiveCount of entries
+
+    uint32_t node_base(uint32_t slice) const { return slice * node_count; }
+    uint32_t entry_base(uint32_t slice) const { return slice * capacity; }
 };
 
-// Entries that no slice of the field exceeds.
+// Entries that no slice of the field exceeds, and the bytes of a slice with room for so many.
 uint32_t most_entries(const Field& field);
+uint64_t slice_bytes(const Field& field, uint32_t entries);
 
 class TreeSlicer {
   public:
-    // Field, live leaves (scratch) and tree must outlive it.
-    TreeSlicer(const Device& device, const Field& field, const LiveLeaves& live, const SliceTree& tree);
+    // Field, live leaves (scratch) and trees must outlive it.
+    TreeSlicer(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
 
   private:
-    friend void record_slice_tree(Commands& commands, const TreeSlicer& slicer, float frame);
+    friend void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice);
+    friend void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
     const Field& field_;
     const LiveLeaves& live_;
-    const SliceTree& tree_;
+    const SliceTrees& trees_;
     LiveFinder finder_;
     ComputePass nodes_, entries_;
     BindingSet nodes_set_, entries_set_;
 };
 
-// Frame 0..frames−1, fractions interpolate (errata 9).
-void record_slice_tree(Commands& commands, const TreeSlicer& slicer, float frame);
+// `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9).
+void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
 
 }  // namespace neuvv

@@ -16,7 +16,7 @@ uint64_t list_bytes(uint32_t tiles) {
     return uint64_t{4} * tiles + uint64_t{4} * kListRow;
 }
 
-TileRangePush range_push(const Field& field, const ShaderCamera& camera) {
+TileRangePush range_push(const Field& field, const ShaderCamera& camera, uint32_t node_base) {
     // A place p is seen by the pixel (x, y) with p − eye = z (corner + x·right + y·down).
     const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
     const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
@@ -30,7 +30,8 @@ TileRangePush range_push(const Field& field, const ShaderCamera& camera) {
             field.node_count(),
             tiles(camera.right.w),
             tiles(camera.down.w),
-            static_cast<uint32_t>(camera.corner.w)};
+            static_cast<uint32_t>(camera.corner.w),
+            node_base};
 }
 
 }  // namespace
@@ -42,12 +43,13 @@ TileRanges::TileRanges(const Device& device, uint32_t tiles)
       picture_list(device, "picture's tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       picture_count(device, "count of the picture's tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
 
-TileRanger::TileRanger(const Device& device, const Field& field, const SliceTree& tree, const TileRanges& ranges)
+TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees& trees, const TileRanges& ranges)
     : field_(field),
+      trees_(trees),
       ranges_(ranges),
       range_(device, "tile ranges", tile_range_comp),
       list_(device, "tile list", tile_list_comp),
-      range_set_(range_, {{kRangeNodes, &tree.nodes},
+      range_set_(range_, {{kRangeNodes, &trees.nodes},
                           {kRangeInner, &field.inner_cells},
                           {kRangePlaces, &field.node_places},
                           {kRangeTiles, &ranges.ranges}}),
@@ -57,9 +59,9 @@ TileRanger::TileRanger(const Device& device, const Field& field, const SliceTree
                         {kRangePictures, &ranges.picture_list},
                         {kRangePictureCount, &ranges.picture_count}}) {}
 
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, const ShaderCamera& camera) {
+void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, const ShaderCamera& camera) {
     const PassScope scope(commands, "tile ranges");
-    const TileRangePush push = range_push(ranger.field_, camera);
+    const TileRangePush push = range_push(ranger.field_, camera, ranger.trees_.node_base(slice));
     fill(commands, ranger.ranges_.ranges, 0xffffffff);
     for (const Buffer* list : {&ranger.ranges_.list, &ranger.ranges_.picture_list}) fill(commands, *list, kNoTile);
     for (const Buffer* count : {&ranger.ranges_.count, &ranger.ranges_.picture_count})

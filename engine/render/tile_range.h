@@ -17,17 +17,19 @@ struct TileRanges {
 
 class TileRanger {
   public:
-    TileRanger(const Device& device, const Field& field, const SliceTree& tree, const TileRanges& ranges);
+    TileRanger(const Device& device, const Field& field, const SliceTrees& trees, const TileRanges& ranges);
 
   private:
-    friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, const ShaderCamera& camera);
+    friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice,
+                                   const ShaderCamera& camera);
     const Field& field_;
+    const SliceTrees& trees_;
     const TileRanges& ranges_;
     ComputePass range_, list_;
     BindingSet range_set_, list_set_;
 };
 
 // `camera` is that of the tiles, which cover its picture row by row (tiles_of_picture).
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, const ShaderCamera& camera);
+void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, const ShaderCamera& camera);
 
 }  // namespace neuvv

@@ -4,14 +4,15 @@
 
 namespace neuvv {
 
-TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree& tree, const Buffer& entries,
+TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
                        const TileRanges& ranges, const RayBatch& rays, Shading shading)
     : field_(field),
+      trees_(trees),
       ranges_(ranges),
       pass_(device, "trace tree", trace_tree_comp,
             {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u}),
       set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &tree.nodes},
+                   {kTraceNodes, &trees.nodes},
                    {kTraceEntries, &entries},
                    {kTraceCameras, &rays.cameras},
                    {kTraceTiles, &rays.tiles},
@@ -27,10 +28,14 @@ void record_clear(Commands& commands, const RayBatch& rays) {
     compute_barrier(commands);
 }
 
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, const RayBatch& rays, float stop) {
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays,
+                       float stop) {
     const PassScope scope(commands, "trace");
     record_clear(commands, rays);
-    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.ranges_.count, 0, trace_push(tracer.field_, stop));
+    TracePush push = trace_push(tracer.field_, stop);
+    push.node_base = tracer.trees_.node_base(slice);
+    push.entry_base = tracer.trees_.entry_base(slice);
+    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.ranges_.count, 0, push);
     compute_barrier(commands);
 }
 

@@ -5,6 +5,9 @@
 // each SH function; shaded, it is the first of these alone, with the colour in place of the coefficients:
 //   word 0: σ (1/m) | R << 16, word 1: G | B << 16;  of the functions after the first σ is 0.
 // That of a child node has the sign of σ set, and the node in word 1.
+//
+// Several slices lie behind each other in the same buffers, each with room for as many nodes and entries. Nodes count from
+// their slice's first (node_base), entries from the first of all, shaded ones from their slice's first (entry_base).
 #ifndef NEUVV_SHARED_SLICE_TREE_H
 #define NEUVV_SHARED_SLICE_TREE_H
 #include "shared/slice.h"
@@ -26,12 +29,14 @@ CONSTEXPR uint kNodesLive = 4u;    // per node: mask of live cells, those of fin
 CONSTEXPR uint kNodesOut = 5u;
 CONSTEXPR uint kNodesEntries = 6u;
 CONSTEXPR uint kNodesLeaves = 7u;  // per entry: its leaf, or kNoLeaf
-CONSTEXPR uint kNodesCount = 8u;   // a LiveCount of entries
+CONSTEXPR uint kNodesCount = 8u;   // per slice: a LiveCount of entries
 
 struct SliceNodesPush {
     uint first_node;  // of the level
     uint nodes;
-    uint capacity;  // entries
+    uint slice;
+    uint capacity;   // entries of a slice
+    uint node_base;  // of the slice
 };
 
 // slice_entries.comp: the bindings of slice_colour.comp but for kSliceSh, and
@@ -40,18 +45,25 @@ CONSTEXPR uint kEntriesNodes = 7u;
 CONSTEXPR uint kEntriesOut = 8u;
 CONSTEXPR uint kEntriesLeaves = 9u;
 
+struct SliceEntriesPush {
+    uint leaf_count;
+    uint capacity;  // slots of live leaves
+    uint node_base;
+};
+
 // shade.comp
 CONSTEXPR uint kShadeEntries = 0u;
 CONSTEXPR uint kShadeLeaves = 1u;
 CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_places
-CONSTEXPR uint kShadeCount = 3u;
+CONSTEXPR uint kShadeCount = 3u;  // as kNodesCount
 CONSTEXPR uint kShadeOut = 4u;
 
 struct ShadePush {
     vec4 eye;       // world, metres
     vec4 box_min;   // metres
     vec4 box_size;  // metres
-    uint capacity;  // entries
+    uint slice;
+    uint capacity;  // entries of a slice
 };
 
 // tile_range.comp and tile_list.comp
@@ -77,13 +89,14 @@ struct TileRangePush {
     uint tiles_across;  // of rays
     uint tiles_down;
     uint samples;  // tiles of rays in one of the picture, along each side
+    uint node_base;
 };
 
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::SliceNodesPush) == 12);
-static_assert(sizeof(neuvv::ShadePush) == 52);
-static_assert(sizeof(neuvv::TileRangePush) == 112);
+static_assert(sizeof(neuvv::SliceNodesPush) == 20);
+static_assert(sizeof(neuvv::ShadePush) == 56);
+static_assert(sizeof(neuvv::TileRangePush) == 116);
 #endif
 #endif

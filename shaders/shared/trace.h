@@ -48,7 +48,9 @@ struct TracePush {
     vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
     vec4 box_size;  // metres
     TopBox top;
-    uint leaf_count;
+    uint leaf_count;  // direct.comp
+    uint node_base;   // trace_tree.comp
+    uint entry_base;
 };
 
 NEUVV_SHARED_END
@@ -56,6 +58,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 64);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 44);
+static_assert(sizeof(neuvv::TracePush) == 52);
 #endif
 #endif

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -358,6 +359,47 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
         EXPECT_NE(picture, last);
         last = picture;
     }
+}
+
+bool has_sliced(const FrameRenderer& renderer) {
+    const std::vector<PassTime> passes = renderer.pass_times();
+    return std::any_of(passes.begin(), passes.end(), [](const PassTime& pass) { return pass.name.starts_with("slice"); });
+}
+
+TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
+    const VOctree tree = random_tree({.seed = 9, .node_levels = 2, .leaves = 900, .frames = 6});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const Camera camera = views(tree)[0].camera;
+    const auto render = [&](FrameRenderer& renderer, float frame) {
+        return renderer.render(camera, {.frame = frame, .width = kWidth, .height = kHeight}).rgba;
+    };
+    const uint64_t one = slice_bytes(field, most_entries(field));
+    for (const uint32_t slices : {0u, 1u, 2u, 3u}) {
+        FrameRenderer renderer(device(), field, kWidth, kHeight, 1, slices * one);
+        FrameRenderer reference(device(), field, kWidth, kHeight, 1, 0);
+        std::vector<float> kept;  // the frames of the slices, those shown last in front
+        for (const float frame : {0.0f, 1.0f, 0.0f, 2.5f, 0.0f, 1.0f, 2.5f, 2.5f, 5.0f, 1.0f, 0.0f}) {
+            EXPECT_EQ(render(renderer, frame), render(reference, frame)) << slices << " slices, frame " << frame;
+            const auto found = std::find(kept.begin(), kept.end(), frame);
+            EXPECT_EQ(has_sliced(renderer), found == kept.end()) << slices << " slices, frame " << frame;
+            if (found != kept.end()) kept.erase(found);
+            kept.insert(kept.begin(), frame);
+            kept.resize(std::min<size_t>(kept.size(), std::max(slices, 1u)));
+        }
+        EXPECT_EQ(renderer.slice_capacity(), std::max(slices, 1u));
+    }
+}
+
+// Room is made for a quarter of a clip's leaves at first.
+TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
+    VOctree tree = random_tree({.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3});
+    for (float& row : tree.sigma_basis) row = std::abs(row) + 0.01f;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    ASSERT_GT(field.leaf_count, most_entries(field) / 4 + 4096);
+    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    expect_agreement(tree, views(tree)[0], renderer, 1.3f);
 }
 
 TEST_F(FrameTest, ARendererRefusesLargerPictures) {

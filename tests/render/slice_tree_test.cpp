@@ -24,7 +24,8 @@ struct HostTree {
     LiveCount count;
 };
 
-HostTree download_tree(const Device& device, const Field& field, const SliceTree& tree) {
+// The first of the trees.
+HostTree download_tree(const Device& device, const Field& field, const SliceTrees& tree) {
     HostTree host;
     host.nodes.resize(field.node_count());
     host.entries.resize(size_t{tree.capacity} * sh_count(field.hh_degree));
@@ -32,7 +33,7 @@ HostTree download_tree(const Device& device, const Field& field, const SliceTree
     download(device, tree.nodes, host.nodes.data(), host.nodes.size() * sizeof(glm::uvec4));
     download(device, tree.entries, host.entries.data(), host.entries.size() * sizeof(glm::uvec2));
     download(device, tree.entry_leaf, host.leaves.data(), host.leaves.size() * sizeof(uint32_t));
-    download(device, tree.count, &host.count, sizeof(LiveCount));
+    download(device, tree.counts, &host.count, sizeof(LiveCount));
     return host;
 }
 
@@ -103,10 +104,10 @@ TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
                                           .hh_degree = degree});
         const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
         const LiveLeaves live(device(), field, field.leaf_count);
-        const SliceTree sliced(device(), field, most_entries(field));
+        const SliceTrees sliced(device(), field, most_entries(field), 1);
         const TreeSlicer slicer(device(), field, live, sliced);
         for (const float frame : {0.0f, 2.5f, 4.0f}) {
-            run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, frame); });
+            run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 0, frame); });
             const HostTree host = download_tree(device(), field, sliced);
             const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, frame);
             TreeCheck check{host, tree, truth};
@@ -129,9 +130,9 @@ TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
     const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 900, .hh_degree = 1});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
     const LiveLeaves live(device(), field, field.leaf_count);
-    const SliceTree sliced(device(), field, 100);
+    const SliceTrees sliced(device(), field, 100, 1);
     const TreeSlicer slicer(device(), field, live, sliced);
-    run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 1); });
+    run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 0, 1); });
     const HostTree host = download_tree(device(), field, sliced);
     EXPECT_GT(host.count.overflow, 0u);
     EXPECT_GT(host.count.slots, 100u);
@@ -156,7 +157,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
     const LiveLeaves live(device(), field, field.leaf_count);
-    const SliceTree sliced(device(), field, most_entries(field));
+    const SliceTrees sliced(device(), field, most_entries(field), 1);
     const TreeSlicer slicer(device(), field, live, sliced);
     const TileRanges ranges(device(), kAcross * kDown);
     const TileRanger ranger(device(), field, sliced, ranges);
@@ -174,8 +175,8 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
                                           View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false},
                                           View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false}}) {
         run_once(device(), "ranges", [&](Commands& commands) {
-            record_slice_tree(commands, slicer, 1);
-            record_tile_ranges(commands, ranger, shader_camera(camera));
+            record_slice_tree(commands, slicer, 0, 1);
+            record_tile_ranges(commands, ranger, 0, shader_camera(camera));
         });
         std::vector<glm::uvec2> words(kAcross * kDown);
         LiveCount count;

@@ -261,6 +261,19 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
 }
 
+TEST_F(CliGpu, BenchSliceTimesEachPass) {
+    const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"density", "nodes", "entries", "slots", "GB/s", "live in a frame"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv({"bench", "slice", scene, "--frames", "3", "--json"}).out);
+    EXPECT_GT(json["live_leaves"], 1.0);
+    EXPECT_LE(json["live_leaves"], json["leaves"]);
+    EXPECT_GT(json["slice_ms"], 0.0);
+    EXPECT_GT(json["copy_gb_s"], 0.0);
+    expect_refused({"bench", "slice", scene, "--frames", "0"}, 2, {"--frames"});
+}
+
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     {
         const Device device;

@@ -1,0 +1,135 @@
+// neuvv bench slice: how long a frame's slice takes, pass by pass, and the share of the device's bandwidth it reaches.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "render/slice_tree.h"
+#include "tools/bench.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchSliceOptions {
+    std::string scene;
+    uint32_t frames = 12, repeats = 3;
+    bool json = false;
+};
+
+struct SliceTimes {
+    std::vector<double> density, nodes, entries, whole, slots;  // ms
+    std::vector<double> live, entry_count, copy_gb_s;
+};
+
+// Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of every
+// live leaf, its w^γ and w^HH; its SH and leaf.
+double density_bytes(const Field& field) {
+    return field.leaf_count * (8.0 * field.busy_planes + 8);
+}
+double entry_bytes(const Field& field, double live) {
+    const double read = 4 + 8 + 8 + 16 + 8.0 * (field.busy_planes + hh_count(field.hh_degree));
+    return live * (read + 4.0 * kEntryWords * sh_count(field.hh_degree) + 4);
+}
+
+SliceTimes measure(const Device& device, const Field& field, const BenchSliceOptions& options) {
+    const LiveLeaves live(device, field, field.leaf_count);
+    const SliceTrees trees(device, field, most_entries(field), 1);
+    const TreeSlicer slicer(device, field, live, trees);
+    const Slice slots(device, field, field.leaf_count);
+    const Slicer slot_slicer(device, field, slots);
+    const Buffer target(device, "copy", field.weights.bytes, MemoryKind::kDevice);
+    Commands commands(device, "slice");
+    SliceTimes times;
+    Progress progress("bench", options.frames * options.repeats);
+    for (uint32_t i = 0; i <= options.frames * options.repeats && !stop_requested(); i++) {
+        const uint32_t step = (i + options.frames - 1) % options.frames;
+        const float frame = static_cast<float>(field.frames - 1) * static_cast<float>(step) /
+                            static_cast<float>(std::max(options.frames, 2u) - 1);
+        commands.begin();
+        record_slice_tree(commands, slicer, 0, frame);
+        record_slice(commands, slot_slicer, frame);
+        commands.submit();
+        commands.wait();
+        const double copied = copy_milliseconds(device, field.weights, target);
+        if (i == 0) continue;  // warms caches
+        const std::vector<PassTime> passes = commands.pass_times();
+        times.density.push_back(passes[0].milliseconds);
+        times.nodes.push_back(passes[1].milliseconds);
+        times.entries.push_back(passes[2].milliseconds);
+        times.whole.push_back(passes[0].milliseconds + passes[1].milliseconds + passes[2].milliseconds);
+        times.slots.push_back(passes[3].milliseconds);
+        times.copy_gb_s.push_back(2e-6 * static_cast<double>(field.weights.bytes) / copied);
+        LiveCount count;
+        download(device, live.live, &count, sizeof(count));
+        times.live.push_back(count.slots);
+        download(device, trees.counts, &count, sizeof(count));
+        times.entry_count.push_back(count.slots);
+        progress.update(i);
+    }
+    return times;
+}
+
+void run(const BenchSliceOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const SliceTimes times = measure(device, field, options);
+    if (times.whole.empty()) return;
+    const double live = median(times.live), copied = median(times.copy_gb_s);
+    const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
+    const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
+    if (options.json) {
+        fmt::print("{}", json_text({{"device", device.summary().name},
+                                    {"scene", options.scene},
+                                    {"leaves", field.leaf_count},
+                                    {"live_leaves", live},
+                                    {"slice_bytes", slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
+                                    {"density_ms", median(times.density)},
+                                    {"nodes_ms", median(times.nodes)},
+                                    {"entries_ms", median(times.entries)},
+                                    {"slice_ms", median(times.whole)},
+                                    {"slice_p99_ms", quantile(times.whole, 0.99)},
+                                    {"slots_ms", median(times.slots)},
+                                    {"density_gb_s", density_rate},
+                                    {"entries_gb_s", entry_rate},
+                                    {"copy_gb_s", copied}}));
+        return;
+    }
+    fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name, options.scene,
+               field.leaf_count, live,
+               size_text(slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
+    const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
+        fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
+        if (rate > 0) fmt::print(" {:>7.1f} GB/s, {:.0f} % of a copy's", rate, 100 * rate / copied);
+        fmt::print("\n");
+    };
+    fmt::print("{:<34} {:>9} {:>9}\n", "", "p50", "p99");
+    line("density of every leaf", times.density, density_rate);
+    line("nodes", times.nodes, 0);
+    line("entries of live leaves", times.entries, entry_rate);
+    line("a slice tree", times.whole, 0);
+    line("a slice in slots, as training has it", times.slots, 0);
+}
+
+}  // namespace
+
+void add_bench_slice(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("slice", "A frame's slice, pass by pass");
+    const auto options = std::make_shared<BenchSliceOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--frames", options->frames, "Instants, spread over the clip")->check(CLI::Range(1, 10000));
+    verb->add_option("--repeats", options->repeats, "Slices of each instant")->check(CLI::Range(1, 1000));
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "
+                             "has. ") +
+                 kDeviceHelp + kExamplesHead + "  neuvv bench slice build/performer.nvv");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
