@@ -60,18 +60,20 @@ size_t revive_holes(VOctree& tree) {
     const std::vector<LeafPlace> places = leaf_places(tree);
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
+        size_t found = 0;
         for (size_t leaf = begin; leaf < end; leaf++) {
             const std::array<uint32_t, 6> around = neighbours(tree, places[leaf]);
             const float sigma = kRevivedDepth * static_cast<float>(1u << places[leaf].depth) / tree.box_size.x;
             for (size_t word = 0; word < words; word++) {
                 uint32_t holes = four_of(around, live, words, word) & ~live[leaf * words + word];
-                revived += static_cast<size_t>(std::popcount(holes));
+                found += static_cast<size_t>(std::popcount(holes));
                 for (; holes; holes &= holes - 1) {
                     const auto t = static_cast<uint32_t>(32 * word + static_cast<size_t>(std::countr_zero(holes)));
                     tree.leaf(static_cast<uint32_t>(leaf))[t] = sigma / tree.sigma_basis[size_t{t} * tree.bases + t];
                 }
             }
         }
+        revived += found;
     });
     return revived;
 }

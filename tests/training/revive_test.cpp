@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "training/bases.h"
 
@@ -48,6 +48,17 @@ TEST(Revive, WhereFewNeighboursLiveALeafStaysDead) {
     const std::vector<float> before = tree.weights;
     EXPECT_EQ(revive_holes(tree), 0u);
     EXPECT_EQ(tree.weights, before);
+}
+
+// What revives counts for its neighbours at the next call only; a density of exactly 0 is none.
+TEST(Revive, LeavesThatReviveDoNotReviveOthers) {
+    VOctree tree = sheet(4);
+    tree.leaf(5)[3] = 0;      // inside: its neighbours 1, 4, 9 live, 6 does not
+    tree.leaf(6)[3] = kDead;  // inside: 2, 7, 10 live, 5 does not
+    EXPECT_EQ(revive_holes(tree), 0u);
+    tree.leaf(6)[3] = kLive;
+    EXPECT_EQ(revive_holes(tree), 1u);
+    EXPECT_GT(tree.leaf(5)[3], 0);
 }
 
 TEST(Revive, ALargerLeafIsANeighbourOfSmallerOnes) {
