@@ -12,8 +12,9 @@
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
-// and three per node level below the top grid. Expects binding `tree_top`, `push.top` (a TopBox), and the constants kNodeLevels, kTopLevels and kRestart: true
-// makes the walk the paper's, which keeps nothing and descends from the root to every cell (the reference for speed).
+// and three per node level below the top grid. Expects binding `tree_top`, `push.top` (a TopBox), and the constants
+// kNodeLevels, kTopLevels and kRestart: true makes the walk the paper's, which keeps nothing and descends from the root to
+// every cell (the reference for speed).
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 
@@ -43,8 +44,8 @@ struct MarchSegment {
 
 const int kTopShift = int(2u * (kNodeLevels - kTopLevels));  // log2 of the side of the grid's cells, in finest cells
 
-uvec3 top_low() { return uvec3(push.top.low_last.x) >> uvec3(0u, 10u, 20u) & 1023u; }
-uvec3 top_size() { return (uvec3(push.top.low_last.y) >> uvec3(0u, 10u, 20u) & 1023u) + 1u - top_low(); }
+uvec3 top_low() { return uvec3(push.top.first) >> uvec3(0u, 10u, 20u) & 1023u; }
+uvec3 top_size() { return (uvec3(push.top.last) >> uvec3(0u, 10u, 20u) & 1023u) + 1u - top_low(); }
 
 // Slab test against the box of all leaves. Empty (x > y) where the ray misses it or it lies behind.
 vec2 march_range(March march) {

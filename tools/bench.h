@@ -16,6 +16,8 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common);
 double quantile(std::vector<double> values, double p);
 // How long the device takes to copy all of a buffer to another: the measure of what its memory gives.
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to);
-inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+inline double median(std::vector<double> values) {
+    return quantile(std::move(values), 0.5);
+}
 
 }  // namespace neuvv

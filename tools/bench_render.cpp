@@ -62,7 +62,7 @@ void add_passes(std::vector<PassSum>& sums, const std::vector<PassTime>& passes)
 }
 
 struct HostTimes {
-    std::vector<double> ms;  // the rays alone
+    std::vector<double> ms;       // the rays alone
     double worst_difference = 0;  // from the device's rays, of alpha and colour
 };
 
@@ -70,7 +70,7 @@ struct Result {
     std::vector<Way> ways;
     std::vector<PassSum> passes;  // of the shaded way
     HostTimes host;
-    std::vector<double> trace_ms;  // the device's rays, as the host's
+    std::vector<double> trace_ms;                       // the device's rays, as the host's
     double covered = 0, mean_difference = 0, psnr = 0;  // pictures: shaded against the paper's
     uint64_t rays = 0;
 };
@@ -172,7 +172,8 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
         const ViewStep& view = path[i * path.size() / options.views];
         Image truth;
         for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
-            const Image picture = measure(renderer, result.ways[w], view, w < 2 ? 1 : options.repeats, result);
+            const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
+            const Image picture = measure(renderer, result.ways[w], view, repeats, result);
             if (w == 0) truth = picture;
             if (w + 1 == result.ways.size()) {
                 const Quality quality = compare(truth, picture);
@@ -205,9 +206,10 @@ void print(const Result& result, const Device& device, const BenchRenderOptions&
     fmt::print("passes of the shaded picture:");
     for (const PassSum& pass : result.passes) fmt::print(" {} {:.1f}", pass.name, median(pass.ms));
     fmt::print(" ms\n");
-    fmt::print("the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
-               std::thread::hardware_concurrency(), median(result.host.ms),
-               median(result.host.ms) / median(result.trace_ms), median(result.trace_ms), result.host.worst_difference);
+    fmt::print(
+        "the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
+        std::thread::hardware_concurrency(), median(result.host.ms), median(result.host.ms) / median(result.trace_ms),
+        median(result.trace_ms), result.host.worst_difference);
     fmt::print("shaded against the paper's: {:.3f}/255 apart in the mean, PSNR {:.1f} dB\n",
                255 * result.mean_difference, result.psnr);
 }

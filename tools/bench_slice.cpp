@@ -26,8 +26,8 @@ struct SliceTimes {
     std::vector<double> live, entry_count, copy_gb_s;
 };
 
-// Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of every
-// live leaf, its w^γ and w^HH; its SH and leaf.
+// Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of
+// every live leaf, its w^γ and w^HH; its SH and leaf.
 double density_bytes(const Field& field) {
     return field.leaf_count * (8.0 * field.busy_planes + 8);
 }
@@ -85,24 +85,25 @@ void run(const BenchSliceOptions& options, const CommonOptions& common) {
     const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
     const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
     if (options.json) {
-        fmt::print("{}", json_text({{"device", device.summary().name},
-                                    {"scene", options.scene},
-                                    {"leaves", field.leaf_count},
-                                    {"live_leaves", live},
-                                    {"slice_bytes", slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
-                                    {"density_ms", median(times.density)},
-                                    {"nodes_ms", median(times.nodes)},
-                                    {"entries_ms", median(times.entries)},
-                                    {"slice_ms", median(times.whole)},
-                                    {"slice_p99_ms", quantile(times.whole, 0.99)},
-                                    {"slots_ms", median(times.slots)},
-                                    {"density_gb_s", density_rate},
-                                    {"entries_gb_s", entry_rate},
-                                    {"copy_gb_s", copied}}));
+        fmt::print("{}",
+                   json_text({{"device", device.summary().name},
+                              {"scene", options.scene},
+                              {"leaves", field.leaf_count},
+                              {"live_leaves", live},
+                              {"slice_bytes", slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
+                              {"density_ms", median(times.density)},
+                              {"nodes_ms", median(times.nodes)},
+                              {"entries_ms", median(times.entries)},
+                              {"slice_ms", median(times.whole)},
+                              {"slice_p99_ms", quantile(times.whole, 0.99)},
+                              {"slots_ms", median(times.slots)},
+                              {"density_gb_s", density_rate},
+                              {"entries_gb_s", entry_rate},
+                              {"copy_gb_s", copied}}));
         return;
     }
-    fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name, options.scene,
-               field.leaf_count, live,
+    fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name,
+               options.scene, field.leaf_count, live,
                size_text(slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
     const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
         fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
@@ -126,9 +127,10 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common) {
     verb->add_option("--frames", options->frames, "Instants, spread over the clip")->check(CLI::Range(1, 10000));
     verb->add_option("--repeats", options->repeats, "Slices of each instant")->check(CLI::Range(1, 1000));
     verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "
-                             "has. ") +
-                 kDeviceHelp + kExamplesHead + "  neuvv bench slice build/performer.nvv");
+    verb->footer(
+        std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "
+                    "has. ") +
+        kDeviceHelp + kExamplesHead + "  neuvv bench slice build/performer.nvv");
     verb->callback([options, &common] { run(*options, common); });
 }
 

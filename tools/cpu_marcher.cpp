@@ -66,8 +66,7 @@ class Marcher {
 
     size_t entry_of(uint64_t live, uint32_t bit) const {
         uint64_t runs = live;
-        for (uint32_t wide = wide_; wide; wide &= wide - 1)
-            runs &= ~(uint64_t{0xfe} << (8 * std::countr_zero(wide)));
+        for (uint32_t wide = wide_; wide; wide &= wide - 1) runs &= ~(uint64_t{0xfe} << (8 * std::countr_zero(wide)));
         if (wide_ >> (bit >> 3) & 1) bit &= 56;
         return first_ + static_cast<size_t>(std::popcount(runs & ((uint64_t{1} << bit) - 1)));
     }
@@ -132,8 +131,7 @@ std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRange
                 if (!(range.x < range.y)) continue;
                 const glm::vec3 line{(x + 0.5 - camera.cx) / camera.fx,
                                      (camera.cy - static_cast<double>(row) - 0.5) / camera.fy, -1};
-                rays[row * camera.width + x] =
-                    Marcher(slice, eye, glm::normalize(rotation * line), range).trace(stop);
+                rays[row * camera.width + x] = Marcher(slice, eye, glm::normalize(rotation * line), range).trace(stop);
             }
     });
     return rays;

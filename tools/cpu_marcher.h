@@ -11,8 +11,8 @@ namespace neuvv {
 // A shaded slice tree on the host (shared/slice_tree.h).
 struct HostSlice {
     struct Entry {
-        float sigma = 0;      // 1/m
-        glm::vec3 colour{0};  // linear RGB
+        float sigma = 0;             // 1/m
+        glm::vec3 colour{0};         // linear RGB
         uint32_t node = UINT32_MAX;  // of a child node's entry
     };
     std::vector<glm::uvec4> nodes;

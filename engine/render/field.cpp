@@ -93,7 +93,7 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
     field.node_levels = walk.node_levels;
     field.top_levels = walk.top_levels;
     const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
-    field.top_box = {{packed(walk.top_low), packed(walk.top_last)}};
+    field.top_box = {packed(walk.top_low), packed(walk.top_last)};
     const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(walk.top_levels));
     field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
     field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;

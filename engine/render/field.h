@@ -11,9 +11,9 @@ enum class WeightPrecision { kHalf, kFloat };  // shaders read either; training 
 
 struct Field {
     Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
-    Buffer leaf_cells, node_cells;    // per leaf and node: word of LiveLeaves::node_live and its bits there
-    Buffer leaf_places, node_places;  // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
-    Buffer inner_cells;               // per node: mask of the cells that are nodes
+    Buffer leaf_cells, node_cells;      // per leaf and node: word of LiveLeaves::node_live and its bits there
+    Buffer leaf_places, node_places;    // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
+    Buffer inner_cells;                 // per node: mask of the cells that are nodes
     std::vector<uint32_t> level_begin;  // first node of each level; at the end the number of nodes
     glm::vec3 box_min{0}, box_size{1};
     uint32_t node_levels = 1, top_levels = 0;  // of the walk tree, whose box this is

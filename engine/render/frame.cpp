@@ -43,10 +43,11 @@ std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint3
 }  // namespace
 
 TraceMode play_mode(const Field& field, glm::vec3 eye) {
-    // Colours of degree 1 to 3 turn by some 0.1 to 0.3 a radian, to either side of the leaf's middle.
+    // Half a leaf as seen from the eye, in radians. Functions of degree n turn n times as fast as those of degree 1.
     constexpr float kSmallAngle = 0.02f;
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-    return 0.5f * field.leaf_diagonal < kSmallAngle * glm::length(outside) ? TraceMode::kShaded : TraceMode::kTree;
+    const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
+    return half_leaf < kSmallAngle * glm::length(outside) ? TraceMode::kShaded : TraceMode::kTree;
 }
 
 SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
@@ -74,11 +75,10 @@ TreePath::Place TreePath::place_of(float frame) {
     auto found = std::find_if(kept.begin(), kept.end(), [frame](const Kept& one) { return one.frame == frame; });
     const bool built = found != kept.end();
     if (!built)
-        found = std::min_element(kept.begin(), kept.end(),
-                                 [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
+        found =
+            std::min_element(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
     *found = {frame, pictures};
-    slice = static_cast<uint32_t>(found - kept.begin());
-    return {slice, built};
+    return {static_cast<uint32_t>(found - kept.begin()), built};
 }
 
 DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
@@ -130,7 +130,9 @@ void record_frame(Commands& commands, FrameRenderer& r, const ShaderCamera& came
     const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
     switch (settings.mode) {
         case TraceMode::kShaded:
-        case TraceMode::kTree: record_tree(commands, r, camera, settings); break;
+        case TraceMode::kTree:
+            record_tree(commands, r, camera, settings);
+            break;
         case TraceMode::kSlice:
             record_slice(commands, r.slots_->slicer, settings.frame);
             record_trace(commands, r.slots_->tracer, tiles, settings.stop);
@@ -164,8 +166,8 @@ void FrameRenderer::prepare(TraceMode mode) {
         case TraceMode::kShaded:
         case TraceMode::kTree:
             if (!tree_)
-                tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_, likely_entries(field_),
-                                                   slice_budget_);
+                tree_ =
+                    std::make_unique<TreePath>(device_, field_, rays_, picture_, likely_entries(field_), slice_budget_);
             break;
         case TraceMode::kSlice:
             if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);

@@ -19,7 +19,8 @@ enum class TraceMode {
     kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
 
-// kShaded where that shows the same: where leaves are small, seen from the eye (world, metres), on the average. Else kTree.
+// kShaded where that shows the same: where leaves are small, seen from the eye (world, metres), on the average. Else
+// kTree.
 TraceMode play_mode(const Field& field, glm::vec3 eye);
 
 struct FrameSettings {
@@ -43,7 +44,8 @@ struct TreePath {
     // Room for as many slices of `entries` entries as the budget allows, one at least.
     TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture, uint32_t entries,
              uint64_t slice_budget);
-    // Where the slice of a frame is: `built`, or where it shall be, in place of the one that was not asked for for longest.
+    // Where the slice of a frame is: `built`, or where it shall be, in place of the one that was not asked for for
+    // longest.
     struct Place {
         uint32_t slice;
         bool built;
@@ -58,7 +60,7 @@ struct TreePath {
     Shader shader;
     TileRanger ranger;
     TreeTracer unshaded_tracer, shaded_tracer;
-    Resolver resolver;           // of tiles that see anything; `blank` is what the others show
+    Resolver resolver;  // of tiles that see anything; `blank` is what the others show
     Buffer blank;
     std::optional<FrameSettings> blank_settings;
     struct Kept {
@@ -68,7 +70,6 @@ struct TreePath {
     std::vector<Kept> kept;  // per slice
     uint64_t pictures = 0;
     Buffer count_readback;  // LiveCount of the last picture's slice
-    uint32_t slice = 0;     // of the last picture
 };
 
 struct DirectPath {
@@ -87,19 +88,18 @@ class FrameRenderer {
     FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
                   uint32_t max_samples = 1, uint64_t slice_budget = kSliceBudget);
 
-    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure for a picture larger than the renderer was made for.
+    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure
+    // for a picture larger than the renderer was made for.
     Image render(const Camera& camera, const FrameSettings& settings);
 
     // The next picture slices anew, as if no frame had been shown yet (for measuring).
     void forget_slices();
-    // Slices that are kept at most; 0 before the first picture by slice tree.
-    uint32_t slice_capacity() const { return tree_ ? tree_->trees.slices : 0; }
 
     // Rays of the last picture in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.
     std::vector<glm::vec4> radiance(uint32_t width, uint32_t height) const;
     std::vector<float> depth(uint32_t width, uint32_t height) const;
 
-    // The last slice tree, shaded if its picture was; null before the first.
+    // What slice trees have on the device, the last one shaded if its picture was; null before the first.
     const TreePath* tree_path() const { return tree_.get(); }
 
     // GPU time of each pass of the last picture.

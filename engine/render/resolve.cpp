@@ -16,8 +16,9 @@ void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width
                     const ResolveSettings& settings) {
     const PassScope scope(commands, "resolve");
     const uint32_t tiles = ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile);
-    const ResolvePush push{settings.background,   width,  height, static_cast<uint32_t>(settings.show),
-                           settings.depth_near_m, settings.depth_far_m, samples};
+    const ResolvePush push{
+        settings.background,  width,  height, static_cast<uint32_t>(settings.show), settings.depth_near_m,
+        settings.depth_far_m, samples};
     if (resolver.only_)
         dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
     else

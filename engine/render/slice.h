@@ -45,7 +45,6 @@ class Slicer {
   public:
     // Field and slice must outlive it.
     Slicer(const Device& device, const Field& field, const Slice& slice);
-    const LiveFinder& finder() const { return finder_; }
 
   private:
     friend void record_slice(Commands& commands, const Slicer& slicer, float frame);

@@ -27,8 +27,7 @@ SliceTrees::SliceTrees(const Device& device, const Field& field, uint32_t entry_
       nodes(device, "slice nodes", field.nodes.bytes * slices, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_UINT),
       entries(device, "slice entries", uint64_t{4} * kEntryWords * sh_count(field.hh_degree) * capacity * slices,
               MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
-      entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, MemoryKind::kDevice,
-                 VK_FORMAT_R32_UINT),
+      entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       counts(device, "counts of entries", sizeof(LiveCount) * slices, MemoryKind::kDevice) {
     if ((capacity + kSliceGroup - 1) / kSliceGroup > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));

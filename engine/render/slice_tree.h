@@ -1,5 +1,5 @@
-// A slice as a tree of its own, for playing (shared/slice_tree.h): masks pruned to live leaves, σ and SH where a walk finds
-// them. Built on the device in one go.
+// A slice as a tree of its own, for playing (shared/slice_tree.h): masks pruned to live leaves, σ and SH where a walk
+// finds them. Built on the device in one go.
 #pragma once
 
 #include "render/slice.h"
@@ -9,8 +9,8 @@ namespace neuvv {
 
 // Slices of one field behind each other.
 struct SliceTrees {
-    // Room for `capacity` entries a slice: one for each live leaf and each live node but the root. A node that finds none is
-    // dead, and its cells are counted in LiveCount::overflow.
+    // Room for `capacity` entries a slice: one for each live leaf and each live node but the root. A node that finds
+    // none is dead, and its cells are counted in LiveCount::overflow.
     SliceTrees(const Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices);
 
     uint32_t capacity, slices, node_count;

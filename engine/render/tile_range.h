@@ -9,9 +9,9 @@ namespace neuvv {
 struct TileRanges {
     TileRanges(const Device& device, uint32_t tiles);
 
-    Buffer ranges;  // per tile (bits of the least distance, complement of those of the largest)
-    Buffer list;    // tiles of rays where the picture sees anything, then kNoTile
-    Buffer count;   // LiveCount of these
+    Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
+    Buffer list;                         // tiles of rays where the picture sees anything, then kNoTile
+    Buffer count;                        // LiveCount of these
     Buffer picture_list, picture_count;  // the same in tiles of the picture
 };
 

@@ -28,8 +28,7 @@ void record_clear(Commands& commands, const RayBatch& rays) {
     compute_barrier(commands);
 }
 
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays,
-                       float stop) {
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays, float stop) {
     const PassScope scope(commands, "trace");
     record_clear(commands, rays);
     TracePush push = trace_push(tracer.field_, stop);

@@ -9,7 +9,7 @@ CONSTEXPR uint kResolveRadiance = 0u;
 CONSTEXPR uint kResolveDepth = 1u;
 CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
 
-CONSTEXPR uint kResolveTiles = 3u;    // where only some are resolved: those, then kNoTile
+CONSTEXPR uint kResolveTiles = 3u;  // where only some are resolved: those, then kNoTile
 
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;

@@ -1,13 +1,15 @@
-// A slice as a tree of its own, for playing: nodes pruned to live cells, and σ and colour of a cell where the walk finds it.
+// A slice as a tree of its own, for playing: nodes pruned to live cells, and σ and colour of a cell where the walk
+// finds it.
 //
-// A node is four words: mask_lo, mask_hi of its live cells, the entry of the lowest, its wide octants; a dead node has no
-// cell. Each cell (each wide octant) has an entry. A leaf's holds its σ and SH coefficients as fp16, kEntryWords words for
-// each SH function; shaded, it is the first of these alone, with the colour in place of the coefficients:
+// A node is four words: mask_lo, mask_hi of its live cells, the entry of the lowest, its wide octants; a dead node has
+// no cell. Each cell (each wide octant) has an entry. A leaf's holds its σ and SH coefficients as fp16, kEntryWords
+// words for each SH function; shaded, it is the first of these alone, with the colour in place of the coefficients:
 //   word 0: σ (1/m) | R << 16, word 1: G | B << 16;  of the functions after the first σ is 0.
 // That of a child node has the sign of σ set, and the node in word 1.
 //
-// Several slices lie behind each other in the same buffers, each with room for as many nodes and entries. Nodes count from
-// their slice's first (node_base), entries from the first of all, shaded ones from their slice's first (entry_base).
+// Several slices lie behind each other in the same buffers, each with room for as many nodes and entries. Nodes count
+// from their slice's first (node_base), entries from the first of all, shaded ones from their slice's first
+// (entry_base).
 #ifndef NEUVV_SHARED_SLICE_TREE_H
 #define NEUVV_SHARED_SLICE_TREE_H
 #include "shared/slice.h"
@@ -16,8 +18,8 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kEntryWords = 2u;
-CONSTEXPR uint kEntryIsNode = 0x8000u;     // in word 0
-CONSTEXPR uint kNoLeaf = 0xffffffffu;      // of a child node's entry
+CONSTEXPR uint kEntryIsNode = 0x8000u;       // in word 0
+CONSTEXPR uint kNoLeaf = 0xffffffffu;        // of a child node's entry
 CONSTEXPR float kMaxEntryNumber = 65504.0f;  // what fp16 holds
 
 // slice_nodes.comp
@@ -55,7 +57,7 @@ struct SliceEntriesPush {
 CONSTEXPR uint kShadeEntries = 0u;
 CONSTEXPR uint kShadeLeaves = 1u;
 CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_places
-CONSTEXPR uint kShadeCount = 3u;  // as kNodesCount
+CONSTEXPR uint kShadeCount = 3u;   // as kNodesCount
 CONSTEXPR uint kShadeOut = 4u;
 
 struct ShadePush {
@@ -69,18 +71,18 @@ struct ShadePush {
 // tile_range.comp and tile_list.comp
 CONSTEXPR uint kRangeNodes = 0u;
 CONSTEXPR uint kRangeInner = 1u;
-CONSTEXPR uint kRangePlaces = 2u;  // per node: as Field::node_places
-CONSTEXPR uint kRangeTiles = 3u;   // per tile: bits of the least distance, and the complement of those of the largest
-CONSTEXPR uint kRangeList = 4u;    // tiles that see anything, then kNoTile
-CONSTEXPR uint kRangeCount = 5u;   // a LiveCount of them
-CONSTEXPR uint kRangePictures = 6u;      // the picture's tiles that these belong to, then kNoTile
+CONSTEXPR uint kRangePlaces = 2u;    // per node: as Field::node_places
+CONSTEXPR uint kRangeTiles = 3u;     // per tile: bits of the least distance, and the complement of those of the largest
+CONSTEXPR uint kRangeList = 4u;      // tiles that see anything, then kNoTile
+CONSTEXPR uint kRangeCount = 5u;     // a LiveCount of them
+CONSTEXPR uint kRangePictures = 6u;  // the picture's tiles that these belong to, then kNoTile
 CONSTEXPR uint kRangePictureCount = 7u;  // a LiveCount of them
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
 
 struct TileRangePush {
-    vec4 eye;      // world, metres
-    vec4 row_x;    // (row_x, row_y, row_z) · (p − eye) = z (x, y, 1): the pixel x, y that sees p
+    vec4 eye;    // world, metres
+    vec4 row_x;  // (row_x, row_y, row_z) · (p − eye) = z (x, y, 1): the pixel x, y that sees p
     vec4 row_y;
     vec4 row_z;
     vec4 box_min;   // metres

@@ -11,7 +11,6 @@
 namespace neuvv {
 using uint = uint32_t;
 using glm::mat4;
-using glm::uvec2;
 using glm::uvec4;
 using glm::vec4;
 }  // namespace neuvv

@@ -335,6 +335,33 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
     EXPECT_EQ(play_mode(field, world_of(tree, {0.5, 0.5, 0.5})), TraceMode::kTree);
 }
 
+// Shaded pictures are to be within 1/255 of those by ray, in the mean: here over what is covered, from as near as
+// leaves are shaded at all.
+TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
+    for (uint32_t degree = 1; degree <= kMaxHhDegree; degree++) {
+        const VOctree tree = random_tree({.seed = 60 + degree, .node_levels = 3, .leaves = 3000, .hh_degree = degree});
+        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+        double distance = 0.5;
+        const auto eye = [&] { return world_of(tree, glm::dvec3(0.5) + distance * glm::dvec3(0.6, 0.3, 0.74)); };
+        while (play_mode(field, eye()) != TraceMode::kShaded) distance *= 1.02;
+        const Camera camera = look_at(eye(), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 4);
+        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        const Traced by_ray = trace_on_device(renderer, camera, 2, TraceMode::kTree, kStopTransmittance);
+        const Traced shaded = trace_on_device(renderer, camera, 2, TraceMode::kShaded, kStopTransmittance);
+        double sum = 0, covered = 0;
+        for (size_t i = 0; i < by_ray.radiance.size(); i++) {
+            if (by_ray.radiance[i].a <= 1.0f / 255) continue;
+            covered++;
+            for (int c = 0; c < 3; c++)
+                sum += std::abs(reference::display_value(shaded.radiance[i][c]) -
+                                reference::display_value(by_ray.radiance[i][c]));
+        }
+        EXPECT_GT(covered, 100);
+        EXPECT_GT(sum, 0) << "nothing is shaded";
+        EXPECT_LE(sum / (3 * covered), 1.0 / 255) << "degree " << degree << ", distance " << distance;
+    }
+}
+
 // A slice tree and what an empty picture shows stay for the next picture: only while they are the same.
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     const VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
@@ -363,7 +390,8 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
 
 bool has_sliced(const FrameRenderer& renderer) {
     const std::vector<PassTime> passes = renderer.pass_times();
-    return std::any_of(passes.begin(), passes.end(), [](const PassTime& pass) { return pass.name.starts_with("slice"); });
+    return std::any_of(passes.begin(), passes.end(),
+                       [](const PassTime& pass) { return pass.name.starts_with("slice"); });
 }
 
 TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
@@ -386,7 +414,7 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
             kept.insert(kept.begin(), frame);
             kept.resize(std::min<size_t>(kept.size(), std::max(slices, 1u)));
         }
-        EXPECT_EQ(renderer.slice_capacity(), std::max(slices, 1u));
+        EXPECT_EQ(renderer.tree_path()->trees.slices, std::max(slices, 1u));
     }
 }
 

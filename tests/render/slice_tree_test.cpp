@@ -97,11 +97,8 @@ using SliceTreeTest = GpuTest;
 TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
     constexpr uint32_t kLevels[] = {1, 2, 4, 6};
     for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
-        const VOctree tree = random_tree({.seed = degree + 20,
-                                          .node_levels = kLevels[degree],
-                                          .leaves = 600,
-                                          .bases = 5,
-                                          .hh_degree = degree});
+        const VOctree tree = random_tree(
+            {.seed = degree + 20, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
         const LiveLeaves live(device(), field, field.leaf_count);
         const SliceTrees sliced(device(), field, most_entries(field), 1);

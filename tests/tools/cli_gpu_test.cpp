@@ -242,7 +242,8 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
 }
 
 TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
-    const std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
+    const std::vector<std::string> command = {"bench",   "render", scene,       "--size", "64x48",
+                                              "--views", "2",      "--repeats", "1"};
     const ProgramResult table = run_neuvv(command);
     ASSERT_EQ(table.code, 0) << table.err;
     for (const char* word : {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"})
@@ -266,7 +267,8 @@ TEST_F(CliGpu, BenchSliceTimesEachPass) {
     ASSERT_EQ(table.code, 0) << table.err;
     for (const char* word : {"density", "nodes", "entries", "slots", "GB/s", "live in a frame"})
         EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv({"bench", "slice", scene, "--frames", "3", "--json"}).out);
+    const nlohmann::json json =
+        nlohmann::json::parse(run_neuvv({"bench", "slice", scene, "--frames", "3", "--json"}).out);
     EXPECT_GT(json["live_leaves"], 1.0);
     EXPECT_LE(json["live_leaves"], json["leaves"]);
     EXPECT_GT(json["slice_ms"], 0.0);

@@ -42,8 +42,8 @@ TEST(Revive, ALeafAmongLiveOnesGetsALittleDensity) {
 
 TEST(Revive, WhereFewNeighboursLiveALeafStaysDead) {
     VOctree tree = sheet(3);
-    tree.leaf(0)[7] = kDead;   // a corner: two neighbours
-    tree.leaf(1)[20] = kDead;  // the middle of an edge: three
+    tree.leaf(0)[7] = kDead;                                          // a corner: two neighbours
+    tree.leaf(1)[20] = kDead;                                         // the middle of an edge: three
     for (const uint32_t leaf : {1u, 4u}) tree.leaf(leaf)[9] = kDead;  // the middle has three others alive
     const std::vector<float> before = tree.weights;
     EXPECT_EQ(revive_holes(tree), 0u);
@@ -67,7 +67,8 @@ TEST(Revive, ALargerLeafIsANeighbourOfSmallerOnes) {
     tree.bases = tree.frames = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    // Leaf 0 has a larger leaf above, ones of its own size to the left and below, a finer one at the middle of its right face.
+    // Leaf 0 has a larger leaf above, ones of its own size to the left and below, a finer one at the middle of its
+    // right face.
     build_topology(tree, {{1, 1, 1, 2}, {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 0, 1, 2}, {4, 2, 2, 3}, {4, 3, 3, 3}});
     for (uint32_t leaf = 1; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = kLive;
     tree.leaf(0)[0] = kDead;
