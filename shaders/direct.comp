@@ -1,4 +1,5 @@
-// The paper's rendering: every number of a leaf evaluated at every sample, no slice. Reference for speed and correctness.
+// The paper's rendering: every number of a leaf evaluated at every sample, no slice. Reference for speed and correctness;
+// where kLayered is set, of the tiles where an instance may be seen that has no slice.
 // Reads topology, weights and rows; writes as trace_rays.glsl says. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -11,6 +12,7 @@ layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
+layout(constant_id = 6) const bool kLayered = false;
 const bool kDear = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
@@ -19,9 +21,11 @@ layout(binding = kTraceWeights) uniform textureBuffer leaf_weights;
 layout(binding = kTraceRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-layout(binding = kTraceRadiance, rgba32f) writeonly uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) writeonly uniform imageBuffer depth;
+layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
+layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
+layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
+layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { TracePush push; };
 #include "direct_sample.glsl"
-#include "every_tile.glsl"
+#include "listed_tiles.glsl"
 #include "trace_rays.glsl"

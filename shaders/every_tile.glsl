@@ -7,4 +7,6 @@ uint tile_group() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupI
 
 vec2 tile_range(uint tile) { return vec2(0.0, 1e30); }
 
+uint first_camera() { return 0u; }
+
 #endif

@@ -1,14 +1,22 @@
-// The ray of one thread: a pixel of its workgroup's tile. The includer binds textureBuffer `cameras` and utextureBuffer
-// `tiles`, and says which tile this is (tile_group) and how far its rays may go (tile_range, metres).
+// The ray of one thread: a pixel of its workgroup's tile, in the space of the performer that it is traced through: the
+// world, where the performer stands as it was recorded, else the world as an instance's inverse transform shows it (errata
+// 13). The includer binds textureBuffer `cameras` and utextureBuffer `tiles`.
 #ifndef NEUVV_RAY_GLSL
 #define NEUVV_RAY_GLSL
+
+// The includer's: which tile this workgroup has, between which distances its rays run (metres), and how many cameras
+// stand before those in the performer's space, which are the world's (0: they are these).
+uint tile_group();
+vec2 tile_range(uint tile);
+uint first_camera();
 
 struct Ray {
     uint index;    // of the per-ray buffers
     uint in_tile;  // 0..63, row by row
-    vec3 origin_world;
-    vec3 direction_world;  // unit
-    vec2 range;  // metres of it to walk; none (x > y) where the pixel lies beyond the picture's edge
+    vec3 origin;
+    vec3 direction;      // unit
+    vec2 range;          // metres of it to walk; none (x > y) where the pixel lies beyond the picture's edge
+    float world_metres;  // of one of its metres
 };
 
 const float kFar = 1e30;  // metres
@@ -25,22 +33,30 @@ uvec2 tile_pixel(uint thread) {
     return uvec2((thread & 3u) | (thread & 8u) >> 1u, (thread & 4u) >> 2u | (thread & 48u) >> 3u);
 }
 
+// What a camera sees at a place of its picture.
+vec3 camera_line(uint camera, vec2 at) {
+    const int first = int(4u * camera);
+    return texelFetch(cameras, first + 3).xyz + at.x * texelFetch(cameras, first + 1).xyz +
+           at.y * texelFetch(cameras, first + 2).xyz;
+}
+
 Ray tile_ray() {
     const uint group = tile_group();
     const uvec4 tile = texelFetch(tiles, int(group));
     const uvec2 inner = tile_pixel(gl_LocalInvocationID.x);
     const uvec2 cell = tile.yz + inner;
-    const vec2 pixel = vec2(cell);
-    const int camera = int(4u * tile.x);
-    const vec4 right = texelFetch(cameras, camera + 1), down = texelFetch(cameras, camera + 2);
-    const vec4 corner = texelFetch(cameras, camera + 3);
-    const vec2 at = pixel + 0.5 + rook_shift(cell, uint(corner.w)) + unpackSnorm2x16(tile.w);
+    const uint camera = tile.x + first_camera();
+    const vec2 size = vec2(texelFetch(cameras, int(4u * camera + 1u)).w, texelFetch(cameras, int(4u * camera + 2u)).w);
+    const uint samples = uint(texelFetch(cameras, int(4u * camera + 3u)).w);
+    const vec2 at = vec2(cell) + 0.5 + rook_shift(cell, samples) + unpackSnorm2x16(tile.w);
+    const vec3 line = camera_line(camera, at);
     Ray ray;
     ray.in_tile = inner.y * kTile + inner.x;
     ray.index = group * kTilePixels + ray.in_tile;
-    ray.range = pixel.x < right.w && pixel.y < down.w ? tile_range(group) : vec2(kFar, 0.0);
-    ray.origin_world = texelFetch(cameras, camera).xyz;
-    ray.direction_world = normalize(corner.xyz + at.x * right.xyz + at.y * down.xyz);
+    ray.range = all(lessThan(vec2(cell), size)) ? tile_range(group) : vec2(kFar, 0.0);
+    ray.origin = texelFetch(cameras, int(4u * camera)).xyz;
+    ray.direction = normalize(line);
+    ray.world_metres = first_camera() == 0u ? 1.0 : length(camera_line(tile.x, at)) / length(line);
     return ray;
 }
 

@@ -1,7 +1,8 @@
 // Resolve: traced rays to a picture. Colour over a background (blended in linear light), alpha, or depth.
 // A pixel is the mean of its samples × samples rays, colour and alpha premultiplied and linear, depth by alpha.
 // Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits a channel, in rows. One thread a pixel, one
-// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel.
+// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel. Pictures of several views stand behind each other,
+// each with all its tiles of rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/resolve.h"
@@ -36,15 +37,17 @@ void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (kListed) group = texelFetch(picture_tiles, int(group)).x;
     if (group == kNoTile) return;
-    const uint across = (push.width + kTile - 1u) / kTile;
-    const uint lane = gl_LocalInvocationID.x;
-    const uint x = group % across * kTile + lane % kTile, y = group / across * kTile + lane / kTile;
+    const uint across = (push.width + kTile - 1u) / kTile, down = (push.height + kTile - 1u) / kTile;
+    const uint lane = gl_LocalInvocationID.x, view = group / (across * down), tile = group % (across * down);
+    const uint x = tile % across * kTile + lane % kTile, y = tile / across * kTile + lane / kTile;
     if (x >= push.width || y >= push.height) return;
     const uint rays_across = (push.samples * push.width + kTile - 1u) / kTile;
+    const uint first_ray = view * rays_across * ((push.samples * push.height + kTile - 1u) / kTile) * kTilePixels;
     vec4 light = vec4(0.0);
     float metres = 0.0;
     for (uint i = 0u; i < push.samples * push.samples; i++) {
-        const int ray = ray_at(push.samples * uvec2(x, y) + uvec2(i % push.samples, i / push.samples), rays_across);
+        const int ray =
+            int(first_ray) + ray_at(push.samples * uvec2(x, y) + uvec2(i % push.samples, i / push.samples), rays_across);
         const vec4 one = texelFetch(radiance, ray);
         light += one;
         if (one.a > 0.0) metres += one.a * texelFetch(depth, ray).x;
@@ -54,5 +57,5 @@ void main() {
     vec4 shown = show_colour(light);
     if (push.show == kShowAlpha) shown = vec4(light.aaa, 1.0);
     if (push.show == kShowDepth) shown = show_depth(metres);
-    imageStore(picture, int(y * push.width + x), uvec4(packUnorm4x8(shown)));
+    imageStore(picture, int((view * push.height + y) * push.width + x), uvec4(packUnorm4x8(shown)));
 }

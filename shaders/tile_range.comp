@@ -1,7 +1,9 @@
-// How far each tile of a picture is from what it may see: the live leaves of every node, boxed, go to the tiles that their
-// box covers. Rays start at the least distance of their tile and end at the largest; tiles that no box covers have no rays.
-// Reads nodes of a slice tree; takes the minimum in two words a covered tile. One thread a node. Bound by arithmetic, some
-// 300 operations a live node, and where the eye is close by atomics, one pair for each covered tile.
+// How far an instance is from each tile of the pictures that may see it: the live leaves of every node, boxed, go to the
+// tiles that their box covers. Rays start at the least distance of their tile and end at the largest; tiles that no box covers
+// have no rays.
+// Reads nodes, down to a level whose nodes look smaller than a tile; takes the minimum in two words a covered tile. One thread
+// a node, for all views. Bound by arithmetic, some 300
+// operations a live node and view, and where the eye is close by atomics, one pair for each covered tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -10,6 +12,7 @@ layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeNodes) uniform utextureBuffer nodes;
 layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
 layout(binding = kRangePlaces) uniform utextureBuffer node_places;
+layout(binding = kRangeViews) uniform textureBuffer range_views;
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
 layout(push_constant) uniform Push { TileRangePush push; };
 
@@ -37,9 +40,15 @@ Box cells_box(uvec2 cells) {
     return Box(vec3(x.x, y.x, z.x), vec3(x.y, y.y, z.y) + 1.0);
 }
 
+RangeView view_of(uint view) {
+    const int first = int(4u * view);
+    return RangeView(texelFetch(range_views, first), texelFetch(range_views, first + 1), texelFetch(range_views, first + 2),
+                     texelFetch(range_views, first + 3));
+}
+
 // z (x, y, 1) of the pixel that sees a place, relative to the eye
-vec3 homogeneous(vec3 from_eye) {
-    return vec3(dot(push.row_x.xyz, from_eye), dot(push.row_y.xyz, from_eye), dot(push.row_z.xyz, from_eye));
+vec3 homogeneous(RangeView view, vec3 from_eye) {
+    return vec3(dot(view.row_x.xyz, from_eye), dot(view.row_y.xyz, from_eye), dot(view.row_z.xyz, from_eye));
 }
 
 vec3 corner_of(Box box, uint i) {
@@ -48,14 +57,14 @@ vec3 corner_of(Box box, uint i) {
 }
 
 // Least and largest pixel coordinates of the part of a box before the eye; none (x > z) where there is none.
-vec4 pixels_of(Box from_eye) {
+vec4 pixels_of(RangeView view, Box from_eye) {
     vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
     for (uint i = 0u; i < 8u; i++) {
-        const vec3 a = homogeneous(corner_of(from_eye, i));
+        const vec3 a = homogeneous(view, corner_of(from_eye, i));
         if (a.z >= kNearest) bounds = vec4(min(bounds.xy, a.xy / a.z), max(bounds.zw, a.xy / a.z));
         for (uint axis = 1u; axis < 8u; axis <<= 1u) {  // the edges that begin here, where they pass the plane
             if ((i & axis) != 0u) continue;
-            const vec3 b = homogeneous(corner_of(from_eye, i | axis));
+            const vec3 b = homogeneous(view, corner_of(from_eye, i | axis));
             if ((a.z < kNearest) == (b.z < kNearest)) continue;
             const vec3 cut = mix(a, b, (kNearest - a.z) / (b.z - a.z));
             bounds = vec4(min(bounds.xy, cut.xy / kNearest), max(bounds.zw, cut.xy / kNearest));
@@ -64,31 +73,37 @@ vec4 pixels_of(Box from_eye) {
     return bounds;
 }
 
-void main() {
-    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
-    if (node >= push.nodes) return;
-    const uvec2 leaves = texelFetch(nodes, int(push.node_base + node)).xy & ~texelFetch(inner_cells, int(node)).xy;
-    if (leaves == uvec2(0u)) return;
-    const uvec2 place = texelFetch(node_places, int(node)).xy;
-    const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);
-    const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
-    const Box cells = cells_box(leaves);
-    const vec3 from = push.box_min.xyz - push.eye.xyz;
-    const Box box = Box(from + (corner + cells.low) * cell, from + (corner + cells.high) * cell);
-
+// To the tiles that a box covers in one view.
+void store_range(RangeView view, uint first_tile, Box place) {
+    const Box box = Box(place.low - view.eye.xyz, place.high - view.eye.xyz);
     const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
     const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
     const vec2 tiles = vec2(push.tiles_across, push.tiles_down);
-    vec4 covered = pixels_of(box) / float(kTile);
+    vec4 covered = pixels_of(view, box) / float(kTile);
     if (near < 2.0 * kNearest) covered = vec4(0.0, 0.0, tiles);  // around the eye
     // Half a thousandth of a tile for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
     const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
-            const uint at = 2u * (uint(y) * push.tiles_across + uint(x));
+            const uint at = 2u * (first_tile + uint(y) * push.tiles_across + uint(x));
             atomicMin(tile_ranges[at], floatBitsToUint(near));
             atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
         }
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
+    if (node >= push.nodes) return;
+    const uvec2 live = texelFetch(nodes, int(push.node_base + node)).xy;
+    const uvec2 leaves = node < push.whole_from ? live & ~texelFetch(inner_cells, int(node)).xy : live;
+    if (leaves == uvec2(0u)) return;
+    const uvec2 place = texelFetch(node_places, int(node)).xy;
+    const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);
+    const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
+    const Box cells = cells_box(leaves);
+    const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell, push.box_min.xyz + (corner + cells.high) * cell);
+    for (uint v = 0u; v < push.views; v++)
+        store_range(view_of(push.first_view + v), v * push.tiles_across * push.tiles_down, box);
 }

@@ -1,5 +1,6 @@
 // Trace: the rays of 8×8 pixel tiles through a slice.
-// Reads topology, head (σ, slot) and SH of live leaves; writes as trace_rays.glsl says. Bound by dependent fetches of the walk, then by (n_max+1)² texels of SH a sample.
+// Reads topology, head (σ, slot) and SH of live leaves; writes as trace_rays.glsl says. Bound by dependent fetches of the
+// walk, then by (n_max+1)² texels of SH a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/trace.h"
@@ -8,7 +9,7 @@ layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
-const bool kRestart = false, kDear = false;
+const bool kRestart = false, kDear = false, kLayered = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -17,8 +18,8 @@ layout(binding = kTraceHead) uniform utextureBuffer head;
 layout(binding = kTraceSh) uniform textureBuffer slice_sh;
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-layout(binding = kTraceRadiance, rgba32f) writeonly uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) writeonly uniform imageBuffer depth;
+layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
+layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { TracePush push; };
 #include "slice_sample.glsl"
 #include "every_tile.glsl"

@@ -1,6 +1,6 @@
-// Trace of a slice tree, shaded or not: the rays of those 8×8 pixel tiles that see anything.
-// Reads nodes and entries; writes as trace_rays.glsl says, and nothing where nothing is seen. Dispatched indirectly. Bound
-// by the walk: two dependent fetches for each node, and one a sample.
+// Trace of an instance by its slice tree, shaded or not: the rays of those 8×8 pixel tiles where it may be seen.
+// Reads nodes and entries; writes as trace_rays.glsl says. Dispatched indirectly. Bound by the walk: two dependent fetches for
+// each node, and one a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -10,7 +10,7 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const bool kShaded = true;
-const bool kRestart = false, kDear = false;
+const bool kRestart = false, kDear = false, kLayered = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer nodes;
 layout(binding = kTraceEntries) uniform utextureBuffer entries;
@@ -18,17 +18,10 @@ layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
-layout(binding = kTraceRadiance, rgba32f) writeonly uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) writeonly uniform imageBuffer depth;
+layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
+layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { TracePush push; };
 
-// kNoTile beyond the list: such a tile has no rays.
-uint tile_group() { return texelFetch(tile_list, int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)).x; }
-
-vec2 tile_range(uint tile) {
-    const uvec2 bits = texelFetch(tile_ranges, int(tile)).xy;
-    return bits.x == kNoTile ? vec2(1.0, 0.0) : uintBitsToFloat(uvec2(bits.x, ~bits.y));
-}
-
+#include "listed_tiles.glsl"
 #include "tree_sample.glsl"
 #include "trace_rays.glsl"

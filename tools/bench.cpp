@@ -1,6 +1,8 @@
 // neuvv bench: how fast passes run on a device, as medians over repeats and ratios within one run.
 #include "tools/bench.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "gpu/commands.h"
@@ -12,6 +14,12 @@ double quantile(std::vector<double> values, double p) {
     const auto at = std::min(values.size() - 1, static_cast<size_t>(p * static_cast<double>(values.size())));
     std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(at), values.end());
     return values[at];
+}
+
+double mean(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
@@ -26,11 +34,32 @@ double copy_milliseconds(const Device& device, const Buffer& from, const Buffer&
     return commands.pass_times()[0].milliseconds;
 }
 
+void add_picture(std::vector<PassSum>& sums, const std::vector<PassTime>& passes) {
+    for (const PassTime& pass : passes) {
+        auto found = std::find_if(sums.begin(), sums.end(), [&](const PassSum& sum) { return sum.name == pass.name; });
+        if (found == sums.end()) found = sums.insert(sums.end(), {pass.name, {}});
+        const bool again = std::find_if(passes.data(), &pass,
+                                        [&](const PassTime& earlier) { return earlier.name == pass.name; }) != &pass;
+        if (again)
+            found->ms.back() += pass.milliseconds;
+        else
+            found->ms.push_back(pass.milliseconds);
+    }
+}
+
+std::string passes_text(const std::vector<PassSum>& sums) {
+    std::string text;
+    for (const PassSum& sum : sums)
+        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", sum.name, median(sum.ms));
+    return text;
+}
+
 void add_bench(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
     verb->require_subcommand(1);
     add_bench_render(*verb, common);
     add_bench_slice(*verb, common);
+    add_bench_instances(*verb, common);
     add_bench_train(*verb, common);
 }
 

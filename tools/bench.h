@@ -3,11 +3,12 @@
 
 #include <vector>
 
-#include "gpu/buffer.h"
+#include "gpu/commands.h"
 #include "tools/commands.h"
 
 namespace neuvv {
 
+void add_bench_instances(CLI::App& bench, CommonOptions& common);
 void add_bench_train(CLI::App& bench, CommonOptions& common);
 void add_bench_render(CLI::App& bench, CommonOptions& common);
 void add_bench_slice(CLI::App& bench, CommonOptions& common);
@@ -16,8 +17,18 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common);
 double quantile(std::vector<double> values, double p);
 // How long the device takes to copy all of a buffer to another: the measure of what its memory gives.
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to);
+double mean(const std::vector<double>& values);  // 0 of none
 inline double median(std::vector<double> values) {
     return quantile(std::move(values), 0.5);
 }
+
+// What each pass took in every picture, by name in the order of the first.
+struct PassSum {
+    std::string name;
+    std::vector<double> ms;  // one a picture, however often the pass ran in it
+};
+void add_picture(std::vector<PassSum>& sums, const std::vector<PassTime>& passes);
+// "shade 1.2 trace 3.4": medians.
+std::string passes_text(const std::vector<PassSum>& sums);
 
 }  // namespace neuvv

@@ -48,19 +48,6 @@ double milliseconds(const std::vector<PassTime>& passes, bool of_slice) {
     return sum;
 }
 
-struct PassSum {
-    std::string name;
-    std::vector<double> ms;
-};
-
-void add_passes(std::vector<PassSum>& sums, const std::vector<PassTime>& passes) {
-    for (const PassTime& pass : passes) {
-        auto found = std::find_if(sums.begin(), sums.end(), [&](const PassSum& sum) { return sum.name == pass.name; });
-        if (found == sums.end()) found = sums.insert(sums.end(), {pass.name, {}});
-        found->ms.push_back(pass.milliseconds);
-    }
-}
-
 struct HostTimes {
     std::vector<double> ms;       // the rays alone
     double worst_difference = 0;  // from the device's rays, of alpha and colour
@@ -76,13 +63,14 @@ struct Result {
 };
 
 // The first of the slices that are kept.
-HostSlice host_slice(const Device& device, const Field& field, const TreePath& path) {
+HostSlice host_slice(const Device& device, const Field& field, const SlicePath& path) {
+    const SliceTrees& trees = path.cache.trees();
     HostSlice slice;
     LiveCount count;
-    download(device, path.trees.counts, &count, sizeof(count));
-    std::vector<glm::uvec2> words(std::min(count.slots, path.trees.capacity));
+    download(device, trees.counts, &count, sizeof(count));
+    std::vector<glm::uvec2> words(std::min(count.slots, trees.capacity));
     slice.nodes.resize(field.node_count());
-    download(device, path.trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
+    download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
     download(device, path.shaded, words.data(), words.size() * sizeof(glm::uvec2));
     const auto number = [](uint32_t word, int shift) { return float_from_half(static_cast<uint16_t>(word >> shift)); };
     for (const glm::uvec2 word : words) {
@@ -97,9 +85,9 @@ HostSlice host_slice(const Device& device, const Field& field, const TreePath& p
     return slice;
 }
 
-HostTileRanges host_ranges(const Device& device, const TreePath& path, size_t tiles) {
+HostTileRanges host_ranges(const Device& device, const TileRanges& of, size_t tiles) {
     std::vector<glm::uvec2> words(tiles);
-    download(device, path.ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    download(device, of.ranges, words.data(), words.size() * sizeof(glm::uvec2));
     HostTileRanges ranges;
     for (const glm::uvec2 word : words)
         ranges.push_back(word.x == kNoTile ? glm::vec2(1, 0)
@@ -110,9 +98,9 @@ HostTileRanges host_ranges(const Device& device, const TreePath& path, size_t ti
 // The rays of the picture that the renderer has just shaded, by the host.
 void measure_host(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
                   uint32_t repeats, HostTimes& host) {
-    const HostSlice slice = host_slice(device, field, *renderer.tree_path());
+    const HostSlice slice = host_slice(device, field, *renderer.performer()->slices());
     const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
-    const HostTileRanges ranges = host_ranges(device, *renderer.tree_path(), tiles);
+    const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
     std::vector<glm::vec4> rays;
     for (uint32_t i = 0; i < repeats; i++) {
         const auto start = std::chrono::steady_clock::now();
@@ -120,7 +108,7 @@ void measure_host(const Device& device, const Field& field, const FrameRenderer&
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         host.ms.push_back(took.count());
     }
-    const std::vector<glm::vec4> truth = renderer.radiance(camera.width, camera.height);
+    const std::vector<glm::vec4> truth = renderer.radiance();
     for (size_t i = 0; i < rays.size(); i++)
         for (int c = 0; c < 4; c++)
             host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
@@ -129,7 +117,7 @@ void measure_host(const Device& device, const Field& field, const FrameRenderer&
 // Adds to a way's times; returns the last picture.
 Image measure(FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t repeats, Result& result) {
     FrameSettings settings;
-    settings.frame = static_cast<float>(view.frame);
+    settings.instances[0].frame = static_cast<float>(view.frame);
     settings.width = view.camera.width;
     settings.height = view.camera.height;
     settings.mode = way.mode;
@@ -142,7 +130,7 @@ Image measure(FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t 
         way.slice_ms.push_back(milliseconds(passes, true));
         way.rest_ms.push_back(milliseconds(passes, false));
         if (way.mode != TraceMode::kShaded) continue;
-        add_passes(result.passes, passes);
+        add_picture(result.passes, passes);
         for (const PassTime& pass : passes)
             if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
     }
@@ -165,7 +153,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
                    {"slice in slots, our walk", "slice", TraceMode::kSlice, {}, {}},
                    {"slice tree and tile ranges", "tree", TraceMode::kTree, {}, {}},
                    {"the same, shaded", "shaded", TraceMode::kShaded, {}, {}}};
-    FrameRenderer renderer(device, field, size.width, size.height);
+    FrameRenderer renderer(device, field, {size.width, size.height});
     Progress progress("bench", options.views * result.ways.size());
     double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
@@ -182,7 +170,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
             }
             progress.update(i * result.ways.size() + w + 1);
         }
-        result.covered += covered_share(renderer.radiance(size.width, size.height)) / options.views;
+        result.covered += covered_share(renderer.radiance()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
     result.psnr = -10 * std::log10(std::max(squares, 1e-10));
@@ -203,9 +191,7 @@ void print(const Result& result, const Device& device, const BenchRenderOptions&
     for (const Way& way : result.ways) line(way.name, way.seconds(1), way.p99(1));
     const Way& shaded = result.ways.back();
     line("playing at 25 fps on 2 x 90 Hz", shaded.seconds(1 / kViewsPerSlice), shaded.p99(1 / kViewsPerSlice));
-    fmt::print("passes of the shaded picture:");
-    for (const PassSum& pass : result.passes) fmt::print(" {} {:.1f}", pass.name, median(pass.ms));
-    fmt::print(" ms\n");
+    fmt::print("passes of the shaded picture: {} ms\n", passes_text(result.passes));
     fmt::print(
         "the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
         std::thread::hardware_concurrency(), median(result.host.ms), median(result.host.ms) / median(result.trace_ms),

@@ -36,6 +36,15 @@ inline void add_samples_option(CLI::App& verb, uint32_t& samples) {
         ->capture_default_str();
 }
 
+// --slice-budget, for the verbs that play.
+inline void add_slice_budget_option(CLI::App& verb, double& megabytes) {
+    verb.add_option("--slice-budget", megabytes,
+                    "MiB on the device for frames' slices that are kept, however many instances there are; 0: no "
+                    "slices, all numbers at each sample (slow)")
+        ->check(CLI::Range(0.0, 1048576.0))
+        ->capture_default_str();
+}
+
 // --format, for the verbs that read data sets.
 inline void add_format_option(CLI::App& verb, std::string& format) {
     verb.add_option("--format", format, "The data set's layout; auto: by the files in it")

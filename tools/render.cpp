@@ -104,7 +104,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
 
     const Device device(common.device);
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, size.width, size.height, options.samples);
+    FrameRenderer renderer(device, field, {size.width, size.height, options.samples});
     PictureSink sink(output, size, playback.output_fps);
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
@@ -114,9 +114,12 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     Progress progress("render", path.size());
     for (size_t i = 0; i < path.size(); ++i) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
-        FrameSettings settings{static_cast<float>(path[i].frame), size.width, size.height, options.samples, resolve};
-        const glm::vec3 eye(path[i].camera.world_from_camera[3]);
-        settings.mode = options.direct ? TraceMode::kDirect : play_mode(field, eye);
+        const FrameSettings settings{{{static_cast<float>(path[i].frame)}},
+                                     size.width,
+                                     size.height,
+                                     options.samples,
+                                     resolve,
+                                     options.direct ? TraceMode::kDirect : TraceMode::kPlay};
         sink.add(renderer.render(path[i].camera, settings));
         for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
         if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));

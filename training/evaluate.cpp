@@ -120,7 +120,7 @@ Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const V
                         uint32_t samples) {
     const Camera& camera = dataset.cameras[view.camera];
     FrameSettings settings;
-    settings.frame = static_cast<float>(frame_of_time(view.time, frames));
+    settings.instances[0].frame = static_cast<float>(frame_of_time(view.time, frames));
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
@@ -138,7 +138,7 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
         height = std::max(height, camera.height);
     }
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, width, height, samples);
+    FrameRenderer renderer(device, field, {width, height, samples});
 
     Evaluation result;
     result.cameras.resize(dataset.cameras.size());

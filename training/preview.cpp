@@ -42,7 +42,7 @@ Quality write_preview(const Device& device, const Field& field, const Dataset& d
                       const std::filesystem::path& file) {
     const View& view = dataset.views[0];
     const Image truth = truth_over_white(dataset, view);
-    FrameRenderer renderer(device, field, truth.width, truth.height, kSamples);
+    FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
     const Image render = render_over_white(renderer, dataset, view, field.frames, kSamples);
     write_png(file, side_by_side({truth, render, error_picture(truth, render)}));
     return compare(truth, render);

@@ -78,6 +78,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
     allocate.allocationSize = requirements.size;
     allocate.memoryTypeIndex = owner.memory_type(requirements.memoryTypeBits, flags.wanted, flags.needed);
     check(vkAllocateMemory(owner.handle(), &allocate, nullptr, &memory), "vkAllocateMemory", name);
+    owner.count_buffer_bytes(bytes, 0);
     check(vkBindBufferMemory(owner.handle(), buffer, memory, 0), "vkBindBufferMemory", name);
     owner.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer), name);
     owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
@@ -99,6 +100,7 @@ Buffer::~Buffer() {
     vkDestroyBufferView(device->handle(), view, nullptr);
     vkDestroyBuffer(device->handle(), buffer, nullptr);
     vkFreeMemory(device->handle(), memory, nullptr);
+    if (memory) device->count_buffer_bytes(0, bytes);
 }
 
 Buffer::Buffer(Buffer&& other) noexcept {

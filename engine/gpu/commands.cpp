@@ -8,11 +8,8 @@
 
 namespace neuvv {
 
-namespace {
-constexpr uint32_t kMaxScopes = 128;
-}
-
-Commands::Commands(const Device& device, std::string name) : device_(device), name_(std::move(name)) {
+Commands::Commands(const Device& device, std::string name, uint32_t max_scopes)
+    : device_(device), name_(std::move(name)), max_scopes_(max_scopes) {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device.queue_family();
     check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "vkCreateCommandPool", name_);
@@ -23,7 +20,7 @@ Commands::Commands(const Device& device, std::string name) : device_(device), na
     check(vkCreateFence(device.handle(), &fence, nullptr, &fence_), "vkCreateFence", name_);
     VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     query.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    query.queryCount = 2 * kMaxScopes;
+    query.queryCount = 2 * max_scopes_;
     check(vkCreateQueryPool(device.handle(), &query, nullptr, &timestamps_), "vkCreateQueryPool", name_);
     device.name_object(VK_OBJECT_TYPE_COMMAND_POOL, reinterpret_cast<uint64_t>(pool_), name_);
     device.name_object(VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<uint64_t>(buffer_), name_);
@@ -44,7 +41,7 @@ void Commands::begin() {
     VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(buffer_, &info), "vkBeginCommandBuffer", name_);
-    vkCmdResetQueryPool(buffer_, timestamps_, 0, 2 * kMaxScopes);
+    vkCmdResetQueryPool(buffer_, timestamps_, 0, 2 * max_scopes_);
     scopes_.clear();
 }
 
@@ -82,7 +79,7 @@ std::vector<PassTime> Commands::pass_times() const {
 
 PassScope::PassScope(Commands& commands, const std::string& name)
     : commands_(commands), index_(static_cast<uint32_t>(commands.scopes_.size())) {
-    assert(index_ < kMaxScopes && "more pass scopes in one submission than timestamps");
+    assert(index_ < commands.max_scopes_ && "more pass scopes in one submission than timestamps");
     commands.scopes_.push_back(name);
     if (vkCmdBeginDebugUtilsLabelEXT) {
         const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, name.c_str(), {}};

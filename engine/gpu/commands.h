@@ -17,7 +17,8 @@ struct PassTime {
 // One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again.
 class Commands {
   public:
-    explicit Commands(const Device& device, std::string name = "commands");
+    // At most so many pass scopes in one submission.
+    explicit Commands(const Device& device, std::string name = "commands", uint32_t max_scopes = 128);
     ~Commands();
     Commands(const Commands&) = delete;
     Commands& operator=(const Commands&) = delete;
@@ -37,6 +38,7 @@ class Commands {
     friend class PassScope;
     const Device& device_;
     std::string name_;
+    uint32_t max_scopes_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE;
     VkFence fence_ = VK_NULL_HANDLE;

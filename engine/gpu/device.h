@@ -3,6 +3,7 @@
 
 #include <volk.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -50,6 +51,10 @@ class Device {
     bool float_atomics() const { return float_atomics_; }
     bool validating() const { return messenger_ != VK_NULL_HANDLE; }
 
+    // Of all buffers that live on the device now.
+    uint64_t buffer_bytes() const { return buffer_bytes_; }
+    void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
+
     // First memory type that has `wanted` among those in `type_bits`, or falls back to `needed`. Throws RuntimeFailure.
     uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const;
 
@@ -83,6 +88,7 @@ class Device {
     DeviceSummary summary_;
     bool float_atomics_ = false;
     bool debug_utils_ = false;
+    mutable std::atomic<uint64_t> buffer_bytes_ = 0;
     std::unique_ptr<Messages> messages_;
 };
 

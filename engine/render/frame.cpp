@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <cstring>
 
 #include "base/error.h"
@@ -11,75 +13,55 @@ namespace neuvv {
 
 namespace {
 
-uint32_t tile_count(uint32_t width, uint32_t height) {
-    return ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile);
-}
+constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 8;  // three of a slice, three of an instance
 
-// Tiles of a picture's rays. Throws RuntimeFailure where the device cannot address so many rays.
-uint32_t checked_tiles(const Device& device, uint32_t width, uint32_t height, uint32_t samples) {
-    const uint64_t across = (uint64_t{samples} * width + kTile - 1) / kTile;
-    const uint64_t down = (uint64_t{samples} * height + kTile - 1) / kTile;
-    if (across * down * kTilePixels > device.limits().maxTexelBufferElements)
+// Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
+uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
+    const uint64_t across = (uint64_t{capacity.samples} * capacity.width + kTile - 1) / kTile;
+    const uint64_t down = (uint64_t{capacity.samples} * capacity.height + kTile - 1) / kTile;
+    const uint64_t tiles = across * down * capacity.views;
+    if (tiles * kTilePixels > device.limits().maxTexelBufferElements)
         throw RuntimeFailure(
             fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
                         "or --samples",
-                        width, height, samples * samples));
-    return tile_count(samples * width, samples * height);
+                        capacity.width, capacity.height, capacity.samples * capacity.samples));
+    return static_cast<uint32_t>(tiles);
 }
 
-// Per-ray values from tile order into rows.
+uint64_t picture_bytes(const FrameCapacity& capacity) {
+    return uint64_t{4} * capacity.width * capacity.height * capacity.views;
+}
+
+// Per-ray values of one view from tile order into rows.
 template <typename T>
-std::vector<T> rows_from_tiles(const std::vector<T>& rays, uint32_t width, uint32_t height) {
-    const uint32_t across = (width + kTile - 1) / kTile;
+std::vector<T> rows_of_view(const Device& device, const Buffer& rays, const ViewLayout& layout, uint32_t view) {
+    std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
+    download(device, rays, tiles.data(), tiles.size() * sizeof(T));
+    const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
+    const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
     std::vector<T> rows(size_t{width} * height);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
-            const size_t tile = size_t{y / kTile} * across + x / kTile;
-            rows[size_t{y} * width + x] = rays[tile * kTilePixels + y % kTile * kTile + x % kTile];
+            const size_t tile = first_tile + size_t{y / kTile} * layout.tiles_across() + x / kTile;
+            rows[size_t{y} * width + x] = tiles[tile * kTilePixels + y % kTile * kTile + x % kTile];
         }
     return rows;
 }
 
-}  // namespace
-
-TraceMode play_mode(const Field& field, glm::vec3 eye) {
-    // Half a leaf as seen from the eye, in radians. Functions of degree n turn n times as fast as those of degree 1.
-    constexpr float kSmallAngle = 0.02f;
-    const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-    const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
-    return half_leaf < kSmallAngle * glm::length(outside) ? TraceMode::kShaded : TraceMode::kTree;
+bool is_reference(TraceMode mode) {
+    return mode == TraceMode::kSlice || mode == TraceMode::kDirect || mode == TraceMode::kPaper;
 }
+
+// World, metres.
+glm::dvec3 middle_of(const Field& field, const Instance& instance) {
+    const glm::dvec4 middle(0.5 * glm::dvec3(field.leaves_min + field.leaves_max), 1);
+    return glm::dvec3(glm::dmat4(instance.world_from_performer) * middle);
+}
+
+}  // namespace
 
 SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
     : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
-
-TreePath::TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture,
-                   uint32_t entries, uint64_t slice_budget)
-    : live(device, field, field.leaf_count),
-      trees(device, field, entries,
-            static_cast<uint32_t>(std::clamp<uint64_t>(slice_budget / slice_bytes(field, entries), 1, field.frames))),
-      shaded(shaded_entries(device, trees.capacity)),
-      ranges(device, rays.tile_capacity),
-      slicer(device, field, live, trees),
-      shader(device, field, trees, shaded),
-      ranger(device, field, trees, ranges),
-      unshaded_tracer(device, field, trees, trees.entries, ranges, rays, Shading::kPerRay),
-      shaded_tracer(device, field, trees, shaded, ranges, rays, Shading::kPerLeaf),
-      resolver(device, rays, picture, &ranges),
-      blank(device, "blank picture", picture.bytes, MemoryKind::kDevice),
-      kept(trees.slices),
-      count_readback(device, "entries readback", sizeof(LiveCount), MemoryKind::kReadback) {}
-
-TreePath::Place TreePath::place_of(float frame) {
-    pictures++;
-    auto found = std::find_if(kept.begin(), kept.end(), [frame](const Kept& one) { return one.frame == frame; });
-    const bool built = found != kept.end();
-    if (!built)
-        found =
-            std::min_element(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
-    *found = {frame, pictures};
-    return {static_cast<uint32_t>(found - kept.begin()), built};
-}
 
 DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
     : live(device, field, 1),
@@ -87,87 +69,139 @@ DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch&
       direct(device, field, live, rays),
       paper(device, field, live, rays, Walk::kFromRoot) {}
 
-namespace {
-
-bool is_of_tree(TraceMode mode) {
-    return mode == TraceMode::kShaded || mode == TraceMode::kTree;
-}
-
-// A part of a clip's leaves live in one of its frames, all those of a still.
-uint32_t likely_entries(const Field& field) {
-    const uint32_t most = most_entries(field);
-    return field.frames == 1 ? most : std::min(most, most / 4 + 4096);
-}
-
-// Settings whose pictures of nothing are the same.
-bool same_blank(const FrameSettings& a, const FrameSettings& b) {
-    return a.width == b.width && a.height == b.height && a.samples == b.samples && a.resolve == b.resolve;
-}
-
-}  // namespace
-
-void record_tree(Commands& commands, FrameRenderer& r, const ShaderCamera& camera, const FrameSettings& settings) {
-    TreePath& path = *r.tree_;
-    if (!path.blank_settings || !same_blank(*path.blank_settings, settings)) {
-        record_clear(commands, r.rays_);
-        record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
-        copy(commands, r.picture_, path.blank, path.blank.bytes);
-        path.blank_settings = settings;
+void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+    record_clear(commands, r.rays_);
+    const std::pair shown(r.layout_, settings.resolve);
+    if (r.blank_is_of_ != shown) {
+        record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
+        copy(commands, r.picture_, r.blank_, r.blank_.bytes);
+        r.blank_is_of_ = shown;
     }
-    const auto [slice, built] = path.place_of(settings.frame);
-    if (!built) record_slice_tree(commands, path.slicer, slice, settings.frame);
-    copy(commands, path.trees.counts, path.count_readback, sizeof(LiveCount), slice * sizeof(LiveCount));
-    const bool shaded = settings.mode == TraceMode::kShaded;
-    if (shaded) record_shade(commands, path.shader, slice, glm::vec3(camera.origin));
-    record_tile_ranges(commands, path.ranger, slice, camera);
-    record_trace_tree(commands, shaded ? path.shaded_tracer : path.unshaded_tracer, slice, r.rays_, settings.stop);
-    copy(commands, path.blank, r.picture_, path.blank.bytes);
+    record_slices(commands, *r.performer_);
+    record_unseen(commands, r.ranges_);
+    for (const DrawnInstance& instance : r.drawn_)
+        record_instance(commands, *r.performer_, instance, r.layout_, settings.stop);
+    copy(commands, r.blank_, r.picture_, r.blank_.bytes);
     compute_barrier(commands);
-    record_resolve(commands, path.resolver, settings.width, settings.height, settings.samples, settings.resolve);
+    record_resolve(commands, r.listed_resolver_, r.layout_, settings.resolve);
 }
 
-void record_frame(Commands& commands, FrameRenderer& r, const ShaderCamera& camera, const FrameSettings& settings) {
-    const uint32_t tiles = tile_count(settings.samples * settings.width, settings.samples * settings.height);
+void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+    const uint32_t tiles = r.layout_.ray_tiles();
+    const float frame = settings.instances.empty() ? 0 : settings.instances[0].frame;  // a reference has only this one
     switch (settings.mode) {
+        case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            record_tree(commands, r, camera, settings);
+            record_instances(commands, r, settings);
             break;
         case TraceMode::kSlice:
-            record_slice(commands, r.slots_->slicer, settings.frame);
+            record_slice(commands, r.slots_->slicer, frame);
             record_trace(commands, r.slots_->tracer, tiles, settings.stop);
             break;
         case TraceMode::kDirect:
         case TraceMode::kPaper:
-            record_rows(commands, r.direct_->finder, settings.frame);
+            record_rows(commands, r.direct_->finder, frame);
             record_direct(commands, settings.mode == TraceMode::kPaper ? r.direct_->paper : r.direct_->direct, tiles,
                           settings.stop);
             break;
     }
-    if (!is_of_tree(settings.mode))
-        record_resolve(commands, r.resolver_, settings.width, settings.height, settings.samples, settings.resolve);
-    copy(commands, r.picture_, r.readback_, uint64_t{4} * settings.width * settings.height);
+    if (is_reference(settings.mode)) record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
+    copy(commands, r.picture_, r.readback_, uint64_t{4} * r.layout_.width * r.layout_.height * r.layout_.views);
     host_barrier(commands);
 }
 
-FrameRenderer::FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
-                             uint32_t max_samples, uint64_t slice_budget)
+FrameRenderer::FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
     : device_(device),
       field_(field),
-      slice_budget_(slice_budget),
-      rays_(device, 1, checked_tiles(device, max_width, max_height, max_samples)),
-      picture_(device, "picture", uint64_t{4} * max_width * max_height, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      readback_(device, "picture readback", uint64_t{4} * max_width * max_height, MemoryKind::kReadback),
+      capacity_(capacity),
+      rays_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity)),
+      ranges_(device, rays_.tile_capacity, rays_.camera_capacity),
+      picture_(device, "picture", picture_bytes(capacity), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      readback_(device, "picture readback", picture_bytes(capacity), MemoryKind::kReadback),
+      blank_(device, "blank picture", picture_bytes(capacity), MemoryKind::kDevice),
       resolver_(device, rays_, picture_),
-      commands_(device, "frame") {}
+      listed_resolver_(device, rays_, picture_, &ranges_),
+      commands_(device, "frame", kMaxScopes) {}
+
+void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
+    const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
+    if (layout.ray_tiles() > rays_.tile_capacity || cameras.size() > capacity_.views ||
+        uint64_t{4} * layout.width * layout.height * layout.views > readback_.bytes)
+        throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
+                                         settings.width, settings.height));
+    if (settings.instances.size() > kMaxInstances)
+        throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
+                                         settings.instances.size(), kMaxInstances));
+    assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
+    for (size_t i = 0; i < settings.instances.size(); i++) {
+        const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
+        if (!std::isfinite(volume) || volume == 0)
+            throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
+    }
+}
+
+// The cameras of the world, one a view, and their tiles.
+void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSettings& settings) {
+    const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
+    for (uint32_t view = 0; view < layout.views; view++)
+        rays_.cameras.as<ShaderCamera>()[view] =
+            shader_camera(enlarged(cameras[view], settings.samples), settings.samples);
+    if (layout == layout_) return;
+    layout_ = layout;
+    Tile* to = rays_.tiles.as<Tile>();
+    for (uint32_t view = 0; view < layout.views; view++) {
+        const std::vector<Tile> tiles =
+            tiles_of_picture(view, layout.samples * layout.width, layout.samples * layout.height);
+        to = std::copy(tiles.begin(), tiles.end(), to);
+    }
+}
+
+// Those that may be seen, near to far, so that rays that have met something solid need not look behind it.
+void FrameRenderer::place_instances(std::span<const Camera> cameras, const FrameSettings& settings) {
+    glm::dvec3 eye(0);
+    for (const Camera& camera : cameras)
+        eye += glm::dvec3(camera.world_from_camera[3]) / static_cast<double>(cameras.size());
+    std::vector<std::pair<double, uint32_t>> by_distance;
+    for (uint32_t i = 0; i < settings.instances.size(); i++)
+        by_distance.emplace_back(glm::distance(eye, middle_of(field_, settings.instances[i])), i);
+    std::sort(by_distance.begin(), by_distance.end());
+    drawn_.clear();
+    for (const auto& [distance, i] : by_distance) place_instance(cameras, settings, settings.instances[i], eye);
+}
+
+void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameSettings& settings,
+                                   const Instance& instance, glm::dvec3 eye) {
+    DrawnInstance drawn;
+    drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field_.frames - 1));
+    drawn.eye = glm::vec3(glm::inverse(glm::dmat4(instance.world_from_performer)) * glm::dvec4(eye, 1));
+    drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
+    double rays = 0, focal = 0;
+    for (uint32_t view = 0; view < layout_.views; view++) {
+        const Camera camera = enlarged(in_performer(cameras[view], instance.world_from_performer), settings.samples);
+        const ShaderCamera seen = shader_camera(camera, settings.samples);
+        const RangeView range = range_view(seen);
+        rays_.cameras.as<ShaderCamera>()[drawn.first_camera + view] = seen;
+        ranges_.views.as<RangeView>()[drawn.first_camera + view] = range;
+        rays += pixels_around(range, {camera.width, camera.height}, field_.leaves_min, field_.leaves_max);
+        focal = std::max({focal, camera.fx, camera.fy});
+    }
+    if (rays == 0) return;
+    drawn.range_level = range_level(field_, drawn.eye, focal);
+    drawn.shading = settings.mode == TraceMode::kPlay     ? play_shading(field_, drawn.eye, rays)
+                    : settings.mode == TraceMode::kShaded ? Shading::kPerLeaf
+                                                          : Shading::kPerRay;
+    drawn_.push_back(drawn);
+}
 
 void FrameRenderer::prepare(TraceMode mode) {
     switch (mode) {
+        case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            if (!tree_)
-                tree_ =
-                    std::make_unique<TreePath>(device_, field_, rays_, picture_, likely_entries(field_), slice_budget_);
+            if (!performer_)
+                performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.slice_budget);
+            performer_->prepare(drawn_);
             break;
         case TraceMode::kSlice:
             if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
@@ -179,50 +213,41 @@ void FrameRenderer::prepare(TraceMode mode) {
     }
 }
 
-// Whether the last picture's slice had more entries than there was room for; then there is more for the next.
-bool FrameRenderer::enlarge_slices() {
-    if (!tree_ || tree_->count_readback.as<LiveCount>()->overflow == 0) return false;
-    const uint32_t entries = std::min(most_entries(field_), 2 * tree_->trees.capacity);
-    tree_.reset();  // before there is another
-    tree_ = std::make_unique<TreePath>(device_, field_, rays_, picture_, entries, slice_budget_);
-    return true;
+void FrameRenderer::forget_slices() {
+    if (performer_ && performer_->slices()) performer_->slices()->cache.forget();
 }
 
-void FrameRenderer::forget_slices() {
-    if (tree_) std::fill(tree_->kept.begin(), tree_->kept.end(), TreePath::Kept{});
+std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
+    expect_fitting(cameras, settings);
+    place_rays(cameras, settings);
+    place_instances(cameras, settings);
+    do {
+        prepare(settings.mode);
+        commands_.begin();
+        record_frame(commands_, *this, settings);
+        commands_.submit();
+        commands_.wait();
+    } while (!is_reference(settings.mode) && performer_->enlarge_slices());
+    std::vector<Image> pictures;
+    const uint8_t* from = readback_.as<uint8_t>();
+    for (size_t view = 0; view < cameras.size(); view++) {
+        Image& picture = pictures.emplace_back(settings.width, settings.height);
+        std::memcpy(picture.rgba.data(), from, picture.rgba.size());
+        from += picture.rgba.size();
+    }
+    return pictures;
 }
 
 Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
-    const std::vector<Tile> tiles =
-        tiles_of_picture(0, settings.samples * settings.width, settings.samples * settings.height);
-    Image image(settings.width, settings.height);
-    if (tiles.size() > rays_.tile_capacity || image.rgba.size() > readback_.bytes)
-        throw RuntimeFailure(
-            fmt::format("a picture of {}x{} is larger than its renderer", settings.width, settings.height));
-    prepare(settings.mode);
-    const ShaderCamera seen = shader_camera(enlarged(camera, settings.samples), settings.samples);
-    *rays_.cameras.as<ShaderCamera>() = seen;
-    std::memcpy(rays_.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
-    do {
-        commands_.begin();
-        record_frame(commands_, *this, seen, settings);
-        commands_.submit();
-        commands_.wait();
-    } while (is_of_tree(settings.mode) && enlarge_slices());
-    std::memcpy(image.rgba.data(), readback_.mapped, image.rgba.size());
-    return image;
+    return std::move(render_views({&camera, 1}, settings)[0]);
 }
 
-std::vector<glm::vec4> FrameRenderer::radiance(uint32_t width, uint32_t height) const {
-    std::vector<glm::vec4> rays(size_t{tile_count(width, height)} * kTilePixels);
-    download(device_, rays_.radiance, rays.data(), rays.size() * sizeof(glm::vec4));
-    return rows_from_tiles(rays, width, height);
+std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
+    return rows_of_view<glm::vec4>(device_, rays_.radiance, layout_, view);
 }
 
-std::vector<float> FrameRenderer::depth(uint32_t width, uint32_t height) const {
-    std::vector<float> rays(size_t{tile_count(width, height)} * kTilePixels);
-    download(device_, rays_.depth, rays.data(), rays.size() * sizeof(float));
-    return rows_from_tiles(rays, width, height);
+std::vector<float> FrameRenderer::depth(uint32_t view) const {
+    return rows_of_view<float>(device_, rays_.depth, layout_, view);
 }
 
 }  // namespace neuvv

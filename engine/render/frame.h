@@ -1,30 +1,27 @@
-// A whole frame of one performer: the place to start reading.
+// A whole frame: the place to start reading.
 #pragma once
 
 #include <memory>
 #include <optional>
 
 #include "media/image.h"
+#include "render/performer.h"
 #include "render/resolve.h"
-#include "render/shade.h"
-#include "render/trace_tree.h"
 
 namespace neuvv {
 
 enum class TraceMode {
-    kShaded,  // slice tree with one colour a leaf: for playing
-    kTree,    // slice tree, SH along each ray
+    kPlay,    // slice trees, shaded where that shows the same (play_shading)
+    kShaded,  // slice trees with one colour a leaf
+    kTree,    // slice trees, SH along each ray
+    // References, of one instance where it was recorded, in one view:
     kSlice,   // the slice as training has it, in single precision
     kDirect,  // no slice: all numbers at each sample
     kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
 
-// kShaded where that shows the same: where leaves are small, seen from the eye (world, metres), on the average. Else
-// kTree.
-TraceMode play_mode(const Field& field, glm::vec3 eye);
-
 struct FrameSettings {
-    float frame = 0;  // of the clip, 0..frames−1, fractions allowed
+    std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
     ResolveSettings resolve;
@@ -32,44 +29,22 @@ struct FrameSettings {
     float stop = kStopTransmittance;
 };
 
-// What each way of tracing needs on the device besides rays.
+constexpr uint32_t kMaxInstances = 512;
+
+// What a renderer is made for, at most.
+struct FrameCapacity {
+    uint32_t width = 0, height = 0;
+    uint32_t samples = 1;
+    uint32_t views = 1;
+    uint64_t slice_budget = kSliceBudget;  // bytes; 0: no slices, all numbers at each sample
+};
+
+// What the reference paths need on the device besides rays.
 struct SlotPath {
     SlotPath(const Device& device, const Field& field, const RayBatch& rays);
     Slice slice;
     Slicer slicer;
     Tracer tracer;
-};
-
-struct TreePath {
-    // Room for as many slices of `entries` entries as the budget allows, one at least.
-    TreePath(const Device& device, const Field& field, const RayBatch& rays, const Buffer& picture, uint32_t entries,
-             uint64_t slice_budget);
-    // Where the slice of a frame is: `built`, or where it shall be, in place of the one that was not asked for for
-    // longest.
-    struct Place {
-        uint32_t slice;
-        bool built;
-    };
-    Place place_of(float frame);
-
-    LiveLeaves live;
-    SliceTrees trees;
-    Buffer shaded;
-    TileRanges ranges;
-    TreeSlicer slicer;
-    Shader shader;
-    TileRanger ranger;
-    TreeTracer unshaded_tracer, shaded_tracer;
-    Resolver resolver;  // of tiles that see anything; `blank` is what the others show
-    Buffer blank;
-    std::optional<FrameSettings> blank_settings;
-    struct Kept {
-        std::optional<float> frame;
-        uint64_t asked = 0;  // the last time, in pictures
-    };
-    std::vector<Kept> kept;  // per slice
-    uint64_t pictures = 0;
-    Buffer count_readback;  // LiveCount of the last picture's slice
 };
 
 struct DirectPath {
@@ -79,53 +54,59 @@ struct DirectPath {
     DirectTracer direct, paper;
 };
 
-// Bytes that slices of frames may take on the device, however many frames are shown: those shown last are kept.
-constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
-
-// Everything a frame needs on the device, made once for the largest picture.
+// Everything a frame needs on the device, made once.
 class FrameRenderer {
   public:
-    FrameRenderer(const Device& device, const Field& field, uint32_t max_width, uint32_t max_height,
-                  uint32_t max_samples = 1, uint64_t slice_budget = kSliceBudget);
+    FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity);
 
-    // Renders and waits: the picture, sRGB with straight alpha. `camera` is that of the picture. Throws RuntimeFailure
-    // for a picture larger than the renderer was made for.
+    // Renders and waits: the picture of each camera, sRGB with straight alpha. Throws RuntimeFailure for more or larger
+    // pictures than the renderer was made for, and for transforms that cannot be inverted.
+    std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 
     // The next picture slices anew, as if no frame had been shown yet (for measuring).
     void forget_slices();
 
-    // Rays of the last picture in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.
-    std::vector<glm::vec4> radiance(uint32_t width, uint32_t height) const;
-    std::vector<float> depth(uint32_t width, uint32_t height) const;
+    // Rays of the last picture's view in rows (samples times as many a side): premultiplied linear RGB and alpha;
+    // metres.
+    std::vector<glm::vec4> radiance(uint32_t view = 0) const;
+    std::vector<float> depth(uint32_t view = 0) const;
 
-    // What slice trees have on the device, the last one shaded if its picture was; null before the first.
-    const TreePath* tree_path() const { return tree_.get(); }
+    // What the last picture left on the device; no performer before the first that was not a reference.
+    const Performer* performer() const { return performer_.get(); }
+    const TileRanges& ranges() const { return ranges_; }
+    const RayBatch& rays() const { return rays_; }
 
     // GPU time of each pass of the last picture.
     std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
 
   private:
-    friend void record_frame(Commands& commands, FrameRenderer& renderer, const ShaderCamera& camera,
-                             const FrameSettings& settings);
-    friend void record_tree(Commands& commands, FrameRenderer& renderer, const ShaderCamera& camera,
-                            const FrameSettings& settings);
+    friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_instances(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
+    void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
+    void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
+    void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance,
+                        glm::dvec3 eye);
     void prepare(TraceMode mode);
-    bool enlarge_slices();
     const Device& device_;
     const Field& field_;
-    uint64_t slice_budget_;
+    FrameCapacity capacity_;
     RayBatch rays_;
+    TileRanges ranges_;
     Buffer picture_, readback_;
-    std::unique_ptr<SlotPath> slots_;  // each made when first asked for
-    std::unique_ptr<TreePath> tree_;
+    Buffer blank_;  // what pictures show where nothing is seen
+    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
+    std::unique_ptr<Performer> performer_;  // paths are made when first asked for
+    std::unique_ptr<SlotPath> slots_;
     std::unique_ptr<DirectPath> direct_;
-    Resolver resolver_;
+    Resolver resolver_, listed_resolver_;  // of all tiles; of those where anything may be seen
+    ViewLayout layout_;                    // of the last picture
+    std::vector<DrawnInstance> drawn_;     // of the last picture: those that may be seen, near to far
     Commands commands_;
 };
 
-// The frame, pass by pass. Camera and tiles are already in the ray batch, the mode's path is made.
-void record_frame(Commands& commands, FrameRenderer& renderer, const ShaderCamera& camera,
-                  const FrameSettings& settings);
+// The frame, pass by pass. Cameras, tiles and instances are in their buffers, the mode's path is made.
+void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
 
 }  // namespace neuvv

@@ -12,17 +12,16 @@ Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& pic
                    {kResolvePicture, &picture},
                    {kResolveTiles, only ? &only->picture_list : &rays.tiles}}) {}  // read only where there is a list
 
-void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height, uint32_t samples,
+void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings) {
     const PassScope scope(commands, "resolve");
-    const uint32_t tiles = ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile);
     const ResolvePush push{
-        settings.background,  width,  height, static_cast<uint32_t>(settings.show), settings.depth_near_m,
-        settings.depth_far_m, samples};
+        settings.background,   layout.width,         layout.height, static_cast<uint32_t>(settings.show),
+        settings.depth_near_m, settings.depth_far_m, layout.samples};
     if (resolver.only_)
         dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
     else
-        dispatch(commands, resolver.pass_, resolver.set_, tiles, push);
+        dispatch(commands, resolver.pass_, resolver.set_, layout.picture_tiles(), push);
     compute_barrier(commands);
 }
 

@@ -18,18 +18,19 @@ struct ResolveSettings {
 
 class Resolver {
   public:
-    // `picture`: at least width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
+    // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only = nullptr);
 
   private:
-    friend void record_resolve(Commands&, const Resolver&, uint32_t, uint32_t, uint32_t, const ResolveSettings&);
+    friend void record_resolve(Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);
     const TileRanges* only_;
     ComputePass pass_;
     BindingSet set_;
 };
 
-// The rays must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of them.
-void record_resolve(Commands& commands, const Resolver& resolver, uint32_t width, uint32_t height, uint32_t samples,
+// The rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of
+// them.
+void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);
 
 }  // namespace neuvv

@@ -21,7 +21,7 @@ class Shader {
 // A buffer for the shaded entries of a slice with room for so many.
 Buffer shaded_entries(const Device& device, uint32_t capacity);
 
-// `eye`: world, metres.
+// `eye`: in the performer's space, metres.
 void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye);
 
 }  // namespace neuvv

@@ -31,6 +31,8 @@ SliceTrees::SliceTrees(const Device& device, const Field& field, uint32_t entry_
       counts(device, "counts of entries", sizeof(LiveCount) * slices, MemoryKind::kDevice) {
     if ((capacity + kSliceGroup - 1) / kSliceGroup > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));
+    const std::vector<LiveCount> none(slices);
+    upload(device, counts, none.data(), counts.bytes);
 }
 
 TreeSlicer::TreeSlicer(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)

@@ -17,7 +17,7 @@ struct SliceTrees {
     Buffer nodes;       // per slice and node of the field: live cells, first entry, wide octants
     Buffer entries;     // σ and SH, fp16
     Buffer entry_leaf;  // per entry its leaf, or kNoLeaf
-    Buffer counts;      // per slice LiveCount of entries
+    Buffer counts;      // per slice LiveCount of entries; all 0 before it is built
 
     uint32_t node_base(uint32_t slice) const { return slice * node_count; }
     uint32_t entry_base(uint32_t slice) const { return slice * capacity; }

@@ -1,5 +1,7 @@
 #include "render/tile_range.h"
 
+#include <algorithm>
+
 #include "spirv/tile_list.comp.h"
 #include "spirv/tile_range.comp.h"
 
@@ -16,60 +18,101 @@ uint64_t list_bytes(uint32_t tiles) {
     return uint64_t{4} * tiles + uint64_t{4} * kListRow;
 }
 
-TileRangePush range_push(const Field& field, const ShaderCamera& camera, uint32_t node_base) {
+}  // namespace
+
+RangeView range_view(const ShaderCamera& camera) {
     // A place p is seen by the pixel (x, y) with p − eye = z (corner + x·right + y·down).
     const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
     const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
-    const auto tiles = [](float pixels) { return (static_cast<uint32_t>(pixels) + kTile - 1) / kTile; };
-    return {camera.origin,
-            glm::vec4(glm::vec3(rows[0]), 0),
-            glm::vec4(glm::vec3(rows[1]), 0),
-            glm::vec4(glm::vec3(rows[2]), 0),
-            glm::vec4(field.box_min, 0),
-            glm::vec4(field.box_size, 0),
-            field.node_count(),
-            tiles(camera.right.w),
-            tiles(camera.down.w),
-            static_cast<uint32_t>(camera.corner.w),
-            node_base};
+    const auto row = [&rows](int i) { return glm::vec4(glm::vec3(rows[i]), 0); };
+    return {camera.origin, row(0), row(1), row(2)};
 }
 
-}  // namespace
+double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_min, glm::vec3 box_max) {
+    glm::dvec2 low(1e30), high(-1e30);
+    uint32_t behind = 0;
+    for (uint32_t i = 0; i < 8; i++) {
+        const glm::bvec3 upper(i & 1, i & 2, i & 4);
+        const glm::dvec3 from_eye(glm::mix(box_min, box_max, upper) - glm::vec3(view.eye));
+        const auto along = [&](glm::vec4 row) { return glm::dot(glm::dvec3(row), from_eye); };
+        const double z = along(view.row_z);
+        behind += z <= 0;
+        const glm::dvec2 pixel = glm::dvec2(along(view.row_x), along(view.row_y)) / z;
+        low = glm::min(low, pixel);
+        high = glm::max(high, pixel);
+    }
+    if (behind == 8) return 0;
+    if (behind > 0) return picture.x * picture.y;
+    const glm::dvec2 seen = glm::max(glm::min(high, picture) - glm::max(low, 0.0), 0.0);
+    return seen.x * seen.y;
+}
 
-TileRanges::TileRanges(const Device& device, uint32_t tiles)
-    : ranges(device, "tile ranges", uint64_t{8} * tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
+    const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
+    const double largest_m = 0.5 * kTile * glm::length(outside) / focal_pixels;
+    const auto levels = static_cast<uint32_t>(field.level_begin.size()) - 1;
+    double edge_m = std::max({field.box_size.x, field.box_size.y, field.box_size.z});
+    uint32_t level = 0;
+    for (; level + 1 < levels && edge_m > largest_m; level++) edge_m /= 4;
+    return level;
+}
+
+TileRanges::TileRanges(const Device& device, uint32_t tiles, uint32_t cameras)
+    : views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, MemoryKind::kUpload,
+            VK_FORMAT_R32G32B32A32_SFLOAT),
+      ranges(device, "tile ranges", uint64_t{8} * tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       list(device, "tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), MemoryKind::kDevice),
-      picture_list(device, "picture's tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      picture_count(device, "count of the picture's tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
+      seen(device, "tiles seen", uint64_t{4} * tiles, MemoryKind::kDevice),
+      picture_list(device, "pictures' tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
 
-TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees& trees, const TileRanges& ranges)
+TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const TileRanges& ranges)
     : field_(field),
       trees_(trees),
       ranges_(ranges),
       range_(device, "tile ranges", tile_range_comp),
       list_(device, "tile list", tile_list_comp),
-      range_set_(range_, {{kRangeNodes, &trees.nodes},
+      range_set_(range_, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
                           {kRangeInner, &field.inner_cells},
                           {kRangePlaces, &field.node_places},
+                          {kRangeViews, &ranges.views},
                           {kRangeTiles, &ranges.ranges}}),
       list_set_(list_, {{kRangeTiles, &ranges.ranges},
                         {kRangeList, &ranges.list},
                         {kRangeCount, &ranges.count},
+                        {kRangeSeen, &ranges.seen},
                         {kRangePictures, &ranges.picture_list},
                         {kRangePictureCount, &ranges.picture_count}}) {}
 
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, const ShaderCamera& camera) {
+void record_unseen(Commands& commands, const TileRanges& ranges) {
+    fill(commands, ranges.seen, 0);
+    fill(commands, ranges.picture_list, kNoTile);
+    update(commands, ranges.picture_count, LiveCount{0, 1, 1, 0, 0});
+    compute_barrier(commands);
+}
+
+void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
+                        uint32_t level, const ViewLayout& layout) {
     const PassScope scope(commands, "tile ranges");
-    const TileRangePush push = range_push(ranger.field_, camera, ranger.trees_.node_base(slice));
+    const Field& field = ranger.field_;
+    const TileRangePush push{glm::vec4(field.box_min, 0),
+                             glm::vec4(field.box_size, 0),
+                             field.level_begin[level + 1],
+                             level + 2 < field.level_begin.size() ? field.level_begin[level] : field.node_count(),
+                             ranger.trees_ ? ranger.trees_->node_base(slice) : 0,
+                             first_view,
+                             layout.views,
+                             layout.tiles_across(),
+                             layout.tiles_down(),
+                             layout.samples};
     fill(commands, ranger.ranges_.ranges, 0xffffffff);
-    for (const Buffer* list : {&ranger.ranges_.list, &ranger.ranges_.picture_list}) fill(commands, *list, kNoTile);
-    for (const Buffer* count : {&ranger.ranges_.count, &ranger.ranges_.picture_count})
-        update(commands, *count, LiveCount{0, 1, 1, 0, 0});
+    fill(commands, ranger.ranges_.list, kNoTile);
+    update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
     compute_barrier(commands);
     dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);
     compute_barrier(commands);
-    dispatch(commands, ranger.list_, ranger.list_set_, groups_of(push.tiles_across * push.tiles_down), push);
+    dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.picture_tiles()), push);
     compute_barrier(commands);
 }
 

@@ -1,4 +1,4 @@
-// Tile ranges: which tiles of a picture see a slice tree at all, and between which distances.
+// Tile ranges: which tiles of the pictures may see an instance at all, and between which distances.
 #pragma once
 
 #include "render/slice_tree.h"
@@ -6,30 +6,63 @@
 
 namespace neuvv {
 
-struct TileRanges {
-    TileRanges(const Device& device, uint32_t tiles);
+// Several views of one frame: pictures of one size, whose tiles stand behind each other, all of one view's first.
+struct ViewLayout {
+    uint32_t width = 0, height = 0;  // pixels
+    uint32_t samples = 1;            // rays a pixel, along each side
+    uint32_t views = 1;
 
-    Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
-    Buffer list;                         // tiles of rays where the picture sees anything, then kNoTile
-    Buffer count;                        // LiveCount of these
-    Buffer picture_list, picture_count;  // the same in tiles of the picture
+    uint32_t tiles_across() const { return (samples * width + kTile - 1) / kTile; }  // of rays
+    uint32_t tiles_down() const { return (samples * height + kTile - 1) / kTile; }
+    uint32_t ray_tiles() const { return views * tiles_across() * tiles_down(); }
+    uint32_t picture_tiles() const { return views * ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile); }
+    bool operator==(const ViewLayout&) const = default;
 };
+
+struct TileRanges {
+    // At most so many tiles of rays, and cameras of instances.
+    TileRanges(const Device& device, uint32_t tiles, uint32_t cameras);
+
+    Buffer views;                        // RangeView of each camera of the ray batch, host-mapped
+    Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
+    Buffer list;                         // tiles of rays where an instance may be seen, then kNoTile
+    Buffer count;                        // LiveCount of these
+    Buffer seen;                         // per tile of the pictures: whether it is in the list
+    Buffer picture_list, picture_count;  // of tiles of the pictures, over all instances
+};
+
+// A camera in its performer's space (shared/slice_tree.h).
+RangeView range_view(const ShaderCamera& camera);
+
+// How many pixels the rectangle around a box covers in the picture of such a camera, which is so many pixels large; all
+// of them where the box reaches behind the eye. 0: none of it can be seen.
+double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_min, glm::vec3 box_max);
+
+// The coarsest level whose nodes look no larger than half a tile from `eye` (performer's space, metres), where a pixel
+// covers 1/focal_pixels of the distance.
+uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels);
 
 class TileRanger {
   public:
-    TileRanger(const Device& device, const Field& field, const SliceTrees& trees, const TileRanges& ranges);
+    // Nodes: those of `trees`, or without it of the whole field, as if every leaf lived.
+    TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const TileRanges& ranges);
 
   private:
-    friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice,
-                                   const ShaderCamera& camera);
+    friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
+                                   uint32_t level, const ViewLayout& layout);
     const Field& field_;
-    const SliceTrees& trees_;
+    const SliceTrees* trees_;
     const TileRanges& ranges_;
     ComputePass range_, list_;
     BindingSet range_set_, list_set_;
 };
 
-// `camera` is that of the tiles, which cover its picture row by row (tiles_of_picture).
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, const ShaderCamera& camera);
+// Before the first instance of a frame: no tile has seen anything.
+void record_unseen(Commands& commands, const TileRanges& ranges);
+
+// `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
+// not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.
+void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
+                        uint32_t level, const ViewLayout& layout);
 
 }  // namespace neuvv

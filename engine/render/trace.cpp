@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/tile_range.h"
+
 #include "spirv/direct.comp.h"
 #include "spirv/trace.comp.h"
 
@@ -28,6 +30,11 @@ ShaderCamera shader_camera(const Camera& camera, uint32_t samples) {
     return shader;
 }
 
+Camera in_performer(Camera camera, const glm::mat4& world_from_performer) {
+    camera.world_from_camera = glm::inverse(glm::dmat4(world_from_performer)) * camera.world_from_camera;
+    return camera;
+}
+
 std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height) {
     std::vector<Tile> tiles;
     for (uint32_t y = 0; y < height; y += kTile)
@@ -36,7 +43,7 @@ std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t hei
 }
 
 TracePush trace_push(const Field& field, float stop) {
-    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count, 0, 0};
+    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count, 0, 0, 0};
 }
 
 Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
@@ -60,11 +67,13 @@ void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, floa
 }
 
 DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                           Walk walk)
+                           Walk walk, const TileRanges* only)
     : field_(field),
+      only_(only),
       pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
-             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u}),
+             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
+             only ? 1u : 0u}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
@@ -72,12 +81,22 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTraceRows, &live.rows},
                    {kTraceCameras, &rays.cameras},
                    {kTraceTiles, &rays.tiles},
+                   {kTraceTileList, only ? &only->list : &rays.tiles},  // read only where they are
+                   {kTraceTileRanges, only ? &only->ranges : &rays.tiles},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const PassScope scope(commands, tracer.pass_.name());
     dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    compute_barrier(commands);
+}
+
+void record_direct_instance(Commands& commands, const DirectTracer& tracer, uint32_t first_camera, float stop) {
+    const PassScope scope(commands, tracer.pass_.name());
+    TracePush push = trace_push(tracer.field_, stop);
+    push.first_camera = first_camera;
+    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.only_->count, 0, push);
     compute_barrier(commands);
 }
 

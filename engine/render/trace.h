@@ -27,6 +27,9 @@ struct RayBatch {
 // 1 where rays leave pixels' centres, or tiles say where.
 ShaderCamera shader_camera(const Camera& camera, uint32_t samples = 1);
 
+// The camera in the space of a performer that stands at `world_from_performer`, which must be invertible (errata 13).
+Camera in_performer(Camera camera, const glm::mat4& world_from_performer);
+
 // Every tile of one picture, row by row.
 std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);
 
@@ -51,20 +54,28 @@ enum class Walk {
     kFromRoot,  // the paper's: from the root to every cell
 };
 
+struct TileRanges;
+
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 class DirectTracer {
   public:
+    // `only`: for instances, of the tiles that may see them.
     DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                 Walk walk = Walk::kDown);
+                 Walk walk = Walk::kDown, const TileRanges* only = nullptr);
 
   private:
     friend void record_direct(Commands&, const DirectTracer&, uint32_t, float);
+    friend void record_direct_instance(Commands&, const DirectTracer&, uint32_t, float);
     const Field& field_;
+    const TileRanges* only_;
     ComputePass pass_;
     BindingSet set_;
 };
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
+
+// As record_trace_tree, where an instance has no slice.
+void record_direct_instance(Commands& commands, const DirectTracer& tracer, uint32_t first_camera, float stop);
 
 // What both pass to their shader.
 TracePush trace_push(const Field& field, float stop);

@@ -22,16 +22,18 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
                    {kTraceDepth, &rays.depth}}) {}
 
 void record_clear(Commands& commands, const RayBatch& rays) {
+    const PassScope scope(commands, "clear");
     constexpr uint32_t kInfinity = 0x7f800000;
     fill(commands, rays.radiance, 0);
     fill(commands, rays.depth, kInfinity);
     compute_barrier(commands);
 }
 
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays, float stop) {
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera,
+                       float stop) {
     const PassScope scope(commands, "trace");
-    record_clear(commands, rays);
     TracePush push = trace_push(tracer.field_, stop);
+    push.first_camera = first_camera;
     push.node_base = tracer.trees_.node_base(slice);
     push.entry_base = tracer.trees_.entry_base(slice);
     dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.ranges_.count, 0, push);

@@ -1,4 +1,4 @@
-// Trace of a slice tree: the rays of tiles that see it.
+// Trace of an instance by its slice tree: the rays of tiles that may see it.
 #pragma once
 
 #include "render/tile_range.h"
@@ -14,7 +14,7 @@ class TreeTracer {
                const TileRanges& ranges, const RayBatch& rays, Shading shading);
 
   private:
-    friend void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays,
+    friend void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera,
                                   float stop);
     const Field& field_;
     const SliceTrees& trees_;
@@ -23,10 +23,11 @@ class TreeTracer {
     BindingSet set_;
 };
 
-// Makes every ray of the batch one that sees nothing.
+// Makes every ray of the batch one that sees nothing: before the first instance of a frame.
 void record_clear(Commands& commands, const RayBatch& rays);
 
-// Traces the tiles that record_tile_ranges listed; other rays of the batch become clear.
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const RayBatch& rays, float stop);
+// Traces the tiles that record_tile_ranges listed, into what stands there (errata 11). `first_camera`: the instance's
+// in the batch, one a view; the batch's first are those of the world.
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera, float stop);
 
 }  // namespace neuvv

@@ -68,30 +68,40 @@ struct ShadePush {
     uint capacity;  // entries of a slice
 };
 
-// tile_range.comp and tile_list.comp
-CONSTEXPR uint kRangeNodes = 0u;
+// tile_range.comp and tile_list.comp. Tiles of several views stand behind each other.
+CONSTEXPR uint kRangeNodes = 0u;   // of a slice tree or of the whole tree: their first two words
 CONSTEXPR uint kRangeInner = 1u;
-CONSTEXPR uint kRangePlaces = 2u;    // per node: as Field::node_places
-CONSTEXPR uint kRangeTiles = 3u;     // per tile: bits of the least distance, and the complement of those of the largest
-CONSTEXPR uint kRangeList = 4u;      // tiles that see anything, then kNoTile
-CONSTEXPR uint kRangeCount = 5u;     // a LiveCount of them
-CONSTEXPR uint kRangePictures = 6u;  // the picture's tiles that these belong to, then kNoTile
-CONSTEXPR uint kRangePictureCount = 7u;  // a LiveCount of them
+CONSTEXPR uint kRangePlaces = 2u;  // per node: as Field::node_places
+CONSTEXPR uint kRangeViews = 3u;   // a RangeView each
+CONSTEXPR uint kRangeTiles = 4u;   // per tile: bits of the least distance, and the complement of those of the largest
+CONSTEXPR uint kRangeList = 5u;    // tiles of rays where the instance may be seen, then kNoTile
+CONSTEXPR uint kRangeCount = 6u;   // a LiveCount of them
+CONSTEXPR uint kRangeSeen = 7u;    // per tile of the pictures: whether an instance may be seen there
+CONSTEXPR uint kRangePictures = 8u;      // those tiles, then kNoTile
+CONSTEXPR uint kRangePictureCount = 9u;  // a LiveCount of them
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
 
-struct TileRangePush {
-    vec4 eye;    // world, metres
-    vec4 row_x;  // (row_x, row_y, row_z) · (p − eye) = z (x, y, 1): the pixel x, y that sees p
+// A camera as places go to pixels, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for the pixel
+// x, y that sees p. Four texels.
+struct RangeView {
+    vec4 eye;  // metres
+    vec4 row_x;
     vec4 row_y;
     vec4 row_z;
+};
+
+struct TileRangePush {
     vec4 box_min;   // metres
     vec4 box_size;  // metres
-    uint nodes;
-    uint tiles_across;  // of rays
+    uint nodes;         // those of the coarser levels, and of one more
+    uint whole_from;    // the first of this one: finer nodes count as cells of it
+    uint node_base;
+    uint first_view;
+    uint views;
+    uint tiles_across;  // of a view's rays
     uint tiles_down;
     uint samples;  // tiles of rays in one of the picture, along each side
-    uint node_base;
 };
 
 NEUVV_SHARED_END
@@ -99,6 +109,7 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::SliceNodesPush) == 20);
 static_assert(sizeof(neuvv::ShadePush) == 56);
-static_assert(sizeof(neuvv::TileRangePush) == 116);
+static_assert(sizeof(neuvv::RangeView) == 64);
+static_assert(sizeof(neuvv::TileRangePush) == 64);
 #endif
 #endif

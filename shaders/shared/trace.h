@@ -23,8 +23,9 @@ CONSTEXPR uint kTraceDepth = 7u;     // per ray: metres along the ray, infinity 
 CONSTEXPR uint kTraceWeights = 8u;
 CONSTEXPR uint kTraceRows = 9u;
 
-// trace_tree.comp reads a slice tree, and the tiles that see anything
+// trace_tree.comp reads a slice tree
 CONSTEXPR uint kTraceEntries = 10u;
+// where kLayered is set: the tiles where an instance may be seen
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
 
@@ -51,6 +52,7 @@ struct TracePush {
     uint leaf_count;  // direct.comp
     uint node_base;   // trace_tree.comp
     uint entry_base;
+    uint first_camera;  // of the instance's, one a view; before them stand the world's
 };
 
 NEUVV_SHARED_END
@@ -58,6 +60,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 64);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 52);
+static_assert(sizeof(neuvv::TracePush) == 56);
 #endif
 #endif

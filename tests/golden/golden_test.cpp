@@ -63,7 +63,7 @@ TEST_F(GoldenComparison, NoticesWrongPictures) {
         }
         EXPECT_FALSE(compare_with_golden(render_scene(device(), without_a_cluster(scene)), truth).passes());
         GoldenScene earlier = scene;
-        earlier.settings.frame -= 0.25f;
+        earlier.settings.instances[0].frame -= 0.25f;
         EXPECT_FALSE(compare_with_golden(render_scene(device(), earlier), truth).passes());
         EXPECT_FALSE(compare_with_golden(Image(truth.width, truth.height - 1), truth).passes());
     }

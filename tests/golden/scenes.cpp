@@ -16,7 +16,7 @@ GoldenScene random_scene(const std::string& name) {
     scene.tree = random_tree({.seed = 21, .node_levels = 2, .leaves = 400, .bases = 6, .hh_degree = 2});
     const glm::dvec3 middle = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
     scene.camera = look_at(middle + glm::dvec3(1.6, 1.3, 2.4), middle, kSize, kSize, 1.05);
-    scene.settings.frame = 2;
+    scene.settings.instances[0].frame = 2;
     scene.settings.width = scene.settings.height = kSize;
     return scene;
 }
@@ -70,7 +70,7 @@ GoldenScene blob_scene() {
         weights[2 * tree.bases + 2 * functions + 3] = 5;  // blue, z
     }
     scene.camera = look_at({0.9, 0.75, 2.2}, {0.38, 0.42, 0.5}, kSize, kSize, 2.2);
-    scene.settings.frame = 0.5f;
+    scene.settings.instances[0].frame = 0.5f;
     scene.settings.width = scene.settings.height = kSize;
     scene.settings.resolve.background = {0.18f, 0.21f, 0.25f, 1};
     return scene;
@@ -88,7 +88,7 @@ std::vector<GoldenScene> golden_scenes() {
 
 Image render_scene(const Device& device, const GoldenScene& scene) {
     const Field field = upload_field(device, scene.tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, scene.settings.width, scene.settings.height);
+    FrameRenderer renderer(device, field, {scene.settings.width, scene.settings.height});
     return renderer.render(scene.camera, scene.settings);
 }
 

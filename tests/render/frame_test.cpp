@@ -8,101 +8,16 @@
 #include <cstdlib>
 
 #include "base/error.h"
-#include "reference/camera.h"
-#include "reference/loss.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
+#include "support/traced.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {
 namespace {
 
 constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
-
-struct Traced {
-    std::vector<glm::vec4> radiance;
-    std::vector<float> depth;
-};
-
-Traced trace_on_device(FrameRenderer& renderer, const Camera& camera, float frame, TraceMode mode, float stop) {
-    FrameSettings settings;
-    settings.frame = frame;
-    settings.width = camera.width;
-    settings.height = camera.height;
-    settings.mode = mode;
-    settings.stop = stop;
-    renderer.render(camera, settings);
-    return {renderer.radiance(camera.width, camera.height), renderer.depth(camera.width, camera.height)};
-}
-
-Traced trace_by_reference(const VOctree& tree, const Camera& camera, double frame, double stop) {
-    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
-    Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
-            const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y), stop);
-            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
-            traced.depth.push_back(static_cast<float>(ray.depth_m));
-        }
-    return traced;
-}
-
-Traced shade_by_reference(const VOctree& tree, const Camera& camera, double frame) {
-    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    const glm::dvec3 eye(camera.world_from_camera[3]);
-    Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
-            const reference::Ray pixel = reference::camera_ray(camera, x, y);
-            const reference::RayResult ray =
-                reference::composite(reference::ray_samples_shaded(tree, slices, places, eye, pixel), 0);
-            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
-            traced.depth.push_back(static_cast<float>(ray.depth_m));
-        }
-    return traced;
-}
-
-// The largest differences over all pixels, and what was seen.
-struct Difference {
-    double steps = 0;         // of 255, in alpha and in the colour over black as displays show it
-    double depth_m = 0;       // where the truth's alpha shows
-    bool depth_class = true;  // infinite exactly where alpha is 0
-    double alpha_mean = 0;
-};
-
-// NaN is infinitely wrong.
-void raise(double& worst, double error) {
-    worst = std::isnan(error) ? INFINITY : std::max(worst, error);
-}
-
-Difference difference(const Traced& traced, const Traced& truth) {
-    Difference worst;
-    for (size_t i = 0; i < truth.radiance.size(); i++) {
-        const glm::vec4 light = traced.radiance[i], expected = truth.radiance[i];
-        for (int channel = 0; channel < 3; channel++) {
-            const double shown = reference::display_value(light[channel]);
-            const double wanted = reference::display_value(expected[channel]);
-            raise(worst.steps, 255 * std::abs(shown - wanted));
-        }
-        raise(worst.steps, 255.0 * std::abs(light.a - expected.a));
-        worst.depth_class &= std::isinf(traced.depth[i]) == (light.a == 0);
-        if (expected.a > 1.0f / 255) raise(worst.depth_m, std::abs(traced.depth[i] - truth.depth[i]));
-        worst.alpha_mean += expected.a / static_cast<double>(truth.radiance.size());
-    }
-    return worst;
-}
-
-// What is promised is one step of 255; on scenes of a few metres rounding alone causes far less.
-constexpr double kSteps = 0.1;
-constexpr double kDepth_m = 1e-3;
-// Slice trees hold σ and colour as fp16, of 11 bits: α and SH sums are off by up to 1/2000 of what is summed.
-constexpr double kHalfSteps = 0.5;
-
-glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
-    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
-}
 
 // Looks along world −Z with directions whose x and y are exactly 0 in the middle column and row.
 Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
@@ -184,15 +99,15 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
     camera.cx += 3.25;
     camera.cy -= 2.5;
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, kWidth, kHeight, kSamples);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight, kSamples});
     FrameSettings settings;
-    settings.frame = 1.5f;
+    settings.instances[0].frame = 1.5f;
     settings.width = kWidth;
     settings.height = kHeight;
     settings.samples = kSamples;
     settings.stop = 0;
     const Image picture = renderer.render(camera, settings);
-    const std::vector<glm::vec4> rays = renderer.radiance(kSamples * kWidth, kSamples * kHeight);
+    const std::vector<glm::vec4> rays = renderer.radiance();
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
     double alpha_mean = 0;
     for (uint32_t y = 0; y < kHeight; y++)
@@ -230,7 +145,7 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
         ASSERT_GT(wide_leaves(tree), 0u);
         ASSERT_LT(wide_leaves(tree), tree.leaf_count);
         const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        FrameRenderer renderer(device(), field, {kWidth, kHeight});
         for (const View& view : views(tree)) expect_agreement(tree, view, renderer, 1.3f);
     }
 }
@@ -252,7 +167,7 @@ TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
         ASSERT_GT(tree.leaf_count, 4u);
         const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
         EXPECT_EQ(field.box_size, 2.0f * tree.box_size);
-        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        FrameRenderer renderer(device(), field, {kWidth, kHeight});
         expect_agreement(tree, views(tree)[0], renderer, 1.3f);
     }
 }
@@ -264,7 +179,7 @@ TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 3;
         const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        FrameRenderer renderer(device(), field, {kWidth, kHeight});
         expect_agreement(tree, views(tree)[0], renderer, 3);
     }
 }
@@ -274,7 +189,7 @@ TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const Camera camera = views(tree)[0].camera;
     const Traced whole = trace_by_reference(tree, camera, 2, 0);
     for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect, TraceMode::kPaper}) {
@@ -301,7 +216,7 @@ TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
     std::copy(std::begin(front), std::end(front), tree.leaf(0));
     std::copy(std::begin(back), std::end(back), tree.leaf(1));
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const Camera camera = axis_camera({0.25, 0.25, 3}, 512);
     const Traced whole = trace_by_reference(tree, camera, 0, 0);
     const Traced stopped = trace_on_device(renderer, camera, 0, TraceMode::kSlice, kStopTransmittance);
@@ -314,7 +229,7 @@ TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
     const VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
     const Camera camera = look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), 2402, 1763, 0.7);
-    FrameRenderer renderer(device(), field, camera.width, camera.height);
+    FrameRenderer renderer(device(), field, {camera.width, camera.height});
     const Traced traced = trace_on_device(renderer, camera, 0, TraceMode::kSlice, 0);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     size_t hits = 0;
@@ -330,9 +245,11 @@ TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
 TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
     const VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 3000});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    EXPECT_EQ(play_mode(field, world_of(tree, {30, 1, 1})), TraceMode::kShaded);
-    EXPECT_EQ(play_mode(field, world_of(tree, {1.1, 0.5, 0.5})), TraceMode::kTree);
-    EXPECT_EQ(play_mode(field, world_of(tree, {0.5, 0.5, 0.5})), TraceMode::kTree);
+    EXPECT_EQ(play_shading(field, world_of(tree, {30, 1, 1}), 1e6), Shading::kPerLeaf);
+    EXPECT_EQ(play_shading(field, world_of(tree, {1.1, 0.5, 0.5}), 1e6), Shading::kPerRay);
+    EXPECT_EQ(play_shading(field, world_of(tree, {0.5, 0.5, 0.5}), 1e6), Shading::kPerRay);
+    EXPECT_EQ(play_shading(field, world_of(tree, {30, 1, 1}), field.leaf_count / 10.0), Shading::kPerRay)
+        << "few rays are less work than many leaves";
 }
 
 // Shaded pictures are to be within 1/255 of those by ray, in the mean: here over what is covered, from as near as
@@ -343,9 +260,9 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
         const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
         double distance = 0.5;
         const auto eye = [&] { return world_of(tree, glm::dvec3(0.5) + distance * glm::dvec3(0.6, 0.3, 0.74)); };
-        while (play_mode(field, eye()) != TraceMode::kShaded) distance *= 1.02;
+        while (play_shading(field, eye(), 1e6) != Shading::kPerLeaf) distance *= 1.02;
         const Camera camera = look_at(eye(), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 4);
-        FrameRenderer renderer(device(), field, kWidth, kHeight);
+        FrameRenderer renderer(device(), field, {kWidth, kHeight});
         const Traced by_ray = trace_on_device(renderer, camera, 2, TraceMode::kTree, kStopTransmittance);
         const Traced shaded = trace_on_device(renderer, camera, 2, TraceMode::kShaded, kStopTransmittance);
         double sum = 0, covered = 0;
@@ -366,10 +283,10 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     const VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer kept(device(), field, kWidth, kHeight, 2);
+    FrameRenderer kept(device(), field, {kWidth, kHeight, 2});
     const Camera camera = views(tree)[0].camera;
     const auto render = [&](FrameRenderer& renderer, float frame, uint32_t samples, glm::vec4 background, Show show) {
-        FrameSettings settings{.frame = frame, .width = kWidth, .height = kHeight, .samples = samples};
+        FrameSettings settings{.instances = {{frame}}, .width = kWidth, .height = kHeight, .samples = samples};
         settings.resolve = {.show = show, .background = background, .depth_near_m = 1, .depth_far_m = 6};
         return renderer.render(camera, settings).rgba;
     };
@@ -380,7 +297,7 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
           std::tuple(2.5f, 1u, white, Show::kColour), std::tuple(2.5f, 2u, white, Show::kColour),
           std::tuple(2.5f, 2u, red, Show::kColour), std::tuple(2.5f, 2u, red, Show::kDepth),
           std::tuple(2.5f, 2u, red, Show::kAlpha)}) {
-        FrameRenderer fresh(device(), field, kWidth, kHeight, 2);
+        FrameRenderer fresh(device(), field, {kWidth, kHeight, 2});
         const std::pmr::vector<uint8_t> picture = render(kept, frame, samples, background, show);
         EXPECT_EQ(picture, render(fresh, frame, samples, background, show));
         EXPECT_NE(picture, last);
@@ -399,12 +316,12 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     const Camera camera = views(tree)[0].camera;
     const auto render = [&](FrameRenderer& renderer, float frame) {
-        return renderer.render(camera, {.frame = frame, .width = kWidth, .height = kHeight}).rgba;
+        return renderer.render(camera, {.instances = {{frame}}, .width = kWidth, .height = kHeight}).rgba;
     };
     const uint64_t one = slice_bytes(field, most_entries(field));
-    for (const uint32_t slices : {0u, 1u, 2u, 3u}) {
-        FrameRenderer renderer(device(), field, kWidth, kHeight, 1, slices * one);
-        FrameRenderer reference(device(), field, kWidth, kHeight, 1, 0);
+    for (const uint32_t slices : {1u, 2u, 3u}) {
+        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slices * one});
+        FrameRenderer reference(device(), field, {kWidth, kHeight, 1, 1, 1});
         std::vector<float> kept;  // the frames of the slices, those shown last in front
         for (const float frame : {0.0f, 1.0f, 0.0f, 2.5f, 0.0f, 1.0f, 2.5f, 2.5f, 5.0f, 1.0f, 0.0f}) {
             EXPECT_EQ(render(renderer, frame), render(reference, frame)) << slices << " slices, frame " << frame;
@@ -412,9 +329,9 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
             EXPECT_EQ(has_sliced(renderer), found == kept.end()) << slices << " slices, frame " << frame;
             if (found != kept.end()) kept.erase(found);
             kept.insert(kept.begin(), frame);
-            kept.resize(std::min<size_t>(kept.size(), std::max(slices, 1u)));
+            kept.resize(std::min<size_t>(kept.size(), slices));
         }
-        EXPECT_EQ(renderer.tree_path()->trees.slices, std::max(slices, 1u));
+        EXPECT_EQ(renderer.performer()->slices()->cache.trees().slices, slices);
     }
 }
 
@@ -426,14 +343,14 @@ TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
     ASSERT_GT(field.leaf_count, most_entries(field) / 4 + 4096);
-    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
     expect_agreement(tree, views(tree)[0], renderer, 1.3f);
 }
 
 TEST_F(FrameTest, ARendererRefusesLargerPictures) {
     const VOctree tree = random_tree({.seed = 6, .leaves = 20});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, 16, 16);
+    FrameRenderer renderer(device(), field, {16, 16});
     FrameSettings settings;
     settings.width = 16;
     settings.height = 17;
@@ -446,7 +363,7 @@ TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     if (!file || !*file) GTEST_SKIP() << "set NEUVV_TEST_NVV to a trained .nvv";
     const VOctree tree = read_nvv(file);
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device(), field, kWidth, kHeight);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const float frame = 0.5f * static_cast<float>(tree.frames - 1) + 0.3f;
     const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
     const double radius_m = 1.2 * glm::length(glm::dvec3(tree.box_size));

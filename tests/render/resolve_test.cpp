@@ -35,7 +35,7 @@ Image resolve(const Device& device, const Rays& rays, const ResolveSettings& set
     upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
     const Resolver resolver(device, batch, picture);
     run_once(device, "resolve", [&](Commands& commands) {
-        record_resolve(commands, resolver, rays.width / samples, rays.height / samples, samples, settings);
+        record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
     download(device, picture, image.rgba.data(), image.rgba.size());
     return image;

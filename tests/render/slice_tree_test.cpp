@@ -156,8 +156,8 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const LiveLeaves live(device(), field, field.leaf_count);
     const SliceTrees sliced(device(), field, most_entries(field), 1);
     const TreeSlicer slicer(device(), field, live, sliced);
-    const TileRanges ranges(device(), kAcross * kDown);
-    const TileRanger ranger(device(), field, sliced, ranges);
+    const TileRanges ranges(device(), kAcross * kDown, 1);
+    const TileRanger ranger(device(), field, &sliced, ranges);
     const glm::dvec3 low(tree.box_min), size(tree.box_size);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
     const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {
@@ -166,14 +166,21 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     struct View {
         Camera camera;
         bool outside;
+        uint32_t level;  // of the finest nodes that are looked at
     };
-    for (const auto& [camera, outside] : {View{look({2.7, 2.4, 3.1}, glm::dvec3(0.5), 1.1), true},
-                                          View{look({0.43, 0.57, 0.61}, {0.1, 0.2, 0.05}, 0.5), false},
-                                          View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false},
-                                          View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false}}) {
-        run_once(device(), "ranges", [&](Commands& commands) {
+    const View outside{look({2.7, 2.4, 3.1}, glm::dvec3(0.5), 1.1), true, 2};
+    View coarse = outside, whole = outside;
+    coarse.level = 1;
+    whole.level = 0;
+    for (const auto& [camera, is_outside, level] :
+         {outside, View{look({0.43, 0.57, 0.61}, {0.1, 0.2, 0.05}, 0.5), false, 2},
+          View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false, 2},
+          View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false, 2}, coarse, whole}) {
+        run_once(device(), "ranges", [&, level = level, &camera = camera](Commands& commands) {
+            *ranges.views.as<RangeView>() = range_view(shader_camera(camera));
             record_slice_tree(commands, slicer, 0, 1);
-            record_tile_ranges(commands, ranger, 0, shader_camera(camera));
+            record_unseen(commands, ranges);
+            record_tile_ranges(commands, ranger, 0, 0, level, {kWidth, kHeight});
         });
         std::vector<glm::uvec2> words(kAcross * kDown);
         LiveCount count;
@@ -198,10 +205,36 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
         }
         EXPECT_EQ(count.slots, listed);
         EXPECT_GE(count.groups_x * count.groups_y, listed);
-        if (!outside) continue;
+        if (!is_outside || level == 0) continue;
         EXPECT_LT(listed, kAcross * kDown / 2);
         EXPECT_LE(listed, 2 * seeing) << "tiles beside the leaves are few";
     }
+}
+
+TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideThePictureIsSeen) {
+    const VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 3000});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const auto finest = static_cast<uint32_t>(field.level_begin.size()) - 2;
+    const glm::vec3 middle = 0.5f * (field.leaves_min + field.leaves_max);
+    const float edge = glm::max(field.box_size.x, glm::max(field.box_size.y, field.box_size.z));
+    EXPECT_EQ(range_level(field, middle, 100), finest);
+    EXPECT_EQ(range_level(field, middle + glm::vec3(0, 0, 1000 * edge), 100), 0u);
+    uint32_t last = finest;
+    for (float away = edge; away < 1000 * edge; away *= 2) {
+        const uint32_t level = range_level(field, middle + glm::vec3(0, 0, away), 100);
+        EXPECT_LE(level, last);
+        last = level;
+    }
+    const auto pixels = [&](glm::dvec3 eye, glm::dvec3 at) {
+        return pixels_around(range_view(shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30}, field.leaves_min,
+                             field.leaves_max);
+    };
+    const glm::dvec3 centre(middle), far(0, 0, 20 * edge);
+    EXPECT_EQ(pixels(centre, centre + glm::dvec3(1, 0, 0)), 40 * 30) << "around the eye";
+    EXPECT_GT(pixels(centre + far, centre), 1);
+    EXPECT_LT(pixels(centre + far, centre), 100);
+    EXPECT_EQ(pixels(centre + far, centre + 2.0 * far), 0) << "behind";
+    EXPECT_EQ(pixels(centre + far, centre + glm::dvec3(30 * edge, 0, 0)), 0) << "to the left";
 }
 
 }  // namespace

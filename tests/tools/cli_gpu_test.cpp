@@ -41,7 +41,7 @@ nlohmann::json frame_of(const ViewStep& step, const std::string& picture, double
 // A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
 void write_own_dataset(const Device& device, const VOctree& tree, const std::filesystem::path& folder) {
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, 48, 40);
+    FrameRenderer renderer(device, field, {48, 40});
     std::filesystem::create_directories(folder / "test");
     nlohmann::json file;
     const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
@@ -50,7 +50,7 @@ void write_own_dataset(const Device& device, const VOctree& tree, const std::fil
             const double time = t / 2.0;
             const std::string name = "c0" + std::to_string(c) + "_f" + std::to_string(t);
             FrameSettings settings;
-            settings.frame = static_cast<float>(frame_of_time(time, tree.frames));
+            settings.instances[0].frame = static_cast<float>(frame_of_time(time, tree.frames));
             settings.width = 48;
             settings.height = 40;
             write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
@@ -274,6 +274,23 @@ TEST_F(CliGpu, BenchSliceTimesEachPass) {
     EXPECT_GT(json["slice_ms"], 0.0);
     EXPECT_GT(json["copy_gb_s"], 0.0);
     expect_refused({"bench", "slice", scene, "--frames", "0"}, 2, {"--frames"});
+}
+
+TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
+    const std::vector<std::string> command = {"bench",   "instances", scene,       "--size", "96x64",
+                                              "--count", "5",         "--repeats", "1"};
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"instances", "covered rays", "with a slice", "time grows", "memory is"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    std::vector<std::string> direct = command;
+    for (const char* word : {"--slice-budget", "0", "--json"}) direct.push_back(word);
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv(direct).out);
+    EXPECT_EQ(json["all"]["with_a_slice"], 0);
+    EXPECT_GT(json["all"]["covered_rays"], 3 * json["one"]["covered_rays"].get<int>());
+    EXPECT_EQ(json["memory_ratio"], 1.0);
+    expect_refused({"bench", "instances", scene, "--count", "1"}, 2, {"--count"});
+    expect_refused({"bench", "instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
 }
 
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {

@@ -45,13 +45,13 @@ Image over_white(const Image& image) {
 std::vector<Image> held_out_renders(const Device& device, const Field& field) {
     SphereCapture between = kCapture;
     between.first_angle += std::numbers::pi / kCapture.cameras;
-    FrameRenderer renderer(device, field, kCapture.size, kCapture.size);
+    FrameRenderer renderer(device, field, {kCapture.size, kCapture.size});
     std::vector<Image> renders;
     for (const uint32_t camera : {1u, 6u})
         for (uint32_t frame = 0; frame < kCapture.frames; frame++)
-            renders.push_back(
-                renderer.render(sphere_camera(between, camera),
-                                {.frame = static_cast<float>(frame), .width = kCapture.size, .height = kCapture.size}));
+            renders.push_back(renderer.render(
+                sphere_camera(between, camera),
+                {.instances = {{static_cast<float>(frame)}}, .width = kCapture.size, .height = kCapture.size}));
     return renders;
 }
 

@@ -50,7 +50,7 @@ void main() {
         const float inside = clamp((goal - below) / share, 0.0, 1.0);
         const float next = i + 1u == push.fine ? range.y : max(range.x + (float(bin) + inside) * step, edge);
         const float t = mix(edge, next, random_at(push.seed, ray.index, push.coarse + i));
-        const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
+        const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
         imageStore(points, int((tile_group() * push.fine + i) * kPsiBlock + ray.in_tile),
                    vec4(at, next - edge));
         edge = next;

@@ -17,9 +17,9 @@ layout(push_constant) uniform Push { PsiRayPush push; };
 #include "ray.glsl"
 
 vec2 box_range(Ray ray) {
-    const vec3 safe = mix(ray.direction_world, vec3(1e-20), lessThan(abs(ray.direction_world), vec3(1e-20)));
-    const vec3 a = (push.box_min.xyz - ray.origin_world) / safe;
-    const vec3 b = (push.box_min.xyz + push.box_size.xyz - ray.origin_world) / safe;
+    const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
+    const vec3 a = (push.box_min.xyz - ray.origin) / safe;
+    const vec3 b = (push.box_min.xyz + push.box_size.xyz - ray.origin) / safe;
     const vec3 near = min(a, b), far = max(a, b);
     const vec2 range = vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
     return range.x < range.y && ray.range.x < ray.range.y ? range : vec2(0.0);
@@ -29,12 +29,12 @@ void main() {
     if (tile_group() >= push.tiles) return;
     const Ray ray = tile_ray();
     const vec2 range = box_range(ray);
-    imageStore(directions, int(ray.index), vec4(ray.direction_world, 0.0));
+    imageStore(directions, int(ray.index), vec4(ray.direction, 0.0));
     imageStore(ranges, int(ray.index), vec4(range, 0.0, 0.0));
     const float step = (range.y - range.x) / float(push.coarse);
     for (uint i = 0u; i < push.coarse; i++) {
         const float t = range.x + (float(i) + random_at(push.seed, ray.index, i)) * step;
-        const vec3 at = (ray.origin_world + t * ray.direction_world - push.centre.xyz) * push.centre.w;
+        const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
         imageStore(points, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile), vec4(at, step));
     }
 }

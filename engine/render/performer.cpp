@@ -1,0 +1,106 @@
+#include "render/performer.h"
+
+#include <algorithm>
+
+namespace neuvv {
+
+namespace {
+
+// A part of a clip's leaves live in one of its frames, all those of a still.
+uint32_t likely_entries(const Field& field) {
+    const uint32_t most = most_entries(field);
+    return field.frames == 1 ? most : std::min(most, most / 4 + 4096);
+}
+
+}  // namespace
+
+Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
+    // Measured on lavapipe, degree 1: shading pays from a ray for three leaves.
+    if (3 * rays < likely_entries(field)) return Shading::kPerRay;
+    // Half a leaf as seen from the eye, in radians. Functions of degree n turn n times as fast as those of degree 1.
+    constexpr float kSmallAngle = 0.02f;
+    const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
+    const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
+    return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
+}
+
+SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+                     const TileRanges& ranges, uint32_t entries, uint64_t slice_budget)
+    : cache(device, field, live, entries, slice_budget),
+      shaded(shaded_entries(device, cache.trees().capacity)),
+      shader(device, field, cache.trees(), shaded),
+      ranger(device, field, &cache.trees(), ranges),
+      unshaded_tracer(device, field, cache.trees(), cache.trees().entries, ranges, rays, Shading::kPerRay),
+      shaded_tracer(device, field, cache.trees(), shaded, ranges, rays, Shading::kPerLeaf),
+      counts_readback(device, "entries readback", cache.trees().counts.bytes, MemoryKind::kReadback) {}
+
+InstanceDirectPath::InstanceDirectPath(const Device& device, const Field& field, const LiveLeaves& live,
+                                       const RayBatch& rays, const TileRanges& ranges)
+    : finder(device, field, live),
+      ranger(device, field, nullptr, ranges),
+      tracer(device, field, live, rays, Walk::kDown, &ranges) {}
+
+Performer::Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
+                     uint64_t slice_budget)
+    : device_(device),
+      field_(field),
+      rays_(rays),
+      ranges_(ranges),
+      slice_budget_(slice_budget),
+      live_(device, field, slice_budget > 0 ? field.leaf_count : 1) {
+    if (slice_budget > 0) make_slices(likely_entries(field));
+}
+
+void Performer::make_slices(uint32_t entries) {
+    slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, entries, slice_budget_);
+}
+
+void Performer::prepare(std::span<const DrawnInstance> instances) {
+    bool all_sliced = slices_ != nullptr;
+    if (slices_) {
+        asked_.clear();
+        for (const DrawnInstance& instance : instances) asked_.push_back(instance.frame);
+        slices_->cache.ask(asked_);
+        for (const float frame : asked_) all_sliced &= slices_->cache.find(frame).has_value();
+    }
+    if (!all_sliced && !direct_) direct_ = std::make_unique<InstanceDirectPath>(device_, field_, live_, rays_, ranges_);
+}
+
+bool Performer::enlarge_slices() {
+    if (!slices_) return false;
+    const SliceTrees& trees = slices_->cache.trees();
+    const std::span counts(slices_->counts_readback.as<LiveCount>(), trees.slices);
+    if (std::none_of(counts.begin(), counts.end(), [](const LiveCount& count) { return count.overflow > 0; }))
+        return false;
+    const uint32_t entries = std::min(most_entries(field_), 2 * trees.capacity);
+    slices_.reset();  // before there is another
+    make_slices(entries);
+    return true;
+}
+
+void record_slices(Commands& commands, Performer& performer) {
+    SlicePath* path = performer.slices();
+    if (!path) return;
+    record_slices(commands, path->cache);
+    copy(commands, path->cache.trees().counts, path->counts_readback, path->counts_readback.bytes);
+}
+
+void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,
+                     const ViewLayout& layout, float stop) {
+    const SlicePath* path = performer.slices();
+    const std::optional<uint32_t> slice = path ? path->cache.find(instance.frame) : std::nullopt;
+    if (!slice) {
+        const InstanceDirectPath& direct = *performer.direct();
+        record_rows(commands, direct.finder, instance.frame);
+        record_tile_ranges(commands, direct.ranger, 0, instance.first_camera, instance.range_level, layout);
+        record_direct_instance(commands, direct.tracer, instance.first_camera, stop);
+        return;
+    }
+    const bool shaded = instance.shading == Shading::kPerLeaf;
+    if (shaded) record_shade(commands, path->shader, *slice, instance.eye);
+    record_tile_ranges(commands, path->ranger, *slice, instance.first_camera, instance.range_level, layout);
+    record_trace_tree(commands, shaded ? path->shaded_tracer : path->unshaded_tracer, *slice, instance.first_camera,
+                      stop);
+}
+
+}  // namespace neuvv

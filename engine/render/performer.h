@@ -1,0 +1,90 @@
+// A performer: one field on the device and the slices that are kept of it, drawn as often as it is placed. What it
+// takes on the device does not grow with its instances.
+#pragma once
+
+#include <memory>
+
+#include "render/shade.h"
+#include "render/slice_cache.h"
+#include "render/trace_tree.h"
+
+namespace neuvv {
+
+// A performer's place on stage and in its clip.
+struct Instance {
+    float frame = 0;                    // 0..frames−1, fractions allowed
+    glm::mat4 world_from_performer{1};  // affine and invertible
+};
+
+// Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
+// space, metres), on the average, and not far more than `rays`, those of the rectangle around the field.
+Shading play_shading(const Field& field, glm::vec3 eye, double rays);
+
+// How an instance is drawn in one frame.
+struct DrawnInstance {
+    float frame = 0;
+    Shading shading = Shading::kPerRay;
+    glm::vec3 eye{0};           // in the performer's space, metres: shaded leaves are seen from there
+    uint32_t first_camera = 0;  // in ray batch and ranges
+    uint32_t range_level = 0;   // of nodes that tile ranges look at
+};
+
+// By slices.
+struct SlicePath {
+    SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+              const TileRanges& ranges, uint32_t entries, uint64_t slice_budget);
+    SliceCache cache;
+    Buffer shaded;
+    Shader shader;
+    TileRanger ranger;
+    TreeTracer unshaded_tracer, shaded_tracer;
+    Buffer counts_readback;  // LiveCount of each slice as of the last picture
+};
+
+// By all numbers, where the budget has no room for a slice.
+struct InstanceDirectPath {
+    InstanceDirectPath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+                       const TileRanges& ranges);
+    LiveFinder finder;
+    TileRanger ranger;
+    DirectTracer tracer;
+};
+
+class Performer {
+  public:
+    // All must outlive it. A budget of 0 bytes: no slice at all, else one at least.
+    Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
+              uint64_t slice_budget);
+
+    // Before a picture is recorded: its instances, those first that shall rather have a slice. Makes what is missing on
+    // the device.
+    void prepare(std::span<const DrawnInstance> instances);
+    // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
+    // picture must be prepared and recorded anew.
+    bool enlarge_slices();
+
+    const Field& field() const { return field_; }
+    SlicePath* slices() const { return slices_.get(); }  // null where there is none
+    InstanceDirectPath* direct() const { return direct_.get(); }
+
+  private:
+    void make_slices(uint32_t entries);
+    const Device& device_;
+    const Field& field_;
+    const RayBatch& rays_;
+    const TileRanges& ranges_;
+    uint64_t slice_budget_;
+    LiveLeaves live_;
+    std::unique_ptr<SlicePath> slices_;
+    std::unique_ptr<InstanceDirectPath> direct_;  // made when first needed
+    std::vector<float> asked_;
+};
+
+// The slices of prepared instances.
+void record_slices(Commands& commands, Performer& performer);
+
+// One prepared instance, into what earlier ones left in the ray batch.
+void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,
+                     const ViewLayout& layout, float stop);
+
+}  // namespace neuvv

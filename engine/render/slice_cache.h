@@ -1,0 +1,46 @@
+// Slices of one field that are kept on the device: those shown last, as many as a budget holds.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "render/slice_tree.h"
+
+namespace neuvv {
+
+// Bytes that the slices of a performer may take on the device, however many instances and frames are shown.
+constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
+
+class SliceCache {
+  public:
+    // Room for as many slices of `entries` entries as the budget allows, one at least. `live` is scratch.
+    SliceCache(const Device& device, const Field& field, const LiveLeaves& live, uint32_t entries,
+               uint64_t budget_bytes);
+
+    // Before a picture: it needs the slices of these frames. Those that are kept stay; the others take the places of
+    // those that were not asked for for longest, the first frames first, until all places are this picture's.
+    void ask(std::span<const float> frames);
+    // Where the slice of a frame that was asked for is; none where there was no room.
+    std::optional<uint32_t> find(float frame) const;
+    void forget();
+
+    const SliceTrees& trees() const { return trees_; }
+
+  private:
+    friend void record_slices(Commands& commands, SliceCache& cache);
+    struct Kept {
+        std::optional<float> frame;
+        bool built = false;
+        uint64_t asked = 0;  // the last time, in pictures
+    };
+    Kept* kept_of(float frame);
+    SliceTrees trees_;
+    TreeSlicer slicer_;
+    std::vector<Kept> kept_;  // per slice
+    uint64_t pictures_ = 0;
+};
+
+// Builds the slices that were asked for and are not there.
+void record_slices(Commands& commands, SliceCache& cache);
+
+}  // namespace neuvv

@@ -1,0 +1,233 @@
+// Several instances of one performer, each with its transform and time, and several views, against the reference.
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/error.h"
+#include "reference/trace.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "support/traced.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kWidth = 61, kHeight = 43;
+
+using InstancesTest = GpuTest;
+
+// One layer: an instance's ray in its own space (errata 13), its depth in the world's metres.
+reference::RayResult trace_instance(const VOctree& tree, const std::vector<reference::LeafSlice>& slices,
+                                    const Instance& instance, reference::Ray ray) {
+    const glm::dmat4 performer_from_world = glm::inverse(glm::dmat4(instance.world_from_performer));
+    ray.origin = glm::dvec3(performer_from_world * glm::dvec4(ray.origin, 1));
+    const glm::dvec3 direction = glm::dmat3(performer_from_world) * ray.direction;
+    ray.direction = glm::normalize(direction);
+    reference::RayResult result = reference::trace(tree, slices, ray);
+    result.depth_m /= glm::length(direction);
+    return result;
+}
+
+// Algorithm 1 (errata 11), layers in the order in which the instances' middles are away from the eye.
+Traced compose_by_reference(const VOctree& tree, std::vector<Instance> instances, const Camera& camera) {
+    const auto [low, high] = [&] {
+        glm::dvec3 first(1e30), last(-1e30);
+        for (const LeafPlace& place : leaf_places(tree)) {
+            const double edge = std::exp2(-static_cast<double>(place.depth));
+            const glm::dvec3 corner = edge * glm::dvec3(place.x, place.y, place.z);
+            first = glm::min(first, corner);
+            last = glm::max(last, corner + edge);
+        }
+        return std::pair(world_of(tree, first), world_of(tree, last));
+    }();
+    const glm::dvec4 middle(0.5 * (low + high), 1);
+    const glm::dvec3 eye(camera.world_from_camera[3]);
+    std::sort(instances.begin(), instances.end(), [&](const Instance& a, const Instance& b) {
+        const auto away = [&](const Instance& one) {
+            return glm::distance(eye, glm::dvec3(glm::dmat4(one.world_from_performer) * middle));
+        };
+        return away(a) < away(b);
+    });
+    std::vector<std::vector<reference::LeafSlice>> slices;
+    for (const Instance& instance : instances) slices.push_back(reference::slice_tree(tree, instance.frame));
+    Traced traced;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            glm::dvec4 sum(0);
+            double depth = INFINITY;
+            for (size_t i = 0; i < instances.size(); i++) {
+                const reference::RayResult layer =
+                    trace_instance(tree, slices[i], instances[i], reference::camera_ray(camera, x, y));
+                const glm::dvec4 light(layer.colour, layer.alpha);
+                sum = layer.depth_m <= depth ? light + (1 - light.a) * sum : sum + (1 - sum.a) * light;
+                depth = std::min(depth, layer.depth_m);
+            }
+            traced.radiance.emplace_back(sum);
+            traced.depth.push_back(static_cast<float>(depth));
+        }
+    return traced;
+}
+
+glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
+    return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
+}
+
+// A row of performers: turned, stretched, mirrored, sheared, one of them far, two at the same time.
+std::vector<Instance> a_stage() {
+    glm::mat4 shear(1);
+    shear[1][0] = 0.4f;
+    shear[2][1] = -0.3f;
+    return {{1.3f, glm::mat4(1)},
+            {0.0f, placed({4, 0.3f, -1}, 0.7f, glm::vec3(1.4f, 0.6f, 1))},
+            {2.0f, placed({-4, 0, 1}, -2.1f, glm::vec3(-0.8f, 0.9f, 1.1f))},
+            {3.6f, placed({1, -0.5f, -6}, 0, glm::vec3(1.5f)) * shear},
+            {1.3f, placed({-9, 4, -14}, 1, glm::vec3(3))}};
+}
+
+FrameSettings settings_of(std::vector<Instance> instances, TraceMode mode) {
+    FrameSettings settings;
+    settings.instances = std::move(instances);
+    settings.width = kWidth;
+    settings.height = kHeight;
+    settings.mode = mode;
+    settings.stop = 0;
+    return settings;
+}
+
+Camera stage_camera(double shift_m = 0) {
+    return look_at({1.2 + shift_m, 1.5, 9}, {shift_m, 0.4, 0}, kWidth, kHeight, 1.2);
+}
+
+size_t passes(const FrameRenderer& renderer, const std::string& name) {
+    const std::vector<PassTime> times = renderer.pass_times();
+    return static_cast<size_t>(
+        std::count_if(times.begin(), times.end(), [&](const PassTime& pass) { return pass.name == name; }));
+}
+
+TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget) {
+    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const Traced truth = compose_by_reference(tree, a_stage(), stage_camera());
+    const uint64_t one = slice_bytes(field, most_entries(field));
+    for (const auto& [budget, slices] :
+         {std::pair(kSliceBudget, size_t{4}), std::pair(2 * one, size_t{2}), std::pair(uint64_t{0}, size_t{0})}) {
+        SCOPED_TRACE("budget " + std::to_string(budget));
+        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+        renderer.render(stage_camera(), settings_of(a_stage(), TraceMode::kTree));
+        EXPECT_EQ(passes(renderer, "slice nodes"), slices) << "copies at the same time share a slice";
+        EXPECT_EQ(passes(renderer, "trace") + passes(renderer, "direct"), a_stage().size());
+        const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
+        EXPECT_LE(found.steps, kHalfSteps);
+        EXPECT_LE(found.depth_m, 5 * kDepth_m) << "up to 20 m away";
+        EXPECT_TRUE(found.depth_class);
+        EXPECT_GT(found.alpha_mean, 0.1);
+        renderer.render(stage_camera(), settings_of(a_stage(), TraceMode::kTree));
+        EXPECT_EQ(passes(renderer, "slice nodes"), 0u) << "slices stay";
+    }
+}
+
+TEST_F(InstancesTest, WhatStandsBehindSomethingSolidIsLeftOutUnseen) {
+    VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 30;
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const std::vector<Instance> row = {{1, glm::mat4(1)},
+                                       {1, placed({-0.4f, -0.3f, -4}, 0, glm::vec3(1.2f))},
+                                       {1, placed({-0.8f, -0.6f, -8}, 0, glm::vec3(1.5f))}};
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    FrameSettings settings = settings_of(row, TraceMode::kTree);
+    settings.stop = kStopTransmittance;
+    renderer.render(stage_camera(), settings);
+    EXPECT_LE(
+        difference({renderer.radiance(), renderer.depth()}, compose_by_reference(tree, row, stage_camera())).steps, 1);
+}
+
+TEST_F(InstancesTest, ViewsOfOneFrameAreTheirPicturesAlone) {
+    const VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 2000, .hh_degree = 1});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const Camera eyes[] = {stage_camera(-0.03), stage_camera(0.03)};
+    FrameRenderer both(device(), field, {kWidth, kHeight, 2, 2}), alone(device(), field, {kWidth, kHeight, 2});
+    for (const uint32_t samples : {1u, 2u}) {
+        FrameSettings settings = settings_of(a_stage(), TraceMode::kTree);
+        settings.samples = samples;
+        settings.resolve.background = {0.2f, 0.3f, 0.1f, 1};
+        const std::vector<Image> pictures = both.render_views(eyes, settings);
+        EXPECT_EQ(passes(both, "trace"), a_stage().size()) << "both eyes in one dispatch";
+        ASSERT_EQ(pictures.size(), 2u);
+        EXPECT_NE(pictures[0].rgba, pictures[1].rgba);
+        for (uint32_t view = 0; view < 2; view++) {
+            EXPECT_EQ(pictures[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
+            EXPECT_EQ(both.radiance(view), alone.radiance());
+        }
+    }
+}
+
+// Leaves are shaded once for both eyes, from between them.
+TEST_F(InstancesTest, EyesShareTheirShadedLeaves) {
+    const VOctree tree = random_tree({.seed = 4, .node_levels = 4, .leaves = 6000, .hh_degree = 2});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const Camera eyes[] = {stage_camera(-0.032), stage_camera(0.032)};
+    FrameRenderer both(device(), field, {kWidth, kHeight, 1, 2});
+    std::vector<Image> by_ray = both.render_views(eyes, settings_of(a_stage(), TraceMode::kTree));
+    const std::vector<glm::vec4> light[] = {both.radiance(0), both.radiance(1)};
+    both.render_views(eyes, settings_of(a_stage(), TraceMode::kShaded));
+    EXPECT_EQ(passes(both, "shade"), a_stage().size());
+    for (uint32_t view = 0; view < 2; view++) {
+        double sum = 0, covered = 0;
+        const std::vector<glm::vec4> shaded = both.radiance(view);
+        for (size_t i = 0; i < shaded.size(); i++) {
+            if (light[view][i].a <= 1.0f / 255) continue;
+            covered++;
+            for (int c = 0; c < 3; c++)
+                sum += std::abs(reference::display_value(shaded[i][c]) - reference::display_value(light[view][i][c]));
+        }
+        EXPECT_GT(covered, 100);
+        EXPECT_GT(sum, 0) << "nothing is shaded";
+        EXPECT_LE(sum / (3 * covered), 1.0 / 255);
+    }
+}
+
+TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
+    const VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    std::vector<Instance> copies;
+    for (int i = 0; i < 16; i++)
+        copies.push_back({2.4f * static_cast<float>(i),
+                          placed({2.5f * static_cast<float>(i % 4), 0, -2.5f * static_cast<float>(i / 4)},
+                                 static_cast<float>(i), glm::vec3(1))});
+    const uint64_t one = slice_bytes(field, most_entries(field));
+    for (const uint64_t budget : {uint64_t{0}, one, 3 * one}) {
+        const auto bytes_with = [&](const std::vector<Instance>& instances) {
+            const uint64_t before = device().buffer_bytes();
+            FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+            renderer.render(stage_camera(), settings_of(instances, TraceMode::kPlay));
+            return device().buffer_bytes() - before + field.weights.bytes;
+        };
+        const uint64_t alone = bytes_with({copies[0]}), all = bytes_with(copies);
+        EXPECT_GT(alone, field.weights.bytes + budget);
+        EXPECT_LE(all, alone + budget + 16 * 1024) << "budget " << budget;
+        if (budget > 0) continue;
+        EXPECT_LE(static_cast<double>(all), 1.01 * static_cast<double>(alone));
+    }
+}
+
+TEST_F(InstancesTest, WhatCannotBeDrawnIsRefused) {
+    const VOctree tree = random_tree({.seed = 6, .leaves = 20});
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const Camera camera = stage_camera();
+    const auto draw = [&](const std::vector<Instance>& instances) {
+        renderer.render(camera, settings_of(instances, TraceMode::kPlay));
+    };
+    EXPECT_NO_THROW(draw({}));
+    EXPECT_NO_THROW(draw(std::vector<Instance>(1)));
+    EXPECT_THROW(draw({{0, glm::scale(glm::mat4(1), {1, 0, 1})}}), RuntimeFailure);
+    EXPECT_THROW(draw({{0, glm::mat4(NAN)}}), RuntimeFailure);
+    EXPECT_THROW(draw(std::vector<Instance>(kMaxInstances + 1)), RuntimeFailure);
+    const Camera two[] = {camera, camera};
+    EXPECT_THROW(renderer.render_views(two, settings_of(std::vector<Instance>(1), TraceMode::kPlay)), RuntimeFailure);
+}
+
+}  // namespace
+}  // namespace neuvv::test

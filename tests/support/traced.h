@@ -1,0 +1,98 @@
+// Rays as traced on the device and by the reference, and how far they are apart.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "reference/camera.h"
+#include "reference/loss.h"
+#include "render/frame.h"
+
+namespace neuvv::test {
+
+struct Traced {
+    std::vector<glm::vec4> radiance;
+    std::vector<float> depth;
+};
+
+inline Traced trace_on_device(FrameRenderer& renderer, const Camera& camera, float frame, TraceMode mode, float stop) {
+    FrameSettings settings;
+    settings.instances[0].frame = frame;
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.mode = mode;
+    settings.stop = stop;
+    renderer.render(camera, settings);
+    return {renderer.radiance(), renderer.depth()};
+}
+
+inline Traced trace_by_reference(const VOctree& tree, const Camera& camera, double frame, double stop) {
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
+    Traced traced;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y), stop);
+            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
+            traced.depth.push_back(static_cast<float>(ray.depth_m));
+        }
+    return traced;
+}
+
+inline Traced shade_by_reference(const VOctree& tree, const Camera& camera, double frame) {
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const glm::dvec3 eye(camera.world_from_camera[3]);
+    Traced traced;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            const reference::Ray pixel = reference::camera_ray(camera, x, y);
+            const reference::RayResult ray =
+                reference::composite(reference::ray_samples_shaded(tree, slices, places, eye, pixel), 0);
+            traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
+            traced.depth.push_back(static_cast<float>(ray.depth_m));
+        }
+    return traced;
+}
+
+// The largest differences over all pixels, and what was seen.
+struct Difference {
+    double steps = 0;         // of 255, in alpha and in the colour over black as displays show it
+    double depth_m = 0;       // where the truth's alpha shows
+    bool depth_class = true;  // infinite exactly where alpha is 0
+    double alpha_mean = 0;
+};
+
+// NaN is infinitely wrong.
+inline void raise(double& worst, double error) {
+    worst = std::isnan(error) ? INFINITY : std::max(worst, error);
+}
+
+inline Difference difference(const Traced& traced, const Traced& truth) {
+    Difference worst;
+    for (size_t i = 0; i < truth.radiance.size(); i++) {
+        const glm::vec4 light = traced.radiance[i], expected = truth.radiance[i];
+        for (int channel = 0; channel < 3; channel++) {
+            const double shown = reference::display_value(light[channel]);
+            const double wanted = reference::display_value(expected[channel]);
+            raise(worst.steps, 255 * std::abs(shown - wanted));
+        }
+        raise(worst.steps, 255.0 * std::abs(light.a - expected.a));
+        worst.depth_class &= std::isinf(traced.depth[i]) == (light.a == 0);
+        if (expected.a > 1.0f / 255) raise(worst.depth_m, std::abs(traced.depth[i] - truth.depth[i]));
+        worst.alpha_mean += expected.a / static_cast<double>(truth.radiance.size());
+    }
+    return worst;
+}
+
+// What is promised is one step of 255; on scenes of a few metres rounding alone causes far less.
+constexpr double kSteps = 0.1;
+constexpr double kDepth_m = 1e-3;
+// Slice trees hold σ and colour as fp16, of 11 bits: α and SH sums are off by up to 1/2000 of what is summed.
+constexpr double kHalfSteps = 0.5;
+
+inline glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,199 @@
+// neuvv bench instances: copies of one performer against one of them, in memory and in time for what is covered.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "render/frame.h"
+#include "tools/bench.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/view_path.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchInstancesOptions {
+    std::string scene, size = "1280x720";
+    uint32_t count = 16, repeats = 5;
+    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    bool json = false;
+};
+
+struct Shown {
+    std::vector<PassSum> passes;
+    std::vector<double> ms;     // with slices resident
+    uint64_t buffer_bytes = 0;  // of renderer and performer on the device
+    uint64_t covered = 0;       // rays of all frames
+    uint32_t slices = 0;        // of instances that have one
+};
+
+// Copies side by side in a square that faces the camera, each turned and at its own time.
+std::vector<Instance> copies_of(const VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count) {
+    const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
+    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const double step_m = 1.05 * glm::length(box.second - box.first);
+    std::vector<Instance> copies;
+    for (uint32_t i = 0; i < count; i++) {
+        const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
+        glm::dmat4 place = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
+        place = glm::rotate(place, 2.4 * i, glm::dvec3(0, 1, 0));
+        const double time = (tree.frames - 1.0) * i / std::max(count - 1, 1u);
+        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(place, -middle))});
+    }
+    return copies;
+}
+
+// Sees a square of `count` copies from +Z.
+Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, PictureSize size) {
+    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
+    Camera camera;
+    camera.width = size.width;
+    camera.height = size.height;
+    camera.cx = 0.5 * size.width;
+    camera.cy = 0.5 * size.height;
+    camera.fx = camera.fy = 1.2 * std::min(size.width, size.height);
+    camera.world_from_camera = glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m));
+    return camera;
+}
+
+// Frames of so many instances each, one after the other.
+Shown show(const Device& device, const Field& field, const BenchInstancesOptions& options, const Camera& camera,
+           const std::vector<std::vector<Instance>>& frames) {
+    const uint64_t before = device.buffer_bytes();
+    FrameCapacity capacity{camera.width, camera.height};
+    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    FrameRenderer renderer(device, field, capacity);
+    FrameSettings settings;
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.mode = TraceMode::kPlay;
+    Shown shown;
+    for (const std::vector<Instance>& instances : frames) {
+        settings.instances = instances;
+        renderer.render(camera, settings);  // slices, compiles
+        for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
+            renderer.render(camera, settings);
+            double sum = 0;
+            for (const PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
+            shown.ms.push_back(sum);
+            add_picture(shown.passes, renderer.pass_times());
+        }
+        for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
+        if (const SlicePath* slices = renderer.performer()->slices())
+            for (const Instance& instance : instances) shown.slices += slices->cache.find(instance.frame).has_value();
+    }
+    shown.buffer_bytes = device.buffer_bytes() - before;
+    return shown;
+}
+
+struct Result {
+    Shown one, all;  // one: each alone
+    uint32_t count = 1;
+    uint64_t field_bytes = 0;
+    double growth_of_rays() const {
+        return count * static_cast<double>(all.covered) / static_cast<double>(std::max<uint64_t>(one.covered, 1));
+    }
+    double growth_of_time() const { return mean(all.ms) / mean(one.ms); }
+    double memory_ratio() const {
+        return static_cast<double>(all.buffer_bytes + field_bytes) /
+               static_cast<double>(one.buffer_bytes + field_bytes);
+    }
+};
+
+Result measure_all(const Device& device, const VOctree& tree, const BenchInstancesOptions& options) {
+    const uint64_t before = device.buffer_bytes();
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    Result result;
+    result.field_bytes = device.buffer_bytes() - before;
+    const auto box = occupied_box(tree);
+    const std::vector<Instance> copies = copies_of(tree, box, options.count);
+    const Camera camera = camera_of(box, options.count, parse_size(options.size));
+    Progress progress("bench", 2);
+    result.count = options.count;
+    std::vector<std::vector<Instance>> alone;
+    for (const Instance& copy : copies) alone.push_back({copy});
+    result.one = show(device, field, options, camera, alone);
+    progress.update(1);
+    result.all = show(device, field, options, camera, {copies});
+    progress.update(2);
+    return result;
+}
+
+void print(const Result& result, const Device& device, const BenchInstancesOptions& options) {
+    fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
+               options.slice_budget_mb);
+    fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
+    const auto line = [&](const std::string& count, const Shown& shown, uint32_t frames) {
+        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(shown.ms), shown.covered / frames,
+                   shown.slices, static_cast<double>(shown.buffer_bytes + result.field_bytes) / 1048576);
+        fmt::print("    {} ms\n", passes_text(shown.passes));
+    };
+    line("1 (each of them)", result.one, options.count);
+    line(fmt::format("{}", options.count), result.all, 1);
+    fmt::print("time grows {:.2f} times as much as covered rays; memory is {:.4f} times that of one, {:.2f} MiB more\n",
+               result.growth_of_time() / result.growth_of_rays(), result.memory_ratio(),
+               (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
+}
+
+nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchInstancesOptions& options) {
+    const auto shown = [&](const Shown& one, uint32_t frames) {
+        return nlohmann::ordered_json{{"ms", mean(one.ms)},
+                                      {"covered_rays", one.covered / frames},
+                                      {"with_a_slice", one.slices},
+                                      {"bytes", one.buffer_bytes + result.field_bytes}};
+    };
+    return {{"device", device.summary().name},
+            {"scene", options.scene},
+            {"size", options.size},
+            {"count", options.count},
+            {"slice_budget_mb", options.slice_budget_mb},
+            {"one", shown(result.one, options.count)},
+            {"all", shown(result.all, 1)},
+            {"time_by_rays", result.growth_of_time() / result.growth_of_rays()},
+            {"memory_ratio", result.memory_ratio()}};
+}
+
+void run(const BenchInstancesOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    const Result result = measure_all(device, tree, options);
+    if (stop_requested()) return;
+    if (options.json)
+        fmt::print("{}", json_text(json_of(result, device, options)));
+    else
+        print(result, device, options);
+}
+
+}  // namespace
+
+void add_bench_instances(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("instances", "Copies of a performer, each at its own place and time");
+    const auto options = std::make_shared<BenchInstancesOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--count", options->count, "Copies, each turned and at its own time")
+        ->check(CLI::Range(2u, kMaxInstances))
+        ->capture_default_str();
+    add_slice_budget_option(*verb, options->slice_budget_mb);
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    verb->add_option("--repeats", options->repeats, "Pictures that the medians are over")->check(CLI::Range(1, 1000));
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string(
+            "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
+            "covered rays and device memory of both.\n") +
+        kDeviceHelp + kExamplesHead +
+        "  neuvv bench instances build/performer.nvv\n"
+        "  neuvv bench instances build/performer.nvv --count 32 --slice-budget 0");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
