@@ -15,8 +15,8 @@ layout(binding = kRangePlaces) uniform utextureBuffer node_places;
 layout(binding = kRangeViews) uniform textureBuffer range_views;
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
 layout(push_constant) uniform Push { TileRangePush push; };
+#include "box_pixels.glsl"
 
-const float kNearest = 1e-3;  // metres before the eye's plane: boxes that reach behind it are cut there
 const float kSlack = 1e-4;    // relative, of distances: for rounding
 
 struct Box {
@@ -51,35 +51,16 @@ vec3 homogeneous(RangeView view, vec3 from_eye) {
     return vec3(dot(view.row_x.xyz, from_eye), dot(view.row_y.xyz, from_eye), dot(view.row_z.xyz, from_eye));
 }
 
-vec3 corner_of(Box box, uint i) {
-    return vec3((i & 1u) != 0u ? box.high.x : box.low.x, (i & 2u) != 0u ? box.high.y : box.low.y,
-                (i & 4u) != 0u ? box.high.z : box.low.z);
-}
-
-// Least and largest pixel coordinates of the part of a box before the eye; none (x > z) where there is none.
-vec4 pixels_of(RangeView view, Box from_eye) {
-    vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
-    for (uint i = 0u; i < 8u; i++) {
-        const vec3 a = homogeneous(view, corner_of(from_eye, i));
-        if (a.z >= kNearest) bounds = vec4(min(bounds.xy, a.xy / a.z), max(bounds.zw, a.xy / a.z));
-        for (uint axis = 1u; axis < 8u; axis <<= 1u) {  // the edges that begin here, where they pass the plane
-            if ((i & axis) != 0u) continue;
-            const vec3 b = homogeneous(view, corner_of(from_eye, i | axis));
-            if ((a.z < kNearest) == (b.z < kNearest)) continue;
-            const vec3 cut = mix(a, b, (kNearest - a.z) / (b.z - a.z));
-            bounds = vec4(min(bounds.xy, cut.xy / kNearest), max(bounds.zw, cut.xy / kNearest));
-        }
-    }
-    return bounds;
-}
-
 // To the tiles that a box covers in one view.
 void store_range(RangeView view, uint first_tile, Box place) {
     const Box box = Box(place.low - view.eye.xyz, place.high - view.eye.xyz);
     const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
     const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
     const vec2 tiles = vec2(push.tiles_across, push.tiles_down);
-    vec4 covered = pixels_of(view, box) / float(kTile);
+    const vec3 size = box.high - box.low;
+    const mat3 edges = mat3(homogeneous(view, vec3(size.x, 0.0, 0.0)), homogeneous(view, vec3(0.0, size.y, 0.0)),
+                            homogeneous(view, vec3(0.0, 0.0, size.z)));
+    vec4 covered = box_pixels(homogeneous(view, box.low), edges) / float(kTile);
     if (near < 2.0 * kNearest) covered = vec4(0.0, 0.0, tiles);  // around the eye
     // Half a thousandth of a tile for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));

@@ -10,6 +10,7 @@
 #include "base/platform.h"
 #include "render/frame.h"
 #include "tools/bench.h"
+#include "tools/bench_rival.h"
 #include "tools/cpu_marcher.h"
 #include "tools/progress.h"
 #include "tools/report.h"
@@ -24,6 +25,7 @@ namespace {
 
 struct BenchRenderOptions {
     std::string scene, size = "1280x720";
+    std::string rival;  // raster, or none
     uint32_t views = 4, repeats = 5;
     bool json = false;
 };
@@ -57,6 +59,7 @@ struct Result {
     std::vector<Way> ways;
     std::vector<PassSum> passes;  // of the shaded way
     HostTimes host;
+    RivalTimes rival;
     std::vector<double> trace_ms;                       // the device's rays, as the host's
     double covered = 0, mean_difference = 0, psnr = 0;  // pictures: shaded against the paper's
     uint64_t rays = 0;
@@ -167,6 +170,8 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
                 const Quality quality = compare(truth, picture);
                 result.mean_difference += quality.mae / options.views;
                 squares += std::pow(10, -quality.psnr / 10) / options.views;
+                if (!options.rival.empty())
+                    measure_rival(device, field, renderer, view.camera, picture, options.repeats, result.rival);
             }
             progress.update(i * result.ways.size() + w + 1);
         }
@@ -175,6 +180,14 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
     }
     result.psnr = -10 * std::log10(std::max(squares, 1e-10));
     return result;
+}
+
+// What the rival stands in for.
+double ranges_and_trace_ms(const Result& result) {
+    double sum = 0;
+    for (const PassSum& pass : result.passes)
+        if (pass.name == "tile ranges" || pass.name == "trace") sum += median(pass.ms);
+    return sum;
 }
 
 void print(const Result& result, const Device& device, const BenchRenderOptions& options, const VOctree& tree) {
@@ -198,6 +211,7 @@ void print(const Result& result, const Device& device, const BenchRenderOptions&
         median(result.trace_ms), result.host.worst_difference);
     fmt::print("shaded against the paper's: {:.3f}/255 apart in the mean, PSNR {:.1f} dB\n",
                255 * result.mean_difference, result.psnr);
+    if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
 nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchRenderOptions& options) {
@@ -233,10 +247,10 @@ void run(const BenchRenderOptions& options, const CommonOptions& common) {
     const Device device(common.device);
     const Result result = measure_all(device, tree, options);
     if (stop_requested()) return;
-    if (options.json)
-        fmt::print("{}", json_text(json_of(result, device, options)));
-    else
-        print(result, device, options, tree);
+    if (!options.json) return print(result, device, options, tree);
+    nlohmann::ordered_json json = json_of(result, device, options);
+    if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
+    fmt::print("{}", json_text(json));
 }
 
 }  // namespace
@@ -249,6 +263,9 @@ void add_bench_render(CLI::App& bench, CommonOptions& common) {
     verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")->check(CLI::Range(1, 100));
     verb->add_option("--repeats", options->repeats, "Pictures of each view that the medians are over")
         ->check(CLI::Range(1, 1000));
+    verb->add_option("--rival", options->rival,
+                     "Also by another way: `raster` projects leaves, sorts and composites them")
+        ->check(CLI::IsMember({"raster"}));
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(std::string("Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
                              "time of a picture,\nits slice included, its ratio to the paper's path and what the "

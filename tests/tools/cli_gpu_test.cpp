@@ -262,6 +262,23 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
 }
 
+TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
+    std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
+    EXPECT_EQ(run_neuvv(command).out.find("rival"), std::string::npos);
+    command.insert(command.end(), {"--rival", "raster"});
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"rival: sparse voxels rasterised", "project", "sort", "composite", "pairs"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    command.push_back("--json");
+    const nlohmann::json rival = nlohmann::json::parse(run_neuvv(command).out)["rival"];
+    for (const char* pass : {"project", "sort", "composite"}) EXPECT_GT(rival["passes_ms"][pass], 0.0) << pass;
+    EXPECT_GT(rival["pairs"], 10.0);
+    EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same picture";
+    EXPECT_LT(rival["mean_difference_of_255"], 0.01);
+    expect_refused({"bench", "render", scene, "--rival", "splats"}, 2, {"--rival"});
+}
+
 TEST_F(CliGpu, BenchSliceTimesEachPass) {
     const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
     ASSERT_EQ(table.code, 0) << table.err;

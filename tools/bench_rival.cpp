@@ -1,0 +1,108 @@
+#include "tools/bench_rival.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "render/leaf_raster.h"
+#include "tools/bench.h"
+#include "training/metrics.h"
+
+namespace neuvv {
+
+namespace {
+
+double psnr(const RivalTimes& times) {
+    return -10 * std::log10(std::max(mean(times.squares), 1e-10));
+}
+
+double picture_ms(const RivalTimes& times) {
+    return median(times.project_ms) + median(times.sort_ms) + median(times.composite_ms);
+}
+
+RayBatch rays_of(const Device& device, const Camera& camera) {
+    const std::vector<Tile> tiles = tiles_of_picture(0, camera.width, camera.height);
+    RayBatch rays(device, 1, static_cast<uint32_t>(tiles.size()));
+    *rays.cameras.as<ShaderCamera>() = shader_camera(camera);
+    std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
+    return rays;
+}
+
+uint32_t count_pairs(const Device& device, const Field& field, const SlicePath& path, const RayBatch& rays) {
+    const LeafRasterizer counter(device, field, path.cache.trees(), path.shaded, rays, 1);
+    run_once(device, "count pairs",
+             [&](Commands& commands) { record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>()); });
+    return pairs_wanted(device, counter);
+}
+
+void add_times(RivalTimes& times, const std::vector<PassTime>& passes) {
+    for (const PassTime& pass : passes) {
+        if (pass.name == "project") times.project_ms.push_back(pass.milliseconds);
+        if (pass.name == "sort") times.sort_ms.push_back(pass.milliseconds);
+        if (pass.name == "composite") times.composite_ms.push_back(pass.milliseconds);
+    }
+}
+
+// The rays over white.
+Image picture_of(const Device& device, const RayBatch& rays, uint32_t width, uint32_t height) {
+    const Buffer picture(device, "rival's picture", uint64_t{4} * width * height, MemoryKind::kDevice,
+                         VK_FORMAT_R32_UINT);
+    const Resolver resolver(device, rays, picture);
+    ResolveSettings settings;
+    settings.background = {1, 1, 1, 1};
+    run_once(device, "resolve", [&](Commands& commands) {
+        record_resolve(commands, resolver, {width, height}, settings);
+    });
+    Image image(width, height);
+    download(device, picture, image.rgba.data(), image.rgba.size());
+    return image;
+}
+
+}  // namespace
+
+void measure_rival(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
+                   const Image& shaded, uint32_t repeats, RivalTimes& times) {
+    const SlicePath& path = *renderer.performer()->slices();
+    const RayBatch rays = rays_of(device, camera);
+    const uint32_t pairs = count_pairs(device, field, path, rays);
+    const LeafRasterizer rasterizer(device, field, path.cache.trees(), path.shaded, rays, pairs);
+    Commands commands(device, "rival");
+    for (uint32_t i = 0; i < repeats + 1; i++) {
+        commands.begin();
+        record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
+        commands.submit();
+        commands.wait();
+        if (i > 0) add_times(times, commands.pass_times());  // the first warms caches
+    }
+    const Quality quality = compare(shaded, picture_of(device, rays, camera.width, camera.height));
+    times.pairs.push_back(pairs);
+    times.differences.push_back(quality.mae);
+    times.squares.push_back(std::pow(10, -quality.psnr / 10));
+}
+
+std::string rival_text(const RivalTimes& times, double trace_ms) {
+    return fmt::format(
+        "rival: sparse voxels rasterised: project {:.1f} sort {:.1f} composite {:.1f} ms; {:.1f} ms together, {:.2f} "
+        "times the {:.1f} ms of tile ranges and trace\n"
+        "  {:.0f} pairs of a tile and a leaf; its picture and the shaded one are {:.3f}/255 apart, PSNR {:.1f} dB",
+        median(times.project_ms), median(times.sort_ms), median(times.composite_ms), picture_ms(times),
+        picture_ms(times) / trace_ms, trace_ms, mean(times.pairs), 255 * mean(times.differences), psnr(times));
+}
+
+nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms) {
+    return {{"name", "raster"},
+            {"passes_ms",
+             {{"project", median(times.project_ms)},
+              {"sort", median(times.sort_ms)},
+              {"composite", median(times.composite_ms)}}},
+            {"ms", picture_ms(times)},
+            {"ranges_and_trace_ms", trace_ms},
+            {"times_ranges_and_trace", picture_ms(times) / trace_ms},
+            {"pairs", mean(times.pairs)},
+            {"mean_difference_of_255", 255 * mean(times.differences)},
+            {"psnr_db", psnr(times)}};
+}
+
+}  // namespace neuvv
