@@ -3,6 +3,7 @@
 // 13). The includer binds textureBuffer `cameras` and utextureBuffer `tiles`.
 #ifndef NEUVV_RAY_GLSL
 #define NEUVV_RAY_GLSL
+#include "grid.glsl"
 
 // The includer's: which tile this workgroup has, between which distances its rays run (metres), and how many cameras
 // stand before those in the performer's space, which are the world's (0: they are these).
@@ -35,7 +36,7 @@ uvec2 tile_pixel(uint thread) {
 
 // What a camera sees at a place of its picture.
 vec3 camera_line(uint camera, vec2 at) {
-    const int first = int(4u * camera);
+    const int first = int(kCameraTexels * camera);
     return texelFetch(cameras, first + 3).xyz + at.x * texelFetch(cameras, first + 1).xyz +
            at.y * texelFetch(cameras, first + 2).xyz;
 }
@@ -46,15 +47,17 @@ Ray tile_ray() {
     const uvec2 inner = tile_pixel(gl_LocalInvocationID.x);
     const uvec2 cell = tile.yz + inner;
     const uint camera = tile.x + first_camera();
-    const vec2 size = vec2(texelFetch(cameras, int(4u * camera + 1u)).w, texelFetch(cameras, int(4u * camera + 2u)).w);
-    const uint samples = uint(texelFetch(cameras, int(4u * camera + 3u)).w);
-    const vec2 at = vec2(cell) + 0.5 + rook_shift(cell, samples) + unpackSnorm2x16(tile.w);
+    const int first = int(kCameraTexels * camera);
+    const vec2 size = vec2(texelFetch(cameras, first + 1).w, texelFetch(cameras, first + 2).w);
+    const uint samples = uint(texelFetch(cameras, first + 3).w);
+    const vec2 place = vec2(cell) + 0.5 + rook_shift(cell, samples) + unpackSnorm2x16(tile.w);
+    const vec2 at = vec2(pixel_of_ray(camera_axis(camera, 0u), place.x), pixel_of_ray(camera_axis(camera, 1u), place.y));
     const vec3 line = camera_line(camera, at);
     Ray ray;
     ray.in_tile = inner.y * kTile + inner.x;
     ray.index = group * kTilePixels + ray.in_tile;
     ray.range = all(lessThan(vec2(cell), size)) ? tile_range(group) : vec2(kFar, 0.0);
-    ray.origin = texelFetch(cameras, int(4u * camera)).xyz;
+    ray.origin = texelFetch(cameras, first).xyz;
     ray.direction = normalize(line);
     ray.world_metres = first_camera() == 0u ? 1.0 : length(camera_line(tile.x, at)) / length(line);
     return ray;

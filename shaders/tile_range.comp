@@ -13,9 +13,11 @@ layout(binding = kRangeNodes) uniform utextureBuffer nodes;
 layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
 layout(binding = kRangePlaces) uniform utextureBuffer node_places;
 layout(binding = kRangeViews) uniform textureBuffer range_views;
+layout(binding = kRangeCameras) uniform textureBuffer cameras;
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
 layout(push_constant) uniform Push { TileRangePush push; };
 #include "box_pixels.glsl"
+#include "grid.glsl"
 
 const float kSlack = 1e-4;    // relative, of distances: for rounding
 
@@ -52,7 +54,9 @@ vec3 homogeneous(RangeView view, vec3 from_eye) {
 }
 
 // To the tiles that a box covers in one view.
-void store_range(RangeView view, uint first_tile, Box place) {
+void store_range(uint v, Box place) {
+    const RangeView view = view_of(push.first_view + v);
+    const GridAxis across = camera_axis(v, 0u), down = camera_axis(v, 1u);
     const Box box = Box(place.low - view.eye.xyz, place.high - view.eye.xyz);
     const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
     const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
@@ -60,14 +64,16 @@ void store_range(RangeView view, uint first_tile, Box place) {
     const vec3 size = box.high - box.low;
     const mat3 edges = mat3(homogeneous(view, vec3(size.x, 0.0, 0.0)), homogeneous(view, vec3(0.0, size.y, 0.0)),
                             homogeneous(view, vec3(0.0, 0.0, size.z)));
-    vec4 covered = box_pixels(homogeneous(view, box.low), edges) / float(kTile);
+    const vec4 pixels = box_pixels(homogeneous(view, box.low), edges);
+    vec4 covered = vec4(ray_of_pixel(across, pixels.x), ray_of_pixel(down, pixels.y), ray_of_pixel(across, pixels.z),
+                        ray_of_pixel(down, pixels.w)) / float(kTile);
     if (near < 2.0 * kNearest) covered = vec4(0.0, 0.0, tiles);  // around the eye
     // Half a thousandth of a tile for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
     const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
-            const uint at = 2u * (first_tile + uint(y) * push.tiles_across + uint(x));
+            const uint at = 2u * ((v * push.tiles_down + uint(y)) * push.tiles_across + uint(x));
             atomicMin(tile_ranges[at], floatBitsToUint(near));
             atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
         }
@@ -85,6 +91,5 @@ void main() {
     const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
     const Box cells = cells_box(leaves);
     const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell, push.box_min.xyz + (corner + cells.high) * cell);
-    for (uint v = 0u; v < push.views; v++)
-        store_range(view_of(push.first_view + v), v * push.tiles_across * push.tiles_down, box);
+    for (uint v = 0u; v < push.views; v++) store_range(v, box);
 }

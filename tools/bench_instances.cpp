@@ -20,13 +20,14 @@ namespace neuvv {
 namespace {
 
 struct BenchInstancesOptions {
-    std::string scene, size = "1280x720";
+    std::string scene, size = "1280x720", picture;
     uint32_t count = 16, repeats = 5;
     double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
     bool json = false;
 };
 
 struct Shown {
+    Image picture;  // the last
     std::vector<PassSum> passes;
     std::vector<double> ms;     // with slices resident
     uint64_t buffer_bytes = 0;  // of renderer and performer on the device
@@ -75,12 +76,13 @@ Shown show(const Device& device, const Field& field, const BenchInstancesOptions
     settings.width = camera.width;
     settings.height = camera.height;
     settings.mode = TraceMode::kPlay;
+    settings.resolve.background = {1, 1, 1, 1};
     Shown shown;
     for (const std::vector<Instance>& instances : frames) {
         settings.instances = instances;
         renderer.render(camera, settings);  // slices, compiles
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
-            renderer.render(camera, settings);
+            shown.picture = renderer.render(camera, settings);
             double sum = 0;
             for (const PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
             shown.ms.push_back(sum);
@@ -163,10 +165,12 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 
 void run(const BenchInstancesOptions& options, const CommonOptions& common) {
     catch_stop_signals();
+    if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
     const VOctree tree = read_nvv(options.scene);
     const Device device(common.device);
     const Result result = measure_all(device, tree, options);
     if (stop_requested()) return;
+    if (!options.picture.empty()) write_png(options.picture, result.all.picture);
     if (options.json)
         fmt::print("{}", json_text(json_of(result, device, options)));
     else
@@ -185,6 +189,7 @@ void add_bench_instances(CLI::App& bench, CommonOptions& common) {
     add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
     verb->add_option("--repeats", options->repeats, "Pictures that the medians are over")->check(CLI::Range(1, 1000));
+    verb->add_option("--picture", options->picture, "Write what was drawn to this PNG");
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(
         std::string(

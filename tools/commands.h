@@ -30,8 +30,9 @@ inline CLI::Validator number_between(double low, double high) {
 
 // --samples, for the verbs that render: rays a pixel along each side.
 constexpr uint32_t kDefaultSamples = 2;
-inline void add_samples_option(CLI::App& verb, uint32_t& samples) {
-    verb.add_option("--samples", samples, "Rays a pixel along each side: 2 averages 4 of them, for smooth edges")
+inline CLI::Option* add_samples_option(CLI::App& verb, uint32_t& samples) {
+    return verb
+        .add_option("--samples", samples, "Rays a pixel along each side: 2 averages 4 of them, for smooth edges")
         ->check(CLI::Range(1, 4))
         ->capture_default_str();
 }
@@ -41,7 +42,7 @@ inline void add_slice_budget_option(CLI::App& verb, double& megabytes) {
     verb.add_option("--slice-budget", megabytes,
                     "MiB on the device for frames' slices that are kept, however many instances there are; 0: no "
                     "slices, all numbers at each sample (slow)")
-        ->check(CLI::Range(0.0, 1048576.0))
+        ->check(number_between(0, 1048576))
         ->capture_default_str();
 }
 

@@ -1,6 +1,7 @@
 // neuvv render: a scene as a free-viewpoint video or as pictures.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,6 +27,8 @@ struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
     std::optional<double> fps;  // the clip's where not given
     uint32_t samples = kDefaultSamples;
+    double scale = 1;
+    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
     bool orbit = false, depth = false, alpha = false, direct = false, json = false;
 };
 
@@ -104,22 +107,27 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
 
     const Device device(common.device);
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, {size.width, size.height, options.samples});
+    const uint32_t samples = options.scale < 1 ? 1 : options.samples;
+    const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    FrameRenderer renderer(device, field, {size.width, size.height, samples, 1, slice_bytes});
     PictureSink sink(output, size, playback.output_fps);
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
     const PictureSize encoded{video_side(size.width), video_side(size.height)};
     Totals totals{path.size(), video ? encoded : size, playback.output_fps};
-    totals.rays = static_cast<double>(path.size()) * size.width * size.height * options.samples * options.samples;
+    const double rays_a_pixel = std::pow(options.scale * samples, 2);
+    totals.rays = static_cast<double>(path.size()) * size.width * size.height * rays_a_pixel;
     Progress progress("render", path.size());
     for (size_t i = 0; i < path.size(); ++i) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
-        const FrameSettings settings{{{static_cast<float>(path[i].frame)}},
-                                     size.width,
-                                     size.height,
-                                     options.samples,
-                                     resolve,
-                                     options.direct ? TraceMode::kDirect : TraceMode::kPlay};
+        FrameSettings settings;
+        settings.instances[0].frame = static_cast<float>(path[i].frame);
+        settings.width = size.width;
+        settings.height = size.height;
+        settings.samples = samples;
+        settings.scale = options.scale;
+        settings.resolve = resolve;
+        settings.mode = options.direct ? TraceMode::kDirect : TraceMode::kPlay;
         sink.add(renderer.render(path[i].camera, settings));
         for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
         if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));
@@ -169,10 +177,17 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--size", options.size, "WIDTHxHEIGHT (default: that of --camera, else 720x720)");
     verb.add_option("--background", options.background,
                     "white, black, grey, clear or '#rrggbb' (default: white for a video, clear for pictures)");
-    add_samples_option(verb, options.samples);
+    CLI::Option* samples = add_samples_option(verb, options.samples);
+    CLI::Option* scale =
+        verb.add_option("--scale", options.scale,
+                        "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
+            ->check(number_between(0.1, 1))
+            ->excludes(samples);
+    add_slice_budget_option(verb, options.slice_budget_mb);
     CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
     verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
-    verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)");
+    verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
+        ->excludes(scale);
     verb.add_flag("--json", options.json, "Print JSON: output, pictures, width, height, fps, gpu_seconds, ...");
 }
 

@@ -37,7 +37,7 @@ template <typename T>
 std::vector<T> rows_of_view(const Device& device, const Buffer& rays, const ViewLayout& layout, uint32_t view) {
     std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
     download(device, rays, tiles.data(), tiles.size() * sizeof(T));
-    const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
+    const uint32_t width = layout.rays_across(), height = layout.rays_down();
     const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
     std::vector<T> rows(size_t{width} * height);
     for (uint32_t y = 0; y < height; y++)
@@ -71,9 +71,11 @@ DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch&
 
 void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     record_clear(commands, r.rays_);
-    const std::pair shown(r.layout_, settings.resolve);
+    ViewLayout all_pixels = r.layout_;
+    all_pixels.rays = {};
+    const std::pair shown(all_pixels, settings.resolve);
     if (r.blank_is_of_ != shown) {
-        record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
+        record_resolve(commands, r.resolver_, all_pixels, settings.resolve);
         copy(commands, r.picture_, r.blank_, r.blank_.bytes);
         r.blank_is_of_ = shown;
     }
@@ -81,9 +83,13 @@ void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings&
     record_unseen(commands, r.ranges_);
     for (const DrawnInstance& instance : r.drawn_)
         record_instance(commands, *r.performer_, instance, r.layout_, settings.stop);
+    record_picture_list(commands, r.lister_, r.layout_);
     copy(commands, r.blank_, r.picture_, r.blank_.bytes);
     compute_barrier(commands);
-    record_resolve(commands, r.listed_resolver_, r.layout_, settings.resolve);
+    if (r.layout_.upscaled())
+        record_upscale(commands, *r.upscaler_, r.layout_, settings.resolve);
+    else
+        record_resolve(commands, r.listed_resolver_, r.layout_, settings.resolve);
 }
 
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
@@ -116,10 +122,12 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, const Fra
       field_(field),
       capacity_(capacity),
       rays_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity)),
-      ranges_(device, rays_.tile_capacity, rays_.camera_capacity),
+      ranges_(device, rays_.tile_capacity,
+              ViewLayout{capacity.width, capacity.height, 1, capacity.views}.picture_tiles(), rays_.camera_capacity),
       picture_(device, "picture", picture_bytes(capacity), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", picture_bytes(capacity), MemoryKind::kReadback),
       blank_(device, "blank picture", picture_bytes(capacity), MemoryKind::kDevice),
+      lister_(device, rays_, ranges_),
       resolver_(device, rays_, picture_),
       listed_resolver_(device, rays_, picture_, &ranges_),
       commands_(device, "frame", kMaxScopes) {}
@@ -134,6 +142,8 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
     assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
+    assert(settings.scale > 0 && settings.scale <= 1);
+    assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
         const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
         if (!std::isfinite(volume) || volume == 0)
@@ -141,18 +151,35 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
     }
 }
 
+// Where rays stand, and how many there are in each view: as many as in the one that has most.
+void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
+    layout_ = {settings.width, settings.height, settings.samples, views};
+    grids_.clear();
+    if (settings.scale == 1 && settings.foveae.empty()) return;
+    assert(settings.samples == 1 && !is_reference(settings.mode));
+    for (uint32_t view = 0; view < views; view++) {
+        const Fovea fovea = settings.foveae.empty() ? Fovea{} : settings.foveae[view];
+        grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
+        layout_.rays = glm::max(layout_.rays, grids_.back().rays);
+    }
+    if (!upscaler_) upscaler_ = std::make_unique<Upscaler>(device_, rays_, picture_, ranges_);
+}
+
+ShaderCamera FrameRenderer::shader_camera_of(const Camera& camera, uint32_t view) const {
+    return layout_.upscaled() ? shader_camera(camera, grids_[view])
+                              : shader_camera(enlarged(camera, layout_.samples), layout_.samples);
+}
+
 // The cameras of the world, one a view, and their tiles.
 void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSettings& settings) {
-    const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
-    for (uint32_t view = 0; view < layout.views; view++)
-        rays_.cameras.as<ShaderCamera>()[view] =
-            shader_camera(enlarged(cameras[view], settings.samples), settings.samples);
-    if (layout == layout_) return;
-    layout_ = layout;
+    const ViewLayout last = layout_;
+    place_grids(settings, static_cast<uint32_t>(cameras.size()));
+    for (uint32_t view = 0; view < layout_.views; view++)
+        rays_.cameras.as<ShaderCamera>()[view] = shader_camera_of(cameras[view], view);
+    if (layout_ == last) return;
     Tile* to = rays_.tiles.as<Tile>();
-    for (uint32_t view = 0; view < layout.views; view++) {
-        const std::vector<Tile> tiles =
-            tiles_of_picture(view, layout.samples * layout.width, layout.samples * layout.height);
+    for (uint32_t view = 0; view < layout_.views; view++) {
+        const std::vector<Tile> tiles = tiles_of_picture(view, layout_.rays_across(), layout_.rays_down());
         to = std::copy(tiles.begin(), tiles.end(), to);
     }
 }
@@ -178,16 +205,17 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
     drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
     double rays = 0, focal = 0;
     for (uint32_t view = 0; view < layout_.views; view++) {
-        const Camera camera = enlarged(in_performer(cameras[view], instance.world_from_performer), settings.samples);
-        const ShaderCamera seen = shader_camera(camera, settings.samples);
+        const Camera camera = in_performer(cameras[view], instance.world_from_performer);
+        const ShaderCamera seen = shader_camera_of(camera, view);
         const RangeView range = range_view(seen);
+        const glm::dvec2 picture = static_cast<double>(settings.samples) * glm::dvec2(camera.width, camera.height);
         rays_.cameras.as<ShaderCamera>()[drawn.first_camera + view] = seen;
         ranges_.views.as<RangeView>()[drawn.first_camera + view] = range;
-        rays += pixels_around(range, {camera.width, camera.height}, field_.leaves_min, field_.leaves_max);
-        focal = std::max({focal, camera.fx, camera.fy});
+        rays += pixels_around(range, picture, field_.leaves_min, field_.leaves_max) * settings.scale * settings.scale;
+        focal = std::max(focal, settings.samples * std::max(camera.fx, camera.fy));
     }
     if (rays == 0) return;
-    drawn.range_level = range_level(field_, drawn.eye, focal);
+    drawn.range_level = range_level(field_, drawn.eye, focal * settings.scale);
     drawn.shading = settings.mode == TraceMode::kPlay     ? play_shading(field_, drawn.eye, rays)
                     : settings.mode == TraceMode::kShaded ? Shading::kPerLeaf
                                                           : Shading::kPerRay;

@@ -6,7 +6,8 @@
 
 #include "media/image.h"
 #include "render/performer.h"
-#include "render/resolve.h"
+#include "render/ray_grid.h"
+#include "render/upscale.h"
 
 namespace neuvv {
 
@@ -24,6 +25,8 @@ struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
+    double scale = 1;      // below 1: so many rays a pixel along each side, upscaled; samples must be 1, no reference
+    std::vector<Fovea> foveae;  // one a view, or none; as scale
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
     float stop = kStopTransmittance;
@@ -84,6 +87,8 @@ class FrameRenderer {
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_instances(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
+    void place_grids(const FrameSettings& settings, uint32_t views);
+    ShaderCamera shader_camera_of(const Camera& camera, uint32_t view) const;
     void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance,
@@ -100,8 +105,11 @@ class FrameRenderer {
     std::unique_ptr<Performer> performer_;  // paths are made when first asked for
     std::unique_ptr<SlotPath> slots_;
     std::unique_ptr<DirectPath> direct_;
+    PictureLister lister_;
     Resolver resolver_, listed_resolver_;  // of all tiles; of those where anything may be seen
+    std::unique_ptr<Upscaler> upscaler_;   // made when first asked for
     ViewLayout layout_;                    // of the last picture
+    std::vector<RayGrid> grids_;           // of its views, where they are upscaled
     std::vector<DrawnInstance> drawn_;     // of the last picture: those that may be seen, near to far
     Commands commands_;
 };

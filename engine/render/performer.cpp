@@ -29,7 +29,7 @@ SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves&
     : cache(device, field, live, entries, slice_budget),
       shaded(shaded_entries(device, cache.trees().capacity)),
       shader(device, field, cache.trees(), shaded),
-      ranger(device, field, &cache.trees(), ranges),
+      ranger(device, field, &cache.trees(), rays, ranges),
       unshaded_tracer(device, field, cache.trees(), cache.trees().entries, ranges, rays, Shading::kPerRay),
       shaded_tracer(device, field, cache.trees(), shaded, ranges, rays, Shading::kPerLeaf),
       counts_readback(device, "entries readback", cache.trees().counts.bytes, MemoryKind::kReadback) {}
@@ -37,7 +37,7 @@ SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves&
 InstanceDirectPath::InstanceDirectPath(const Device& device, const Field& field, const LiveLeaves& live,
                                        const RayBatch& rays, const TileRanges& ranges)
     : finder(device, field, live),
-      ranger(device, field, nullptr, ranges),
+      ranger(device, field, nullptr, rays, ranges),
       tracer(device, field, live, rays, Walk::kDown, &ranges) {}
 
 Performer::Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,

@@ -12,12 +12,16 @@ Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& pic
                    {kResolvePicture, &picture},
                    {kResolveTiles, only ? &only->picture_list : &rays.tiles}}) {}  // read only where there is a list
 
+ResolvePush resolve_push(const ViewLayout& layout, const ResolveSettings& settings) {
+    return {settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),
+            settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
+            layout.tiles_down()};
+}
+
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings) {
     const PassScope scope(commands, "resolve");
-    const ResolvePush push{
-        settings.background,   layout.width,         layout.height, static_cast<uint32_t>(settings.show),
-        settings.depth_near_m, settings.depth_far_m, layout.samples};
+    const ResolvePush push = resolve_push(layout, settings);
     if (resolver.only_)
         dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
     else

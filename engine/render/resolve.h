@@ -28,6 +28,9 @@ class Resolver {
     BindingSet set_;
 };
 
+// What resolve and upscale pass to their shaders.
+ResolvePush resolve_push(const ViewLayout& layout, const ResolveSettings& settings);
+
 // The rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of
 // them.
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "spirv/picture_list.comp.h"
 #include "spirv/tile_list.comp.h"
 #include "spirv/tile_range.comp.h"
 
@@ -57,17 +58,18 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
     return level;
 }
 
-TileRanges::TileRanges(const Device& device, uint32_t tiles, uint32_t cameras)
+TileRanges::TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras)
     : views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_SFLOAT),
-      ranges(device, "tile ranges", uint64_t{8} * tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
-      list(device, "tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      ranges(device, "tile ranges", uint64_t{8} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+      list(device, "tile list", list_bytes(ray_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), MemoryKind::kDevice),
-      seen(device, "tiles seen", uint64_t{4} * tiles, MemoryKind::kDevice),
-      picture_list(device, "pictures' tile list", list_bytes(tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      seen(device, "tiles seen", uint64_t{4} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      picture_list(device, "pictures' tile list", list_bytes(picture_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
 
-TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const TileRanges& ranges)
+TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
+                       const TileRanges& ranges)
     : field_(field),
       trees_(trees),
       ranges_(ranges),
@@ -77,18 +79,38 @@ TileRanger::TileRanger(const Device& device, const Field& field, const SliceTree
                           {kRangeInner, &field.inner_cells},
                           {kRangePlaces, &field.node_places},
                           {kRangeViews, &ranges.views},
+                          {kRangeCameras, &rays.cameras},
                           {kRangeTiles, &ranges.ranges}}),
       list_set_(list_, {{kRangeTiles, &ranges.ranges},
                         {kRangeList, &ranges.list},
                         {kRangeCount, &ranges.count},
-                        {kRangeSeen, &ranges.seen},
-                        {kRangePictures, &ranges.picture_list},
-                        {kRangePictureCount, &ranges.picture_count}}) {}
+                        {kRangeSeen, &ranges.seen}}) {}
 
 void record_unseen(Commands& commands, const TileRanges& ranges) {
     fill(commands, ranges.seen, 0);
     fill(commands, ranges.picture_list, kNoTile);
     update(commands, ranges.picture_count, LiveCount{0, 1, 1, 0, 0});
+    compute_barrier(commands);
+}
+
+PictureLister::PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges)
+    : ranges_(ranges),
+      pass_(device, "picture list", picture_list_comp),
+      set_(pass_, {{kRangeSeen, &ranges.seen},
+                   {kRangeCameras, &rays.cameras},
+                   {kPictures, &ranges.picture_list},
+                   {kPictureCount, &ranges.picture_count}}) {}
+
+void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
+    constexpr uint32_t kFilterReach = 2;  // of upscale.comp
+    const PictureListPush push{layout.views,
+                               layout.tiles_across(),
+                               layout.tiles_down(),
+                               layout.pictures_across(),
+                               layout.pictures_down(),
+                               layout.samples,
+                               layout.upscaled() ? kFilterReach : 0};
+    dispatch(commands, lister.pass_, lister.set_, groups_of(layout.picture_tiles()), push);
     compute_barrier(commands);
 }
 
@@ -104,15 +126,14 @@ void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t s
                              first_view,
                              layout.views,
                              layout.tiles_across(),
-                             layout.tiles_down(),
-                             layout.samples};
+                             layout.tiles_down()};
     fill(commands, ranger.ranges_.ranges, 0xffffffff);
     fill(commands, ranger.ranges_.list, kNoTile);
     update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
     compute_barrier(commands);
     dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);
     compute_barrier(commands);
-    dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.picture_tiles()), push);
+    dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.ray_tiles()), push);
     compute_barrier(commands);
 }
 

@@ -11,24 +11,30 @@ struct ViewLayout {
     uint32_t width = 0, height = 0;  // pixels
     uint32_t samples = 1;            // rays a pixel, along each side
     uint32_t views = 1;
+    glm::uvec2 rays{0};  // of a view, where they are fewer than pixels (ray_grid.h); else (0, 0)
 
-    uint32_t tiles_across() const { return (samples * width + kTile - 1) / kTile; }  // of rays
-    uint32_t tiles_down() const { return (samples * height + kTile - 1) / kTile; }
+    bool upscaled() const { return rays.x > 0; }
+    uint32_t rays_across() const { return upscaled() ? rays.x : samples * width; }
+    uint32_t rays_down() const { return upscaled() ? rays.y : samples * height; }
+    uint32_t tiles_across() const { return (rays_across() + kTile - 1) / kTile; }  // of rays
+    uint32_t tiles_down() const { return (rays_down() + kTile - 1) / kTile; }
     uint32_t ray_tiles() const { return views * tiles_across() * tiles_down(); }
-    uint32_t picture_tiles() const { return views * ((width + kTile - 1) / kTile) * ((height + kTile - 1) / kTile); }
+    uint32_t pictures_across() const { return (width + kTile - 1) / kTile; }  // tiles of a picture
+    uint32_t pictures_down() const { return (height + kTile - 1) / kTile; }
+    uint32_t picture_tiles() const { return views * pictures_across() * pictures_down(); }
     bool operator==(const ViewLayout&) const = default;
 };
 
 struct TileRanges {
-    // At most so many tiles of rays, and cameras of instances.
-    TileRanges(const Device& device, uint32_t tiles, uint32_t cameras);
+    // At most so many tiles of rays and of pictures, and cameras of instances.
+    TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras);
 
     Buffer views;                        // RangeView of each camera of the ray batch, host-mapped
     Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
     Buffer list;                         // tiles of rays where an instance may be seen, then kNoTile
     Buffer count;                        // LiveCount of these
-    Buffer seen;                         // per tile of the pictures: whether it is in the list
-    Buffer picture_list, picture_count;  // of tiles of the pictures, over all instances
+    Buffer seen;                         // per tile of rays: whether any instance of the frame may be seen there
+    Buffer picture_list, picture_count;  // tiles of the pictures that such rays add to, as list and count
 };
 
 // A camera in its performer's space (shared/slice_tree.h).
@@ -45,7 +51,8 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels);
 class TileRanger {
   public:
     // Nodes: those of `trees`, or without it of the whole field, as if every leaf lived.
-    TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const TileRanges& ranges);
+    TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
+               const TileRanges& ranges);
 
   private:
     friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
@@ -59,6 +66,20 @@ class TileRanger {
 
 // Before the first instance of a frame: no tile has seen anything.
 void record_unseen(Commands& commands, const TileRanges& ranges);
+
+class PictureLister {
+  public:
+    PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges);
+
+  private:
+    friend void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
+    const TileRanges& ranges_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// After the last: which tiles of the pictures are to be resolved.
+void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
 
 // `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
 // not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.

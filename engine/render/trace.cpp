@@ -27,6 +27,12 @@ ShaderCamera shader_camera(const Camera& camera, uint32_t samples) {
     shader.down = glm::vec4(glm::vec3(rotation * glm::dvec3(0, -1 / camera.fy, 0)), static_cast<float>(camera.height));
     shader.corner = glm::vec4(glm::vec3(rotation * glm::dvec3(-camera.cx / camera.fx, camera.cy / camera.fy, -1)),
                               static_cast<float>(samples));
+    const auto whole = [](uint32_t pixels) {
+        const auto end = static_cast<float>(pixels);
+        return GridAxis{{0, end, 0, end}, glm::vec4(1)};
+    };
+    shader.across = whole(camera.width);
+    shader.downwards = whole(camera.height);
     return shader;
 }
 

@@ -1,4 +1,5 @@
-// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays.
+// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays. The
+// upscale pass: the same where rays are fewer than pixels.
 #ifndef NEUVV_SHARED_RESOLVE_H
 #define NEUVV_SHARED_RESOLVE_H
 #include "shared/types.h"
@@ -11,6 +12,8 @@ CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
 
 CONSTEXPR uint kResolveTiles = 3u;  // where only some are resolved: those, then kNoTile
 
+CONSTEXPR uint kResolveCameras = 4u;  // upscale.comp: as kTraceCameras
+
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;
 CONSTEXPR uint kShowDepth = 2u;  // near white to far black
@@ -22,12 +25,14 @@ struct ResolvePush {
     uint show;
     float depth_near;  // metres
     float depth_far;
-    uint samples;  // rays a pixel, along each side
+    uint samples;  // rays a pixel, along each side; upscale.comp: fewer than one
+    uint tiles_across;  // of a view's rays
+    uint tiles_down;
 };
 
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::ResolvePush) == 40);
+static_assert(sizeof(neuvv::ResolvePush) == 48);
 #endif
 #endif

@@ -76,9 +76,11 @@ CONSTEXPR uint kRangeViews = 3u;   // a RangeView each
 CONSTEXPR uint kRangeTiles = 4u;   // per tile: bits of the least distance, and the complement of those of the largest
 CONSTEXPR uint kRangeList = 5u;    // tiles of rays where the instance may be seen, then kNoTile
 CONSTEXPR uint kRangeCount = 6u;   // a LiveCount of them
-CONSTEXPR uint kRangeSeen = 7u;    // per tile of the pictures: whether an instance may be seen there
-CONSTEXPR uint kRangePictures = 8u;      // those tiles, then kNoTile
-CONSTEXPR uint kRangePictureCount = 9u;  // a LiveCount of them
+CONSTEXPR uint kRangeSeen = 7u;    // per tile of rays: whether any instance of the frame may be seen there
+CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras: where rays stand is as the first `views` of them say
+// picture_list.comp, besides kRangeSeen and kRangeCameras
+CONSTEXPR uint kPictures = 9u;       // the pictures' tiles that such rays make, then kNoTile
+CONSTEXPR uint kPictureCount = 10u;  // a LiveCount of them
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
 
@@ -101,7 +103,16 @@ struct TileRangePush {
     uint views;
     uint tiles_across;  // of a view's rays
     uint tiles_down;
-    uint samples;  // tiles of rays in one of the picture, along each side
+};
+
+struct PictureListPush {
+    uint views;
+    uint tiles_across;  // of a view's rays
+    uint tiles_down;
+    uint pictures_across;  // tiles of a picture
+    uint pictures_down;
+    uint samples;  // rays a pixel along each side, which are the camera's pixels
+    uint reach;    // rays that a pixel takes beyond those at its edges
 };
 
 NEUVV_SHARED_END
@@ -110,6 +121,6 @@ NEUVV_SHARED_END
 static_assert(sizeof(neuvv::SliceNodesPush) == 20);
 static_assert(sizeof(neuvv::ShadePush) == 56);
 static_assert(sizeof(neuvv::RangeView) == 64);
-static_assert(sizeof(neuvv::TileRangePush) == 64);
+static_assert(sizeof(neuvv::TileRangePush) == 60);
 #endif
 #endif

@@ -29,13 +29,22 @@ CONSTEXPR uint kTraceEntries = 10u;
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
 
-// Pixel (x, y) looks along normalize(corner + (x+½)·right + (y+½)·down), world space. Four texels.
+// Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset (grid.glsl).
+struct GridAxis {
+    vec4 knots;   // the rays and the pixels at which the inset begins and ends: ray, ray, pixel, pixel
+    vec4 slopes;  // pixels a ray before, inside and beyond it
+};
+
+// Place (x, y) of the picture, in pixels, is seen along normalize(corner + x·right + y·down), world space.
 struct ShaderCamera {
     vec4 origin;
-    vec4 right;   // w: width in pixels
-    vec4 down;    // w: height in pixels
+    vec4 right;   // w: rays across
+    vec4 down;    // w: rays down
     vec4 corner;  // w: rays of a picture's pixel along each side, which are pixels here
+    GridAxis across;
+    GridAxis downwards;
 };
+CONSTEXPR uint kCameraTexels = 8u;
 
 // One workgroup's pixels: rays tile*64 .. +63 in row-major order inside the tile. One texel.
 struct Tile {
@@ -58,7 +67,7 @@ struct TracePush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::ShaderCamera) == 64);
+static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
 static_assert(sizeof(neuvv::TracePush) == 56);
 #endif

@@ -41,8 +41,8 @@ class Drawn {
           device_(device),
           slicer_(device, field, live, trees),
           shader_(device, field, trees, shaded),
-          ranges_(device, static_cast<uint32_t>(tiles.size()), 1),
-          ranger_(device, field, &trees, ranges_),
+          ranges_(device, static_cast<uint32_t>(tiles.size()), 1, 1),
+          ranger_(device, field, &trees, rays, ranges_),
           tracer_(device, field, trees, shaded, ranges_, rays, Shading::kPerLeaf) {
         std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
         run_once(device, "slice", [&](Commands& commands) { record_slice_tree(commands, slicer_, kSlice, kFrame); });

@@ -156,8 +156,9 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const LiveLeaves live(device(), field, field.leaf_count);
     const SliceTrees sliced(device(), field, most_entries(field), 1);
     const TreeSlicer slicer(device(), field, live, sliced);
-    const TileRanges ranges(device(), kAcross * kDown, 1);
-    const TileRanger ranger(device(), field, &sliced, ranges);
+    const RayBatch rays(device(), 1, kAcross * kDown);
+    const TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
+    const TileRanger ranger(device(), field, &sliced, rays, ranges);
     const glm::dvec3 low(tree.box_min), size(tree.box_size);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
     const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {
@@ -177,6 +178,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
           View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false, 2},
           View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false, 2}, coarse, whole}) {
         run_once(device(), "ranges", [&, level = level, &camera = camera](Commands& commands) {
+            *rays.cameras.as<ShaderCamera>() = shader_camera(camera);
             *ranges.views.as<RangeView>() = range_view(shader_camera(camera));
             record_slice_tree(commands, slicer, 0, 1);
             record_unseen(commands, ranges);

@@ -310,6 +310,37 @@ TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
     expect_refused({"bench", "instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
 }
 
+TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
+    const std::vector<std::string> command = {"bench", "stereo", scene, "--size", "64x72", "--repeats", "2"};
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    std::vector<std::string> as_json = command;
+    as_json.push_back("--json");
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    EXPECT_GT(json["covered"], 0.02);
+    EXPECT_EQ(json["ways"]["stereo"]["rays"], 2 * 64 * 72);
+    EXPECT_LT(json["ways"]["foveated"]["rays"], 0.5 * 2 * 64 * 72);
+    EXPECT_GT(json["ways"]["half"]["psnr_db"], 15.0);
+    EXPECT_LT(json["ways"]["half"]["psnr_db"], 60.0);
+    expect_refused({"bench", "stereo", scene, "--size", "64"}, 2, {"--size"});
+}
+
+TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {
+    const std::vector<std::string> command = {"render",   scene, "-o",     file("half.png"),
+                                              "--frames", "1",   "--size", "64x48"};
+    std::vector<std::string> scaled = command;
+    for (const char* word : {"--scale", "0.5", "--json"}) scaled.push_back(word);
+    const ProgramResult half = run_neuvv(scaled);
+    ASSERT_EQ(half.code, 0) << half.err;
+    EXPECT_EQ(read_png(file("half.png")).width, 64u);
+    scaled.push_back("--samples");
+    scaled.push_back("2");
+    expect_refused(scaled, 2, {"--samples", "--scale"});
+    expect_refused({"render", scene, "-o", file("a.png"), "--scale", "0"}, 2, {"--scale"});
+}
+
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     {
         const Device device;

@@ -1,0 +1,24 @@
+// Where rays stand in a picture: along each axis as many a pixel as the camera says, of one density inside an inset and of
+// others beside it. The includer binds textureBuffer `cameras`.
+#ifndef NEUVV_GRID_GLSL
+#define NEUVV_GRID_GLSL
+
+// Axis 0 is x.
+GridAxis camera_axis(uint camera, uint axis) {
+    const int first = int(kCameraTexels * camera + 4u + 2u * axis);
+    return GridAxis(texelFetch(cameras, first), texelFetch(cameras, first + 1));
+}
+
+float pixel_of_ray(GridAxis axis, float ray) {
+    const vec4 k = axis.knots;
+    return ray < k.x ? k.z + (ray - k.x) * axis.slopes.x
+                     : ray <= k.y ? k.z + (ray - k.x) * axis.slopes.y : k.w + (ray - k.y) * axis.slopes.z;
+}
+
+float ray_of_pixel(GridAxis axis, float pixel) {
+    const vec4 k = axis.knots;
+    return pixel < k.z ? k.x + (pixel - k.z) / axis.slopes.x
+                       : pixel <= k.w ? k.x + (pixel - k.z) / axis.slopes.y : k.y + (pixel - k.w) / axis.slopes.z;
+}
+
+#endif

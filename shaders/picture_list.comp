@@ -1,0 +1,38 @@
+// Lists the tiles of the pictures that any ray with an instance before it adds to, so that only those are resolved.
+// Reads some words a tile; writes one for each that sees. One thread a tile of all pictures; trivial work.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/slice_tree.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(binding = kRangeSeen) uniform utextureBuffer seen;
+layout(binding = kRangeCameras) uniform textureBuffer cameras;
+layout(binding = kPictures, r32ui) writeonly uniform uimageBuffer picture_list;
+layout(binding = kPictureCount, std430) buffer Count { LiveCount count; };
+layout(push_constant) uniform Push { PictureListPush push; };
+#include "grid.glsl"
+
+// The first and the last tile of rays along an axis that pixels of the picture's tile `at` take from.
+uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
+    const GridAxis grid = camera_axis(view, axis);
+    const float pixel = float(push.samples * kTile * at), end = pixel + float(push.samples * kTile);
+    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.reach, ceil(ray_of_pixel(grid, end)) - 1.0 + push.reach);
+    return uvec2(clamp(rays / int(kTile), ivec2(0), ivec2(tiles - 1u)));
+}
+
+void main() {
+    const uint a_view = push.pictures_across * push.pictures_down;
+    const uint tile = gl_GlobalInvocationID.x, view = tile / a_view, at = tile % a_view;
+    if (view >= push.views) return;
+    const uvec2 x = ray_tiles(view, 0u, at % push.pictures_across, push.tiles_across);
+    const uvec2 y = ray_tiles(view, 1u, at / push.pictures_across, push.tiles_down);
+    bool any = false;
+    for (uint row = y.x; row <= y.y; row++)
+        for (uint column = x.x; column <= x.y; column++)
+            any = any || texelFetch(seen, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
+    if (!any) return;
+    const uint listed = atomicAdd(count.slots, 1u);
+    imageStore(picture_list, int(listed), uvec4(tile));
+    atomicMax(count.groups_x, min(listed + 1u, kListRow));
+    atomicMax(count.groups_y, listed / kListRow + 1u);
+}

@@ -1,0 +1,215 @@
+// neuvv bench stereo: both eyes of a headset, with and without what saves rays.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "render/frame.h"
+#include "tools/bench.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/view_path.h"
+#include "training/metrics.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchStereoOptions {
+    std::string scene, size = "2064x2208";
+    uint32_t repeats = 20;
+    bool json = false;
+};
+
+// A way to draw both eyes.
+struct Way {
+    std::string name;
+    const char* key;  // in JSON
+    double scale = 1;
+    std::vector<Fovea> foveae;
+    bool one_by_one = false;  // an eye a frame
+    std::vector<double> ms;
+    double rays = 0;
+    double psnr = 0;  // of the pictures, against those of the first way
+};
+
+constexpr double kEyeDistance_m = 0.063;
+
+// Seen by a person who stands one height away, upright, with 90° from side to side.
+std::vector<Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, PictureSize size, double turn) {
+    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const double away_m = box.second.y - box.first.y;
+    std::vector<Camera> eyes(2);
+    for (int eye = 0; eye < 2; eye++) {
+        glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
+        place = glm::translate(place, glm::dvec3((eye - 0.5) * kEyeDistance_m, 0, away_m));
+        Camera& camera = eyes[static_cast<size_t>(eye)];
+        camera.world_from_camera = place;
+        camera.width = size.width;
+        camera.height = size.height;
+        camera.cx = 0.5 * size.width;
+        camera.cy = 0.5 * size.height;
+        camera.fx = camera.fy = 0.5 * size.width;
+    }
+    return eyes;
+}
+
+double milliseconds(const FrameRenderer& renderer) {
+    double sum = 0;
+    for (const PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
+    return sum;
+}
+
+struct Drawn {
+    std::vector<Image> pictures;
+    double ms = 0;
+};
+
+Drawn draw(FrameRenderer& renderer, const std::vector<Camera>& eyes, const FrameSettings& settings, bool one_by_one) {
+    if (!one_by_one) {
+        Drawn both{renderer.render_views(eyes, settings), 0};
+        both.ms = milliseconds(renderer);
+        return both;
+    }
+    Drawn drawn;
+    for (const Camera& eye : eyes) {
+        drawn.pictures.push_back(renderer.render(eye, settings));
+        drawn.ms += milliseconds(renderer);
+    }
+    return drawn;
+}
+
+struct Result {
+    std::vector<Way> ways;
+    std::vector<PassSum> passes;  // of the first
+    double covered = 0;           // share of pixels
+    double copy_tb_s = 0;         // bytes read and written
+};
+
+std::vector<Way> ways_to_draw() {
+    const Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
+    return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}},
+            {"one eye after the other", "one_by_one", 1, {}, true, {}},
+            {"inset of 40 %, beside it 0.4 rays a pixel's side", "foveated", 1, {inset, inset}, false, {}},
+            {"0.7 rays a pixel's side, upscaled", "scaled", 0.7, {}, false, {}},
+            {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}}};
+}
+
+void measure(FrameRenderer& renderer, Way& way, const std::vector<Camera>& eyes, uint32_t repeats,
+             std::vector<Image>& truth, Result& result) {
+    FrameSettings settings;
+    settings.width = eyes[0].width;
+    settings.height = eyes[0].height;
+    settings.mode = TraceMode::kPlay;
+    settings.scale = way.scale;
+    settings.foveae = way.foveae;
+    settings.resolve.background = {1, 1, 1, 1};
+    Drawn drawn = draw(renderer, eyes, settings, way.one_by_one);  // slices, compiles
+    for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
+        drawn = draw(renderer, eyes, settings, way.one_by_one);
+        way.ms.push_back(drawn.ms);
+        if (truth.empty()) add_picture(result.passes, renderer.pass_times());
+    }
+    way.rays = 2 * static_cast<double>(renderer.radiance().size());
+    if (truth.empty()) {
+        truth = drawn.pictures;
+        const std::vector<glm::vec4> rays = renderer.radiance();
+        const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
+        result.covered = static_cast<double>(seen) / static_cast<double>(rays.size());
+    }
+    way.psnr = std::min(compare(truth[0], drawn.pictures[0]).psnr, compare(truth[1], drawn.pictures[1]).psnr);
+}
+
+Result measure_all(const Device& device, const VOctree& tree, const BenchStereoOptions& options) {
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const PictureSize size = parse_size(options.size);
+    const std::vector<Camera> eyes = eyes_before(occupied_box(tree), size, 0.4);
+    FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
+    Result result;
+    result.ways = ways_to_draw();
+    std::vector<Image> truth;
+    Progress progress("bench", result.ways.size());
+    for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
+        measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
+        progress.update(i + 1);
+    }
+    const Buffer copied(device, "copy", field.weights.bytes, MemoryKind::kDevice);
+    std::vector<double> copies;
+    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
+    result.copy_tb_s = 2 * static_cast<double>(field.weights.bytes) / (median(copies) / 1000) / 1e12;
+    return result;
+}
+
+double mrays_per_second(const Way& way) {
+    return way.rays / median(way.ms) / 1000;
+}
+
+void print(const Result& result, const Device& device, const BenchStereoOptions& options) {
+    fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
+               device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
+    fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
+    for (const Way& way : result.ways)
+        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", way.name, median(way.ms),
+                   quantile(way.ms, 0.99), mrays_per_second(way), mrays_per_second(way) / result.copy_tb_s,
+                   way.psnr > 90 ? "same" : fmt::format("{:.1f}", way.psnr));
+    fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
+}
+
+nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchStereoOptions& options) {
+    auto ways = nlohmann::ordered_json::object();
+    for (const Way& way : result.ways)
+        ways[way.key] = {{"ms", median(way.ms)},
+                         {"p99_ms", quantile(way.ms, 0.99)},
+                         {"rays", way.rays},
+                         {"mrays_per_second", mrays_per_second(way)},
+                         {"psnr_db", way.psnr}};
+    auto passes = nlohmann::ordered_json::object();
+    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
+    return {{"device", device.summary().name},
+            {"scene", options.scene},
+            {"size", options.size},
+            {"covered", result.covered},
+            {"copy_tb_s", result.copy_tb_s},
+            {"ways", ways},
+            {"passes_ms", passes}};
+}
+
+void run(const BenchStereoOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    const Result result = measure_all(device, tree, options);
+    if (stop_requested()) return;
+    if (options.json)
+        fmt::print("{}", json_text(json_of(result, device, options)));
+    else
+        print(result, device, options);
+}
+
+}  // namespace
+
+void add_bench_stereo(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("stereo", "Both eyes of a headset");
+    const auto options = std::make_shared<BenchStereoOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
+    verb->add_option("--repeats", options->repeats, "Frames that the medians are over")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string("Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
+                    "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far pictures of "
+                    "fewer rays are from those of all.\n") +
+        kDeviceHelp + kExamplesHead +
+        "  neuvv bench stereo build/performer.nvv\n"
+        "  neuvv bench stereo build/performer.nvv --size 1032x1104 --repeats 5");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
