@@ -262,6 +262,36 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
 }
 
+TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
+    const std::vector<std::string> command = {"convert", scene, "-o", file("small.nvv"), "--size", "64x48", "--json"};
+    const auto with_quality = [&](const char* quality) {
+        std::vector<std::string> arguments = command;
+        arguments.insert(arguments.end(), {"--quality", quality});
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    };
+    const nlohmann::json fine = with_quality("60"), coarse = with_quality("35");
+    EXPECT_GE(fine["psnr_db"], 60.0);
+    EXPECT_GE(coarse["psnr_db"], 35.0);
+    EXPECT_LT(coarse["psnr_db"], fine["psnr_db"]);
+    EXPECT_LT(coarse["bytes"], fine["bytes"]);
+    EXPECT_LT(fine["bytes"], fine["bytes_before"]);
+    EXPECT_EQ(coarse["bytes_before"], std::filesystem::file_size(scene));
+    EXPECT_EQ(coarse["bytes"], std::filesystem::file_size(file("small.nvv")));
+    EXPECT_EQ(read_nvv(file("small.nvv")).leaf_count, coarse["leaves"]);
+    EXPECT_EQ(summarise_nvv(file("small.nvv")).head.frames, tree.frames);
+
+    std::filesystem::remove(file("small.nvv"));
+    const ProgramResult beyond =
+        run_neuvv({"convert", scene, "-o", file("small.nvv"), "--quality", "90", "--size", "64x48"});
+    EXPECT_EQ(beyond.code, 2);
+    EXPECT_NE(beyond.err.find("scene.nvv: the finest steps show"), std::string::npos) << beyond.err;
+    expect_refused({"convert", scene, "-o", file("small.nvv"), "--quality", "nan"}, 2, {"--quality"});
+    expect_refused({"convert", file("none.nvv"), "-o", file("small.nvv")}, 2, {"none.nvv"});
+    EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
+}
+
 TEST_F(CliGpu, BenchSliceTimesEachPass) {
     const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
     ASSERT_EQ(table.code, 0) << table.err;
