@@ -29,6 +29,7 @@ double copy_milliseconds(const Device& device, const Buffer& from, const Buffer&
 void add_bench(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
     verb->require_subcommand(1);
+    add_bench_open(*verb, common);
     add_bench_render(*verb, common);
     add_bench_slice(*verb, common);
     add_bench_train(*verb, common);

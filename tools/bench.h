@@ -9,6 +9,7 @@
 namespace neuvv {
 
 void add_bench_train(CLI::App& bench, CommonOptions& common);
+void add_bench_open(CLI::App& bench, CommonOptions& common);
 void add_bench_render(CLI::App& bench, CommonOptions& common);
 void add_bench_slice(CLI::App& bench, CommonOptions& common);
 

@@ -16,6 +16,7 @@
 #include "tools/view_path.h"
 #include "training/compact.h"
 #include "training/metrics.h"
+#include "voctree/coarse.h"
 #include "voctree/nvv.h"
 #include "voctree/round.h"
 
@@ -125,7 +126,7 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     const Views views(device, tree, options);
     Outcome outcome{choose(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
     const VOctree result = rounded(tree, outcome.choice.strength);
-    write_nvv(options.output, result, {}, options.compression);
+    write_nvv(options.output, result, {}, options.compression, coarse_tree(result));
     outcome.leaves = result.leaf_count;
     outcome.bytes = std::filesystem::file_size(options.output);
     return outcome;
