@@ -174,7 +174,9 @@ TEST_F(CoarseFile, HostileOnesAreRefused) {
     };
     expect_complaint("chunk hEAD: has another clip or box", with([](VOctree& t) { t.frames = 9; }));
     expect_complaint("chunk hEAD: has another clip or box", with([](VOctree& t) { t.box_min.x = 7; }));
-    expect_complaint("chunk hEAD: bases is 65", with([](VOctree& t) { t.bases = 65; }));
+    std::vector<Chunk> many_bases = chunks(cut);
+    many_bases[1].raw[16] = 65;
+    expect_complaint("chunk hEAD: bases is 65", many_bases);
     expect_complaint("chunk cHLD: node 0", with([](VOctree& t) { t.children[0] = 0; }));
     expect_complaint("the coarse tree: weights: number 5 is not finite",
                      with([](VOctree& t) { t.weights[5] = std::nanf(""); }));
