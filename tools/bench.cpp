@@ -57,6 +57,7 @@ std::string passes_text(const std::vector<PassSum>& sums) {
 void add_bench(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
     verb->require_subcommand(1);
+    add_bench_open(*verb, common);
     add_bench_render(*verb, common);
     add_bench_slice(*verb, common);
     add_bench_instances(*verb, common);

@@ -61,6 +61,7 @@ void add_matte(CLI::App& app, CommonOptions& common);
 void add_train(CLI::App& app, CommonOptions& common);
 void add_eval(CLI::App& app, CommonOptions& common);
 void add_bench(CLI::App& app, CommonOptions& common);
+void add_convert(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);
 
 }  // namespace neuvv

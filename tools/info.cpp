@@ -71,7 +71,10 @@ void print(const InfoOptions& options, const NvvSummary& summary) {
 
 void run(const InfoOptions& options) {
     const NvvSummary summary = summarise_nvv(options.file);
-    if (options.check) read_nvv(options.file);
+    if (options.check) {
+        read_nvv_coarse(options.file);
+        read_nvv(options.file);
+    }
     if (options.json)
         fmt::print("{}", json_text(json_of(options, summary)));
     else

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
     neuvv::add_train(app, common);
     neuvv::add_eval(app, common);
     neuvv::add_bench(app, common);
+    neuvv::add_convert(app, common);
     neuvv::add_render(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "training/compact.h"
 #include "training/schedule.h"
+#include "voctree/coarse.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -209,7 +210,7 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
 uint32_t save_shown(const std::filesystem::path& nvv, VOctree tree) {
     drop_empty_leaves(tree);
     make_compact(tree);
-    write_nvv(nvv, tree, {}, 1);
+    write_nvv(nvv, tree, {}, 1, coarse_tree(tree));
     return tree.leaf_count;
 }
 

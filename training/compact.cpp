@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "training/bases.h"
+#include "voctree/round.h"
 
 namespace neuvv {
 
@@ -18,10 +19,6 @@ struct Steps {
 constexpr Steps kOwnFrames{1.0f / 16, 1.0f / 8, 1.0f / 4};
 // Where frames share bases, what a frame sees is a sum of weights of both signs: they must be finer than it.
 constexpr Steps kSharedBases{1.0f / 64, 1.0f / 32, 1.0f / 16};
-
-float rounded_to(float value, float step) {
-    return std::round(value / step) * step;
-}
 
 float rounded_share(float value, float share) {
     if (value == 0 || !std::isfinite(value)) return value;

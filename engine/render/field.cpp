@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/parallel.h"
 #include "gpu/commands.h"
 #include "render/walk_tree.h"
 #include "voctree/half.h"
@@ -11,6 +12,8 @@
 namespace neuvv {
 
 namespace {
+
+constexpr size_t kCachedLeaves = 256;  // whose weights a core's cache holds
 
 // Calls visit(index among the leaf's weights, plane, component) for every weight of a leaf.
 void for_each_weight(const VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
@@ -63,9 +66,11 @@ Buffer uploaded(const Device& device, const char* name, const std::vector<T>& da
 std::vector<float> weights_to_planes(const VOctree& tree) {
     std::vector<float> planes(plane_floats(tree));
     const uint32_t stride = tree.weights_per_leaf();
-    for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
-        float* to = &planes[size_t{4} * plane * tree.leaf_count + component];
-        for (size_t leaf = 0; leaf < tree.leaf_count; leaf++) to[4 * leaf] = tree.weights[leaf * stride + index];
+    parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
+        for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
+            float* to = &planes[size_t{4} * plane * tree.leaf_count + component];
+            for (size_t leaf = begin; leaf < end; leaf++) to[4 * leaf] = tree.weights[leaf * stride + index];
+        });
     });
     return planes;
 }
@@ -114,7 +119,9 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
         field.weights = uploaded(device, "leaf weights", planes, VK_FORMAT_R32G32B32A32_SFLOAT);
     } else {
         std::vector<uint16_t> halves(planes.size());
-        for (size_t i = 0; i < planes.size(); i++) halves[i] = half_from_float(planes[i]);
+        parallel_for(planes.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; i++) halves[i] = half_from_float(planes[i]);
+        });
         field.weights = uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
     }
     return field;

@@ -20,10 +20,16 @@ static_assert(sizeof(NvvHead) == 56);
 enum ChunkIndex { kHead, kNode, kChld, kBasA, kBasB, kMask, kWSig, kWGam, kWHhc, kChunkCount };
 // In file order: topology stands before the weights, so that a count of leaves is proven before memory is taken for
 // them.
-constexpr std::array<const char*, kChunkCount> kChunkNames = {"HEAD", "NODE", "CHLD", "BASA", "BASB",
-                                                              "MASK", "WSIG", "WGAM", "WHHC"};
+using ChunkNames = std::array<const char*, kChunkCount>;
+constexpr ChunkNames kChunkNames = {"HEAD", "NODE", "CHLD", "BASA", "BASB", "MASK", "WSIG", "WGAM", "WHHC"};
+// The same of the coarse tree: ancillary, so that a reader that knows nothing of it skips them.
+constexpr ChunkNames kCoarseNames = {"hEAD", "nODE", "cHLD", "bASA", "bASB", "mASK", "wSIG", "wGAM", "wHHC"};
 constexpr uint64_t kMaxExtraBytes = uint64_t{4} << 30;
 constexpr size_t kStoredNodeBytes = 12;
+
+bool is_one_of(const ChunkNames& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 NvvHead head_of(const VOctree& tree) {
     return {tree.node_levels,
@@ -102,7 +108,20 @@ void read_presence(ChunkReader& file, VOctree& tree, std::vector<uint8_t>& prese
     tree.weights.resize(size_t{tree.leaf_count} * tree.weights_per_leaf());
 }
 
-void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree, std::vector<uint8_t>& presence) {
+// A tree whose first `done` chunks have been read.
+struct PartialTree {
+    VOctree tree;
+    NvvHead head{};
+    std::vector<uint8_t> presence;
+    size_t done = 0;
+};
+
+// The next of the tree's chunks.
+void read_chunk(ChunkReader& file, PartialTree& part) {
+    VOctree& tree = part.tree;
+    NvvHead& head = part.head;
+    std::vector<uint8_t>& presence = part.presence;
+    const auto chunk = static_cast<int>(part.done++);
     const uint64_t row_numbers = uint64_t{tree.frames} * tree.bases;
     switch (chunk) {
         case kHead:
@@ -140,37 +159,67 @@ void read_chunk(ChunkReader& file, int chunk, NvvHead& head, VOctree& tree, std:
     }
 }
 
+void add_head(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
+    const NvvHead head = head_of(tree);
+    file.add(names[kHead], &head, sizeof head);
+}
+
+// All but the head.
+void add_body(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
+    const std::vector<uint8_t> nodes = pack_nodes(tree);
+    file.add(names[kNode], nodes.data(), nodes.size());
+    const std::vector<uint8_t> children = pack_children(tree.children);
+    file.add(names[kChld], children.data(), children.size());
+    file.add(names[kBasA], tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
+    file.add(names[kBasB], tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
+    const std::vector<uint8_t> presence = pack_presence(tree);
+    file.add(names[kMask], presence.data(), presence.size());
+    file.claim(weight_bytes(tree));
+    for (int chunk = kWSig; chunk <= kWHhc; ++chunk) {
+        const std::vector<uint8_t> bytes = pack_weights(tree, weight_range(tree, chunk), presence);
+        file.add(names[static_cast<size_t>(chunk)], bytes.data(), bytes.size());
+    }
+}
+
+// Whoever plays may put one tree in the other's place.
+bool same_clip(const NvvHead& a, const NvvHead& b) {
+    return a.frames == b.frames && a.fps == b.fps && a.box_min == b.box_min && a.box_size == b.box_size;
+}
+
+// What no reader would take, or an empty string.
+std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunk>& extra,
+                           const std::optional<VOctree>& coarse) {
+    const std::string defect = defect_of(tree);
+    if (!defect.empty()) return defect;
+    for (const NvvChunk& chunk : extra) {
+        if (!is_chunk_name(chunk.name) || !is_ancillary(chunk.name))
+            return "an extra chunk's name is four letters or digits, the first a lower-case letter";
+        if (is_one_of(kCoarseNames, chunk.name)) return fmt::format("chunk {} is the coarse tree's", chunk.name);
+        if (chunk.bytes.size() > kMaxExtraBytes) return fmt::format("chunk {} is larger than 4 GiB", chunk.name);
+    }
+    if (!coarse) return "";
+    const std::string coarse_defect = defect_of(*coarse);
+    if (!coarse_defect.empty()) return "the coarse tree: " + coarse_defect;
+    if (!same_clip(head_of(tree), head_of(*coarse))) return "the coarse tree has another clip or box";
+    if (coarse->leaf_count > tree.leaf_count) return "the coarse tree has more leaves than the tree";
+    if (weight_bytes(*coarse) > kMaxExtraBytes) return "the coarse tree is larger than 4 GiB";
+    return "";
+}
+
 }  // namespace
 
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra,
-               int compression) {
-    const auto refuse = [&](const std::string& problem) {
-        throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), problem));
-    };
-    const std::string defect = defect_of(tree);
-    if (!defect.empty()) refuse(defect);
-    for (const NvvChunk& chunk : extra) {
-        if (!is_chunk_name(chunk.name) || !is_ancillary(chunk.name))
-            refuse("an extra chunk's name is four letters or digits, the first a lower-case letter");
-        if (chunk.bytes.size() > kMaxExtraBytes) refuse(fmt::format("chunk {} is larger than 4 GiB", chunk.name));
-    }
+               int compression, const std::optional<VOctree>& coarse) {
+    const std::string defect = defect_of_file(tree, extra, coarse);
+    if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
     write_file_atomically(path, [&](const ByteSink& sink) {
         ChunkWriter file(path.string(), sink, compression);
-        const NvvHead head = head_of(tree);
-        file.add(kChunkNames[kHead], &head, sizeof head);
-        const std::vector<uint8_t> nodes = pack_nodes(tree);
-        file.add(kChunkNames[kNode], nodes.data(), nodes.size());
-        const std::vector<uint8_t> children = pack_children(tree.children);
-        file.add(kChunkNames[kChld], children.data(), children.size());
-        file.add(kChunkNames[kBasA], tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
-        file.add(kChunkNames[kBasB], tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
-        const std::vector<uint8_t> presence = pack_presence(tree);
-        file.add(kChunkNames[kMask], presence.data(), presence.size());
-        file.claim(weight_bytes(tree));
-        for (int chunk = kWSig; chunk <= kWHhc; ++chunk) {
-            const std::vector<uint8_t> bytes = pack_weights(tree, weight_range(tree, chunk), presence);
-            file.add(kChunkNames[static_cast<size_t>(chunk)], bytes.data(), bytes.size());
+        add_head(file, tree, kChunkNames);
+        if (coarse) {
+            add_head(file, *coarse, kCoarseNames);
+            add_body(file, *coarse, kCoarseNames);
         }
+        add_body(file, tree, kChunkNames);
         for (const NvvChunk& chunk : extra) file.add(chunk.name, chunk.bytes.data(), chunk.bytes.size());
         file.finish();
     });
@@ -178,34 +227,50 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
 
 VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra) {
     ChunkReader file(path);
-    VOctree tree;
-    NvvHead head{};
+    PartialTree part;
     std::vector<NvvChunk> found;
-    std::vector<uint8_t> presence;
-    size_t done = 0;
     ChunkHeader chunk;
     while (file.next(chunk)) {
-        const bool known = std::find(kChunkNames.begin(), kChunkNames.end(), chunk.name) != kChunkNames.end();
-        if (known || done == kHead) {
-            if (done == kChunkCount || chunk.name != kChunkNames[done])
-                file.fail_damaged(done == kChunkCount ? "is one too many"
-                                                      : fmt::format("stands where {} must", kChunkNames[done]));
-            read_chunk(file, static_cast<int>(done++), head, tree, presence);
+        if (is_one_of(kChunkNames, chunk.name) || part.done == kHead) {
+            if (part.done == kChunkCount || chunk.name != kChunkNames[part.done])
+                file.fail_damaged(part.done == kChunkCount
+                                      ? "is one too many"
+                                      : fmt::format("stands where {} must", kChunkNames[part.done]));
+            read_chunk(file, part);
         } else if (!is_ancillary(chunk.name)) {
             file.fail("is unknown to this program", "open the file with a newer neuvv");
         } else if (chunk.raw_bytes > kMaxExtraBytes) {
             file.fail_damaged("is larger than 4 GiB");
-        } else if (extra) {
+        } else if (extra && !is_one_of(kCoarseNames, chunk.name)) {
             found.push_back({chunk.name, file.take(chunk.raw_bytes)});
         } else {
             file.skip(true);
         }
     }
-    if (done != kChunkCount) file.fail_damaged(fmt::format("comes before chunk {}", kChunkNames[done]));
-    const std::string defect = defect_of(tree);
+    if (part.done != kChunkCount) file.fail_damaged(fmt::format("comes before chunk {}", kChunkNames[part.done]));
+    const std::string defect = defect_of(part.tree);
     if (!defect.empty()) throw InputError(path.string(), "", defect, "write the file again");
     if (extra) *extra = std::move(found);
-    return tree;
+    return std::move(part.tree);
+}
+
+std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
+    ChunkReader file(path);
+    ChunkHeader chunk;
+    if (!file.next(chunk) || chunk.name != kChunkNames[kHead]) file.fail_damaged("stands where HEAD must");
+    const NvvHead whole = read_head(file);
+    PartialTree part;
+    for (const char* name : kCoarseNames) {
+        const bool there = file.next(chunk) && chunk.name == name;
+        if (!there && part.done == kHead) return std::nullopt;
+        if (!there) file.fail_damaged(fmt::format("stands where {} must", name));
+        read_chunk(file, part);
+        if (part.done == kHead + 1 && !same_clip(whole, part.head))
+            file.fail("has another clip or box than HEAD", "write the file again");
+    }
+    const std::string defect = defect_of(part.tree);
+    if (!defect.empty()) throw InputError(path.string(), "the coarse tree", defect, "write the file again");
+    return std::move(part.tree);
 }
 
 NvvSummary summarise_nvv(const std::filesystem::path& path) {

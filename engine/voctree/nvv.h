@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@
 namespace neuvv {
 
 // Extra named chunks that ride along: the optimiser's state, later paint. A reader keeps what it does not know. A name
-// is four ASCII letters or digits, the first a lower-case letter; each at most once in a file, at most 4 GiB of bytes.
+// is four ASCII letters or digits, the first a lower-case letter, and none of the coarse tree's; each at most once in a
+// file, at most 4 GiB of bytes.
 struct NvvChunk {
     std::string name;
     std::vector<uint8_t> bytes;
@@ -18,12 +20,17 @@ struct NvvChunk {
 
 // Weights are stored as fp16 (out of range saturates), A and B as fp32. Atomic: the path holds the old or the new file.
 // `compression` is zstd's level. Throws RuntimeFailure (the disk; a tree with a defect_of, as a diverged training
-// leaves behind; an extra chunk with a bad name) and then leaves the old file.
+// leaves behind; an extra chunk with a bad name) and then leaves the old file. `coarse` (coarse.h), of the same clip
+// and box, goes before the tree.
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra = {},
-               int compression = 3);
+               int compression = 3, const std::optional<VOctree>& coarse = std::nullopt);
 
 // Throws InputError naming the file, the chunk and the mend; never trusts a size or an index in the file.
 VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra = nullptr);
+
+// The coarse tree alone, as well checked, from the file's first bytes: the rest is not looked at. Nothing where the
+// file has none. Throws InputError.
+std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path);
 
 // The chunk HEAD as it stands in the file.
 struct NvvHead {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "voctree/half.h"
 
 namespace neuvv {
@@ -34,10 +35,17 @@ bool is_present(const std::vector<uint8_t>& presence, size_t leaves, size_t leaf
     return presence[column / 8 * leaves + leaf] >> column % 8 & 1;
 }
 
+constexpr uint32_t kBlockLeaves = 1u << 14;  // that are decoded in one go
+
+struct Leaves {
+    uint32_t begin, end;
+};
+
 // Calls visit(leaf, column in range) for each number, leaf by leaf: its weights lie together.
 template <typename Visit>
-void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, Visit visit) {
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, Leaves leaves,
+                     Visit visit) {
+    for (uint32_t leaf = leaves.begin; leaf < leaves.end; leaf++)
         for (uint32_t column = 0; column < range.count; column++)
             if (!range.sparse || is_present(presence, tree.leaf_count, leaf, column)) visit(leaf, column);
 }
@@ -50,11 +58,29 @@ void set_offsets(std::vector<Column>& columns) {
     }
 }
 
-std::vector<Column> count_numbers(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
-    std::vector<Column> columns(range.count);
-    for_each_number(tree, range, presence, [&](uint32_t, uint32_t column) { columns[column].count++; });
-    set_offsets(columns);
-    return columns;
+Leaves leaves_of_block(const VOctree& tree, size_t block) {
+    const auto begin = static_cast<uint32_t>(block * kBlockLeaves);
+    return {begin, std::min(begin + kBlockLeaves, tree.leaf_count)};
+}
+
+// What of each column lies in each block of leaves, codings included, so that blocks can be decoded side by side.
+std::vector<std::vector<Column>> columns_of_blocks(const VOctree& tree, WeightRange range,
+                                                   const std::vector<uint8_t>& presence,
+                                                   const std::vector<uint8_t>& codings) {
+    const size_t count = (size_t{tree.leaf_count} + kBlockLeaves - 1) / kBlockLeaves;
+    std::vector<std::vector<Column>> blocks(count, std::vector<Column>(range.count));
+    parallel_for(count, 1, [&](size_t block, size_t) {
+        for_each_number(tree, range, presence, leaves_of_block(tree, block),
+                        [&](uint32_t, uint32_t column) { blocks[block][column].count++; });
+    });
+    size_t at = 0;
+    for (uint32_t column = 0; column < range.count; column++)
+        for (std::vector<Column>& block : blocks) {
+            block[column].at = at;
+            block[column].set_coding(codings[column]);
+            at += block[column].count;
+        }
+    return blocks;
 }
 
 // The digits that a column's halves have.
@@ -150,7 +176,7 @@ bool presence_fits(const VOctree& tree, const std::vector<uint8_t>& presence) {
 std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
     std::vector<Column> columns(range.count);
     std::vector<Digits> digits(range.count);
-    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
+    for_each_number(tree, range, presence, {0, tree.leaf_count}, [&](uint32_t leaf, uint32_t column) {
         columns[column].count++;
         digits[column].add(half_from_float(tree.leaf(leaf)[range.first + column]));
     });
@@ -162,7 +188,7 @@ std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const 
         bytes[column] = static_cast<uint8_t>(columns[column].coding);
     }
     uint8_t* low = bytes.data() + range.count;
-    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
+    for_each_number(tree, range, presence, {0, tree.leaf_count}, [&](uint32_t leaf, uint32_t column) {
         const uint16_t number = encode(columns[column], tree.leaf(leaf)[range.first + column]);
         const size_t at = columns[column].at++;
         low[at] = static_cast<uint8_t>(number);
@@ -181,18 +207,30 @@ uint64_t packed_weight_bytes(const VOctree& tree, WeightRange range, const std::
 
 bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence,
                     const std::vector<uint8_t>& bytes) {
-    std::vector<Column> columns = count_numbers(tree, range, presence);
     for (uint32_t column = 0; column < range.count; column++) {
         const uint32_t coding = bytes[column];
         if (coding > kFinestStep && (coding < kHalfCoding || coding > kHalfCoding + kMostShift)) return false;
-        columns[column].set_coding(coding);
     }
     const size_t numbers = (bytes.size() - range.count) / 2;
     const uint8_t* low = bytes.data() + range.count;
-    for_each_number(tree, range, presence, [&](uint32_t leaf, uint32_t column) {
-        const size_t at = columns[column].at++;
-        tree.leaf(leaf)[range.first + column] =
-            decode(columns[column], static_cast<uint16_t>(low[at] | low[numbers + at] << 8));
+    const auto number_at = [&](size_t at) { return static_cast<uint16_t>(low[at] | low[numbers + at] << 8); };
+    std::vector<std::vector<Column>> blocks = columns_of_blocks(tree, range, presence, bytes);
+    // Where each block's steps begin is the sum of all before it.
+    parallel_for(range.count, 1, [&](size_t first, size_t) {
+        int16_t sum = 0;
+        for (std::vector<Column>& block : blocks) {
+            Column& column = block[first];
+            column.before = sum;
+            if (column.coding >= kHalfCoding) continue;
+            for (size_t i = 0; i < column.count; i++)
+                sum = static_cast<int16_t>(sum + unfolded(number_at(column.at + i)));
+        }
+    });
+    parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
+        for_each_number(tree, range, presence, leaves_of_block(tree, block), [&](uint32_t leaf, uint32_t column) {
+            Column& here = blocks[block][column];
+            tree.leaf(leaf)[range.first + column] = decode(here, number_at(here.at++));
+        });
     });
     return true;
 }

@@ -59,8 +59,7 @@ std::vector<PlacedLeaf> sort_places(const std::vector<LeafPlace>& places, uint32
         const LeafPlace& place = places[i];
         assert(place.depth >= 1 && place.depth <= finest_depth && "leaf depth must fit node_levels");
         assert(std::max({place.x, place.y, place.z}) >> place.depth == 0 && "leaf must lie inside the box");
-        const uint32_t finer = finest_depth - place.depth;
-        placed[i] = {morton_code(place.x, place.y, place.z) << (3 * finer), static_cast<uint32_t>(i), place.depth};
+        placed[i] = {first_cell(place, finest_depth), static_cast<uint32_t>(i), place.depth};
     }
     std::sort(placed.begin(), placed.end(), [](const PlacedLeaf& a, const PlacedLeaf& b) { return a.code < b.code; });
     for ([[maybe_unused]] size_t i = 1; i < placed.size(); ++i)
@@ -83,6 +82,10 @@ NodePlace child_place(const NodePlace& parent, uint32_t node, uint32_t cell) {
 }
 
 }  // namespace
+
+uint64_t first_cell(const LeafPlace& place, uint32_t finest_depth) {
+    return morton_code(place.x, place.y, place.z) << (3 * (finest_depth - place.depth));
+}
 
 void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places) {
     assert(tree.node_levels >= 1 && tree.node_levels <= kMaxNodeLevels);

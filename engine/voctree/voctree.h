@@ -52,6 +52,9 @@ struct LeafPlace {
     uint32_t depth;
 };
 
+// Morton code of a place's first cell at the finest depth (at least the place's own): the order of leaves on walks.
+uint64_t first_cell(const LeafPlace& place, uint32_t finest_depth);
+
 // Builds nodes and children of a tree whose leaf i stands at places[i]. Places must not overlap and must fit
 // node_levels (assert). Weights are left to the caller (resized, zero).
 void build_topology(VOctree& tree, const std::vector<LeafPlace>& places);

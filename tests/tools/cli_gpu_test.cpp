@@ -279,6 +279,61 @@ TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
     expect_refused({"bench", "render", scene, "--rival", "splats"}, 2, {"--rival"});
 }
 
+TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
+    const std::vector<std::string> command = {"convert", scene, "-o", file("small.nvv"), "--size", "64x48", "--json"};
+    const auto with_quality = [&](const char* quality) {
+        std::vector<std::string> arguments = command;
+        arguments.insert(arguments.end(), {"--quality", quality});
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    };
+    const nlohmann::json fine = with_quality("60"), coarse = with_quality("35");
+    EXPECT_GE(fine["psnr_db"], 60.0);
+    EXPECT_GE(coarse["psnr_db"], 35.0);
+    EXPECT_LT(coarse["psnr_db"], fine["psnr_db"]);
+    EXPECT_LT(coarse["bytes"], fine["bytes"]);
+    EXPECT_LT(fine["bytes"], fine["bytes_before"]);
+    EXPECT_EQ(coarse["bytes_before"], std::filesystem::file_size(scene));
+    EXPECT_EQ(coarse["bytes"], std::filesystem::file_size(file("small.nvv")));
+    EXPECT_EQ(read_nvv(file("small.nvv")).leaf_count, coarse["leaves"]);
+    EXPECT_EQ(summarise_nvv(file("small.nvv")).head.frames, tree.frames);
+
+    std::filesystem::remove(file("small.nvv"));
+    const ProgramResult beyond =
+        run_neuvv({"convert", scene, "-o", file("small.nvv"), "--quality", "90", "--size", "64x48"});
+    EXPECT_EQ(beyond.code, 2);
+    EXPECT_NE(beyond.err.find("scene.nvv: the finest steps show"), std::string::npos) << beyond.err;
+    expect_refused({"convert", scene, "-o", file("small.nvv"), "--quality", "nan"}, 2, {"--quality"});
+    expect_refused({"convert", file("none.nvv"), "-o", file("small.nvv")}, 2, {"none.nvv"});
+    EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
+}
+
+TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
+    const std::string large = file("large.nvv");
+    const ProgramResult result = run_neuvv(
+        {"bench", "open", large, "--synthetic", "32", "--size", "64x48", "--json", "--pictures", file("pictures")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_NEAR(json["bytes"], 32e6, 3e6);
+    EXPECT_GT(json["first"]["leaves"], 500);
+    EXPECT_GE(json["whole"]["leaves"], 32 * json["first"]["leaves"].get<uint32_t>());
+    EXPECT_GT(json["first"]["total_s"], 0.0);
+    EXPECT_LT(json["first"]["read_s"], json["whole"]["read_s"]);
+    EXPECT_GT(json["psnr_db"], 12.0);
+    EXPECT_LT(json["psnr_db"], 99.0);
+    EXPECT_EQ(read_png(file("pictures/coarse.png")).width, 64u);
+    EXPECT_EQ(read_png(file("pictures/whole.png")).height, 48u);
+    EXPECT_EQ(summarise_nvv(large).chunks[1].name, "hEAD");
+    const ProgramResult again = run_neuvv({"bench", "open", large, "--size", "64x48"});
+    for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
+        EXPECT_NE(again.out.find(word), std::string::npos) << again.out;
+
+    expect_refused({"bench", "open", large, "--synthetic", "32"}, 2, {"large.nvv", "is there already"});
+    EXPECT_NE(run_neuvv({"bench", "open", scene, "--size", "64x48"}).out.find("no coarse tree"), std::string::npos);
+    expect_refused({"bench", "open", file("none.nvv")}, 2, {"none.nvv"});
+}
+
 TEST_F(CliGpu, BenchSliceTimesEachPass) {
     const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
     ASSERT_EQ(table.code, 0) << table.err;

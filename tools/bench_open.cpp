@@ -1,0 +1,163 @@
+// neuvv bench open: how long until a scene's first picture, of the coarse tree, and until that of the whole.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "render/frame.h"
+#include "tools/bench.h"
+#include "tools/report.h"
+#include "tools/synthetic_scene.h"
+#include "tools/view_path.h"
+#include "training/metrics.h"
+#include "voctree/coarse.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchOpenOptions {
+    std::string scene, size = "1280x720", pictures;
+    double synthetic_megabytes = 0;
+    bool json = false;
+};
+
+// Seconds of what stands between a path and a picture.
+struct Opening {
+    uint32_t leaves = 0;
+    double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`
+    Image picture;
+    double total() const { return read + upload + prepare + render; }
+};
+
+double seconds_since(std::chrono::steady_clock::time_point& mark) {
+    const auto before = std::exchange(mark, std::chrono::steady_clock::now());
+    return std::chrono::duration<double>(mark - before).count();
+}
+
+// `view`: that of both pictures, found with the first tree; finding it takes no part in the times.
+Opening open(const Device& device, const std::function<VOctree()>& read, std::optional<ViewStep>& view,
+             PictureSize size) {
+    Opening result;
+    auto mark = std::chrono::steady_clock::now();
+    const VOctree tree = read();
+    result.read = seconds_since(mark);
+    if (!defect_of(tree).empty()) throw std::logic_error("a tree that was read has no defect");
+    result.check = seconds_since(mark);
+    result.leaves = tree.leaf_count;
+    if (!view) view = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size)[0];
+
+    seconds_since(mark);
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    result.upload = seconds_since(mark);
+    FrameRenderer renderer(device, field, {size.width, size.height});
+    result.prepare = seconds_since(mark);
+    FrameSettings settings;
+    settings.instances[0].frame = static_cast<float>(view->frame);
+    settings.width = size.width;
+    settings.height = size.height;
+    settings.resolve.background = {1, 1, 1, 1};
+    settings.mode = TraceMode::kPlay;
+    result.picture = renderer.render(view->camera, settings);
+    result.render = seconds_since(mark);
+    return result;
+}
+
+nlohmann::ordered_json json_of(const Opening& opening) {
+    return {{"leaves", opening.leaves},  {"total_s", opening.total()}, {"read_s", opening.read},
+            {"check_s", opening.check},  {"upload_s", opening.upload}, {"prepare_s", opening.prepare},
+            {"render_s", opening.render}};
+}
+
+void print(const char* name, const Opening& opening) {
+    fmt::print("{:<12} {:>9} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f}\n", name, opening.leaves,
+               opening.total(), opening.read, opening.check, opening.upload, opening.prepare, opening.render);
+}
+
+void report(const BenchOpenOptions& options, const Device& device, uint64_t bytes, const std::optional<Opening>& first,
+            const Opening& whole) {
+    const double share = first ? first->total() / whole.total() : 1;
+    const double psnr = first ? compare(whole.picture, first->picture).psnr : 99;
+    if (options.json) {
+        fmt::print("{}", json_text({{"device", device.summary().name},
+                                    {"scene", options.scene},
+                                    {"bytes", bytes},
+                                    {"size", options.size},
+                                    {"first", first ? json_of(*first) : nlohmann::ordered_json()},
+                                    {"whole", json_of(whole)},
+                                    {"share", share},
+                                    {"psnr_db", psnr}}));
+        return;
+    }
+    fmt::print("{}: {}, {}, pictures of {}\n", device.summary().name, options.scene, size_text(bytes), options.size);
+    fmt::print("{:<12} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "seconds", "leaves", "total", "read", "checks",
+               "upload", "prepare", "render");
+    if (first) print("coarse tree", *first);
+    print("whole tree", whole);
+    if (first)
+        fmt::print("the first picture takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
+                   100 * share, psnr);
+    else
+        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", kCoarseFrom);
+}
+
+void write_synthetic(const BenchOpenOptions& options) {
+    if (std::filesystem::exists(options.scene))
+        throw InputError(options.scene, "", "is there already", "name a new file, or leave --synthetic out");
+    prepare_output_file("scene", options.scene);
+    const VOctree tree = synthetic_scene(options.synthetic_megabytes);
+    write_nvv(options.scene, tree, {}, 1, coarse_tree(tree));
+}
+
+void run(const BenchOpenOptions& options, const CommonOptions& common) {
+    const PictureSize size = parse_size(options.size);
+    if (!options.pictures.empty()) prepare_output_folder("--pictures", options.pictures);
+    if (options.synthetic_megabytes > 0) write_synthetic(options);
+    const uint64_t bytes = summarise_nvv(options.scene).file_bytes;
+    const bool has_coarse = read_nvv_coarse(options.scene).has_value();
+    const Device device(common.device);
+    std::optional<ViewStep> view;
+    std::optional<Opening> first;
+    if (has_coarse)
+        first = open(
+            device, [&] { return *read_nvv_coarse(options.scene); }, view, size);
+    const Opening whole = open(
+        device, [&] { return read_nvv(options.scene); }, view, size);
+    if (!options.pictures.empty()) {
+        if (first) write_png(std::filesystem::path(options.pictures) / "coarse.png", first->picture);
+        write_png(std::filesystem::path(options.pictures) / "whole.png", whole.picture);
+    }
+    report(options, device, bytes, first, whole);
+}
+
+}  // namespace
+
+void add_bench_open(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("open", "From a scene's path to its first picture, and to the whole");
+    const auto options = std::make_shared<BenchOpenOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--synthetic", options->synthetic_megabytes,
+                     "First write a made-up scene of about so many MB there; it stays")
+        ->check(number_between(1, 4000));
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    verb->add_option("--pictures", options->pictures, "A folder for the two pictures: coarse.png and whole.png");
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string("Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
+                    "(unpacked and checked;\nhow long the checks of the tree take of it is measured once more, apart), "
+                    "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
+                    "included). Finding the device is not counted. The system's cache\nof files is used as it is. ") +
+        kDeviceHelp + kExamplesHead +
+        "  neuvv bench open build/performer.nvv\n"
+        "  neuvv bench open build/large.nvv --synthetic 1000");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,186 @@
+// neuvv convert: a scene as a smaller file, its weights in steps as coarse as its pictures allow.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "render/frame.h"
+#include "tools/commands.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/view_path.h"
+#include "training/compact.h"
+#include "training/metrics.h"
+#include "voctree/coarse.h"
+#include "voctree/nvv.h"
+#include "voctree/round.h"
+
+namespace neuvv {
+
+namespace {
+
+struct ConvertOptions {
+    std::string scene, output, size = "480x270";
+    double quality = 48;
+    uint32_t views = 6;
+    int compression = 9;
+    bool json = false;
+};
+
+// What a leaf may be off by, finest first: four strengths double it.
+constexpr int kStrengths = 48;
+float error_of(int strength) {
+    return std::exp2(static_cast<float>(strength - kStrengths) / 4);
+}
+
+// Pictures of one tree after the other, from the same views.
+class Views {
+  public:
+    Views(const Device& device, const VOctree& tree, const ConvertOptions& options)
+        : device_(device), size_(parse_size(options.size)) {
+        const std::vector<ViewStep> path =
+            orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size_);
+        for (size_t i = 0; i < options.views; i++)  // the middles of equal parts
+            views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * options.views)]);
+    }
+
+    std::vector<Image> render(const VOctree& tree) const {
+        const Field field = upload_field(device_, tree, WeightPrecision::kHalf);
+        FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
+        FrameSettings settings;
+        settings.width = size_.width;
+        settings.height = size_.height;
+        settings.samples = kDefaultSamples;
+        settings.resolve.background = {1, 1, 1, 1};
+        std::vector<Image> pictures;
+        for (const ViewStep& view : views_) {
+            settings.instances[0].frame = static_cast<float>(view.frame);
+            pictures.push_back(renderer.render(view.camera, settings));
+        }
+        return pictures;
+    }
+
+  private:
+    const Device& device_;
+    PictureSize size_;
+    std::vector<ViewStep> views_;
+};
+
+double worst_psnr(const std::vector<Image>& truth, const std::vector<Image>& pictures) {
+    double worst = 99;
+    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, compare(truth[i], pictures[i]).psnr);
+    return worst;
+}
+
+VOctree rounded(const VOctree& tree, int strength) {
+    VOctree result = tree;
+    round_weights(result, error_of(strength));
+    drop_empty_leaves(result);
+    return result;
+}
+
+struct Choice {
+    int strength = 0;
+    double psnr = 0;
+};
+
+// Bisection for the coarsest strength whose pictures keep the quality. Throws InputError where none does.
+Choice choose(const VOctree& tree, const Views& views, const ConvertOptions& options) {
+    const std::vector<Image> truth = views.render(tree);
+    Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
+    Choice best, last;
+    uint64_t done = 0;
+    for (int low = 0, high = kStrengths; low < high;) {  // below `low` all keep it, from `high` none does
+        if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
+        last.strength = (low + high) / 2;
+        last.psnr = worst_psnr(truth, views.render(rounded(tree, last.strength)));
+        const bool keeps = last.psnr >= options.quality;
+        if (keeps) best = last;
+        (keeps ? low : high) = keeps ? last.strength + 1 : last.strength;
+        progress.update(++done, fmt::format("error {:.4f}: {:.1f} dB", error_of(last.strength), last.psnr));
+    }
+    if (best.psnr == 0)
+        throw InputError(options.scene, "",
+                         fmt::format("the finest steps show {:.1f} dB, not {:.1f}", last.psnr, options.quality),
+                         fmt::format("ask for --quality {:.0f}", std::floor(last.psnr)));
+    return best;
+}
+
+struct Outcome {
+    Choice choice;
+    uint32_t leaves_before = 0, leaves = 0;
+    uint64_t bytes_before = 0, bytes = 0;
+};
+
+Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
+    prepare_output_file("--output", options.output);
+    const uint64_t bytes_before = summarise_nvv(options.scene).file_bytes;
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    catch_stop_signals();
+    const Views views(device, tree, options);
+    Outcome outcome{choose(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
+    const VOctree result = rounded(tree, outcome.choice.strength);
+    write_nvv(options.output, result, {}, options.compression, coarse_tree(result));
+    outcome.leaves = result.leaf_count;
+    outcome.bytes = std::filesystem::file_size(options.output);
+    return outcome;
+}
+
+void run(const ConvertOptions& options, const CommonOptions& common) {
+    const Outcome outcome = convert(options, common);
+    const float error = error_of(outcome.choice.strength);
+    if (options.json)
+        fmt::print("{}", json_text({{"input", options.scene},
+                                    {"output", options.output},
+                                    {"quality_db", options.quality},
+                                    {"psnr_db", outcome.choice.psnr},
+                                    {"error", error},
+                                    {"bytes_before", outcome.bytes_before},
+                                    {"bytes", outcome.bytes},
+                                    {"leaves_before", outcome.leaves_before},
+                                    {"leaves", outcome.leaves}}));
+    else
+        fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} pictures has {:.1f} dB\n",
+                   options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
+                   100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
+                   outcome.leaves_before, options.views, outcome.choice.psnr);
+    if (outcome.bytes >= outcome.bytes_before)
+        fmt::print(stderr, "{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("convert", "Write a scene smaller, its pictures as good as asked for");
+    const auto options = std::make_shared<ConvertOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("-o,--output", options->output, "The .nvv to write; may be the same")->required();
+    verb->add_option("--quality", options->quality,
+                     "PSNR in dB that each picture keeps at least, against the scene's own picture")
+        ->check(number_between(10, 90))
+        ->capture_default_str();
+    verb->add_option("--views", options->views, "Pictures that are compared, over one orbit as the clip plays")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT of them")->capture_default_str();
+    verb->add_option("--compression", options->compression,
+                     "zstd's level: 19 takes a tenth to a sixth off, and ten times as long as 9 to write")
+        ->check(CLI::Range(1, 19))
+        ->capture_default_str();
+    verb->add_flag("--json", options->json, "Print JSON: psnr_db, bytes_before, bytes, leaves, ...");
+    verb->footer(std::string("Rounds weights in coarser steps, more where leaves show little: the coarsest that keep "
+                             "the quality, by bisection.\nPSNR is over whole pictures on white, as `neuvv eval` takes "
+                             "it. What else the file carries (chunks that only some\nprograms know) is left out.\n") +
+                 kDeviceHelp + kExamplesHead +
+                 "  neuvv convert build/performer.nvv -o build/small.nvv\n"
+                 "  neuvv convert build/performer.nvv -o build/smaller.nvv --quality 38 --compression 19");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
