@@ -25,12 +25,16 @@ Node march_node(uint node);
 uint march_child(uint index);
 bool march_wants(uint leaf);
 
+// A walk goes up along every axis: those along which its ray goes down are mirrored, places x as side − x and cells with all
+// bits turned over.
 struct March {
     vec3 origin;     // in finest cells
-    vec3 direction;  // finest cells per metre
+    vec3 direction;  // finest cells per metre, none below 0
     vec3 inverse;
-    ivec3 cell;  // the finest cell that the walk is in
-    float t;     // metres along the ray
+    ivec3 mirror;  // per axis 0, or all bits of a cell
+    uint mirror_bit;  // the same of a node's cells: bits of their Morton number
+    ivec3 cell;    // the finest cell that the walk is in
+    float t;       // metres along the ray
     float t_end;
     Node node;
     int shift;     // log2 of the side of the node's cells, in finest cells
@@ -47,11 +51,20 @@ const int kTopShift = int(2u * (kNodeLevels - kTopLevels));  // log2 of the side
 uvec3 top_low() { return uvec3(push.top.first) >> uvec3(0u, 10u, 20u) & 1023u; }
 uvec3 top_size() { return (uvec3(push.top.last) >> uvec3(0u, 10u, 20u) & 1023u) + 1u - top_low(); }
 
-// Slab test against the box of all leaves. Empty (x > y) where the ray misses it or it lies behind.
+// The box of all leaves, as the walk has its cells.
+struct MarchBox {
+    ivec3 low, high;
+};
+MarchBox march_box(March march) {
+    const ivec3 first = ivec3(top_low() << kTopShift), end = ivec3((top_low() + top_size()) << kTopShift);
+    const bvec3 down = notEqual(march.mirror, ivec3(0));
+    return MarchBox(mix(first, march.mirror + 1 - end, down), mix(end, march.mirror + 1 - first, down));
+}
+
+// Slab test against it. Empty (x > y) where the ray misses it or it lies behind.
 vec2 march_range(March march) {
-    const vec3 low = vec3(top_low() << kTopShift), high = vec3((top_low() + top_size()) << kTopShift);
-    const vec3 a = (low - march.origin) * march.inverse, b = (high - march.origin) * march.inverse;
-    const vec3 near = min(a, b), far = max(a, b);
+    const MarchBox box = march_box(march);
+    const vec3 near = (vec3(box.low) - march.origin) * march.inverse, far = (vec3(box.high) - march.origin) * march.inverse;
     return vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
@@ -59,33 +72,35 @@ vec2 march_range(March march) {
 March march_begin(vec3 origin_tree, vec3 direction_tree, vec2 range) {
     const int side = 1 << (2u * kNodeLevels);
     March ray;
-    ray.origin = origin_tree * float(side);
-    ray.direction = direction_tree * float(side);
-    // So small a component never leaves a cell, and its inverse stays finite.
-    const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
-    ray.inverse = 1.0 / safe;
+    const bvec3 down = lessThan(direction_tree, vec3(0.0));
+    ray.origin = mix(origin_tree, 1.0 - origin_tree, down) * float(side);
+    ray.direction = abs(direction_tree) * float(side);
+    ray.mirror = ivec3(down) * (side - 1);
+    ray.mirror_bit = (down.x ? 9u : 0u) | (down.y ? 18u : 0u) | (down.z ? 36u : 0u);
+    ray.inverse = 1.0 / max(ray.direction, vec3(1e-20));  // so small a component never leaves a cell
     const vec2 inside = march_range(ray);
     ray.t = max(inside.x, range.x);
     ray.t_end = min(inside.y, range.y);
-    const ivec3 low = ivec3(top_low() << kTopShift), size = ivec3(top_size() << kTopShift);
-    ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), low, low + size - 1);
+    const MarchBox box = march_box(ray);
+    ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), box.low, box.high - 1);
     ray.in_node = false;
     return ray;
 }
 
-// In the grid's cells, from its first one. Those before it wrap around, and lie behind the last.
-uvec3 march_top(ivec3 cell) { return uvec3(cell >> kTopShift) - top_low(); }
+// In the grid's cells, from its first one. Those before it wrap around, and lie behind the last; so do those beyond the tree,
+// whose higher bits no mirror turns over.
+uvec3 march_top(March ray) { return uvec3((ray.cell ^ ray.mirror) >> kTopShift) - top_low(); }
 
 // Which of the node's cells the walk is in: its Morton number.
 uint march_bit(March ray) {
     const uvec3 cell = uvec3(ray.cell >> ray.shift) & 3u;
     const uvec3 spread = (cell & 1u) | (cell & 2u) << 2u;
-    return spread.x | spread.y << 1u | spread.z << 2u;
+    return (spread.x | spread.y << 1u | spread.z << 2u) ^ ray.mirror_bit;
 }
 
 // Reads the deepest node around the walk's cell. False: the ray has ended.
 bool march_enter(inout March ray) {
-    const uvec3 at = march_top(ray.cell), size = top_size();
+    const uvec3 at = march_top(ray), size = top_size();
     if (any(greaterThanEqual(at, size)) || ray.t >= ray.t_end) return false;
     uint top = (kNodeLevels - 1u) << kTopLevelShift;  // the root
     if (!kRestart) top = texelFetch(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
@@ -105,16 +120,13 @@ bool march_enter(inout March ray) {
 
 // Leaves the cell of side 2^shift around the walk; returns where, in metres.
 float march_step(inout March ray, int shift) {
-    const ivec3 forward = ivec3(greaterThan(ray.inverse, vec3(0.0)));
-    const ivec3 low = (ray.cell >> shift) << shift;
-    const int size = 1 << shift;
-    const vec3 faces = (vec3(low + forward * size) - ray.origin) * ray.inverse;
+    const ivec3 low = (ray.cell >> shift) << shift, high = low + (1 << shift);
+    const vec3 faces = (vec3(high) - ray.origin) * ray.inverse;
     const float t_out = min(faces.x, min(faces.y, faces.z));
     ray.t = max(ray.t, t_out);
     const ivec3 at = ivec3(floor(ray.origin + ray.direction * ray.t));
-    const ivec3 beyond = low - 1 + forward * (size + 1);
     const ivec3 left = ray.cell;
-    ray.cell = mix(clamp(at, low, low + size - 1), beyond, lessThanEqual(faces, vec3(t_out)));
+    ray.cell = mix(clamp(at, low, high - 1), high, lessThanEqual(faces, vec3(t_out)));
     const ivec3 moved = (ray.cell ^ left) >> (ray.shift + 2);
     ray.in_node = !kRestart && (moved.x | moved.y | moved.z) == 0;
     return t_out;

@@ -32,6 +32,8 @@ const float kEpsilon = 0.1;  // of α: smaller differences count by their square
 // α of the live leaf at a finest cell, over the length of `edge`; 0 beyond the tree and where there is none.
 float alpha_at(ivec3 cell, float edge) {
     March walk;
+    walk.mirror = ivec3(0);
+    walk.mirror_bit = 0u;
     walk.cell = cell;
     walk.t = 0.0;
     walk.t_end = 1.0;
