@@ -13,7 +13,7 @@ layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
 layout(constant_id = 6) const bool kLayered = false;
-const bool kDear = true;
+const bool kFromRoot = kRestart, kCoalesce = true, kDear = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;

@@ -13,8 +13,9 @@
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
 // and three per node level below the top grid. Expects binding `tree_top`, `push.top` (a TopBox), and the constants
-// kNodeLevels, kTopLevels and kRestart: true makes the walk the paper's, which keeps nothing and descends from the root to
-// every cell (the reference for speed).
+// kNodeLevels and kTopLevels. Three more name what the walk does without, for comparison: kRestart keeps nothing of the node
+// over a step, kFromRoot descends from the root, not from the grid (both: the paper's walk), kCoalesce unset steps over every
+// empty cell alone.
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 
@@ -103,10 +104,10 @@ bool march_enter(inout March ray) {
     const uvec3 at = march_top(ray), size = top_size();
     if (any(greaterThanEqual(at, size)) || ray.t >= ray.t_end) return false;
     uint top = (kNodeLevels - 1u) << kTopLevelShift;  // the root
-    if (!kRestart) top = texelFetch(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
+    if (!kFromRoot) top = texelFetch(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
     ray.shift = 2 * int(top >> kTopLevelShift);
     ray.node = march_node(top & ((1u << kTopLevelShift) - 1u));
-    for (uint level = kNodeLevels - (kRestart ? 0u : kTopLevels); level > 1u; level--) {
+    for (uint level = kNodeLevels - (kFromRoot ? 0u : kTopLevels); level > 1u; level--) {
         const uint bit = march_bit(ray);
         if (ray.shift == 0 || !node_lives(ray.node, bit)) break;
         const uint child = march_child(node_child(ray.node, bit));
@@ -139,7 +140,7 @@ bool march_find(inout March ray, out uint bit) {
         if (node_lives(ray.node, bit)) return true;
         // Perhaps the whole octant is empty, or the whole node.
         const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
-        march_step(ray, ray.shift + (octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1));
+        march_step(ray, ray.shift + (!kCoalesce || octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1));
     }
     return false;
 }

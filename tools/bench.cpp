@@ -60,6 +60,7 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     add_bench_open(*verb, common);
     add_bench_render(*verb, common);
     add_bench_slice(*verb, common);
+    add_bench_walk(*verb, common);
     add_bench_instances(*verb, common);
     add_bench_stereo(*verb, common);
     add_bench_train(*verb, common);

@@ -10,6 +10,7 @@ namespace neuvv {
 
 void add_bench_instances(CLI::App& bench, CommonOptions& common);
 void add_bench_stereo(CLI::App& bench, CommonOptions& common);
+void add_bench_walk(CLI::App& bench, CommonOptions& common);
 void add_bench_train(CLI::App& bench, CommonOptions& common);
 void add_bench_open(CLI::App& bench, CommonOptions& common);
 void add_bench_render(CLI::App& bench, CommonOptions& common);

@@ -53,6 +53,8 @@ double milliseconds(const std::vector<PassTime>& passes, bool of_slice) {
 struct HostTimes {
     std::vector<double> ms;       // the rays alone
     double worst_difference = 0;  // from the device's rays, of alpha and colour
+    MarchCounts counts;
+    uint32_t pictures = 0;  // that were counted
 };
 
 struct Result {
@@ -61,6 +63,7 @@ struct Result {
     HostTimes host;
     RivalTimes rival;
     std::vector<double> trace_ms;                       // the device's rays, as the host's
+    double copy_gb_s = 0;                               // read and written
     double covered = 0, mean_difference = 0, psnr = 0;  // pictures: shaded against the paper's
     uint64_t rays = 0;
 };
@@ -85,6 +88,7 @@ HostSlice host_slice(const Device& device, const Field& field, const SlicePath& 
     slice.box_min = field.box_min;
     slice.box_size = field.box_size;
     slice.node_levels = field.node_levels;
+    slice.top_levels = field.top_levels;
     return slice;
 }
 
@@ -107,7 +111,8 @@ void measure_host(const Device& device, const Field& field, const FrameRenderer&
     std::vector<glm::vec4> rays;
     for (uint32_t i = 0; i < repeats; i++) {
         const auto start = std::chrono::steady_clock::now();
-        rays = march_on_host(slice, ranges, camera, kStopTransmittance);
+        rays = march_on_host(slice, ranges, camera, kStopTransmittance, host.counts);
+        host.pictures++;
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         host.ms.push_back(took.count());
     }
@@ -178,8 +183,27 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
         result.covered += covered_share(renderer.radiance()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
+    const Buffer copied(device, "copy", field.weights.bytes, MemoryKind::kDevice);
+    std::vector<double> copies;
+    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
+    result.copy_gb_s = 2e-6 * static_cast<double>(field.weights.bytes) / median(copies);
     result.psnr = -10 * std::log10(std::max(squares, 1e-10));
     return result;
+}
+
+// Of a ray in a tile that sees anything, on the average.
+struct RayWork {
+    double nodes = 0, descents = 0, entries = 0, bytes = 0;
+    double gb_s = 0;  // of all such rays, while they are traced
+};
+
+RayWork work_of(const Result& result) {
+    const MarchCounts& counts = result.host.counts;
+    const auto rays = static_cast<double>(std::max<uint64_t>(counts.rays, 1));
+    const auto of = [rays](uint64_t count) { return static_cast<double>(count) / rays; };
+    const double rays_a_picture = rays / std::max(result.host.pictures, 1u);
+    return {of(counts.nodes), of(counts.descents), of(counts.entries), of(counts.bytes()),
+            of(counts.bytes()) * rays_a_picture / (1e6 * median(result.trace_ms))};
 }
 
 // What the rival stands in for.
@@ -209,6 +233,13 @@ void print(const Result& result, const Device& device, const BenchRenderOptions&
         "the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
         std::thread::hardware_concurrency(), median(result.host.ms), median(result.host.ms) / median(result.trace_ms),
         median(result.trace_ms), result.host.worst_difference);
+    const RayWork work = work_of(result);
+    fmt::print(
+        "a ray of a tile that sees anything enters {:.1f} nodes by {:.1f} descents and reads {:.1f} entries, {:.0f} "
+        "bytes: "
+        "{:.1f} GB/s, {:.0f} % of a copy's {:.1f}\n",
+        work.nodes, work.descents, work.entries, work.bytes, work.gb_s, 100 * work.gb_s / result.copy_gb_s,
+        result.copy_gb_s);
     fmt::print("shaded against the paper's: {:.3f}/255 apart in the mean, PSNR {:.1f} dB\n",
                255 * result.mean_difference, result.psnr);
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
@@ -226,6 +257,7 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
     auto passes = nlohmann::ordered_json::object();
     for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
     const double playing = result.ways.back().seconds(1 / kViewsPerSlice);
+    const RayWork work = work_of(result);
     return {{"device", device.summary().name},
             {"scene", options.scene},
             {"size", options.size},
@@ -237,6 +269,11 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
             {"host_rays_ms", median(result.host.ms)},
             {"device_rays_ms", median(result.trace_ms)},
             {"host_difference", result.host.worst_difference},
+            {"nodes_a_ray", work.nodes},
+            {"entries_a_ray", work.entries},
+            {"bytes_a_ray", work.bytes},
+            {"trace_gb_s", work.gb_s},
+            {"copy_gb_s", result.copy_gb_s},
             {"mean_difference_of_255", 255 * result.mean_difference},
             {"psnr_db", result.psnr}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <mutex>
 
 #include "base/parallel.h"
 #include "shared/trace.h"
@@ -45,6 +46,7 @@ class Marcher {
                     continue;
                 }
                 const HostSlice::Entry& entry = slice_.entries[entry_of(live, bit)];
+                counts_.entries++;
                 if (entry.node != UINT32_MAX) break;
                 const float t_in = t_, t_out = step(shift_ + static_cast<int>(wide_ >> (bit >> 3) & 1));
                 const float alpha = 1 - std::exp(-entry.sigma * std::max(t_out - t_in, 0.0f));
@@ -54,6 +56,8 @@ class Marcher {
         }
         return {colour, 1 - transmittance};
     }
+
+    const MarchCounts& counts() const { return counts_; }
 
   private:
     bool inside() const { return ((cell_.x | cell_.y | cell_.z) & -side_) == 0; }
@@ -75,7 +79,9 @@ class Marcher {
     uint64_t enter() {
         shift_ = 2 * static_cast<int>(slice_.node_levels) - 2;
         in_node_ = true;
-        for (uint32_t node = 0;; shift_ -= 2) {
+        counts_.nodes++;
+        for (uint32_t node = 0, depth = 0;; shift_ -= 2) {
+            counts_.descents += depth++ > slice_.top_levels;
             const glm::uvec4& words = slice_.nodes[node];
             first_ = words.z;
             wide_ = words.w;
@@ -114,25 +120,43 @@ class Marcher {
     int shift_ = 0;
     uint32_t first_ = 0, wide_ = 0;
     bool in_node_ = false;
+    MarchCounts counts_;
 };
 
 }  // namespace
 
+uint64_t MarchCounts::bytes() const {
+    constexpr uint64_t kGrid = 4, kNode = 16, kEntry = 8, kResult = 20;
+    return nodes * (kGrid + kNode) + descents * (kEntry + kNode) + entries * kEntry + 2 * rays * kResult;
+}
+
 std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const Camera& camera,
-                                     float stop) {
+                                     float stop, MarchCounts& counts) {
     std::vector<glm::vec4> rays(size_t{camera.width} * camera.height);
     const glm::mat3 rotation(camera.world_from_camera);
     const glm::vec3 eye(camera.world_from_camera[3]);
     const uint32_t across = (camera.width + kTile - 1) / kTile;
+    std::mutex adding;
     parallel_for((camera.height + kTile - 1) / kTile, 1, [&](size_t begin, size_t end) {
+        MarchCounts sum;
         for (size_t row = begin * kTile; row < std::min<size_t>(end * kTile, camera.height); row++)
             for (uint32_t x = 0; x < camera.width; x++) {
                 const glm::vec2 range = ranges[row / kTile * across + x / kTile];
                 if (!(range.x < range.y)) continue;
                 const glm::vec3 line{(x + 0.5 - camera.cx) / camera.fx,
                                      (camera.cy - static_cast<double>(row) - 0.5) / camera.fy, -1};
-                rays[row * camera.width + x] = Marcher(slice, eye, glm::normalize(rotation * line), range).trace(stop);
+                Marcher marcher(slice, eye, glm::normalize(rotation * line), range);
+                rays[row * camera.width + x] = marcher.trace(stop);
+                sum.rays++;
+                sum.nodes += marcher.counts().nodes;
+                sum.descents += marcher.counts().descents;
+                sum.entries += marcher.counts().entries;
             }
+        const std::lock_guard lock(adding);
+        counts.rays += sum.rays;
+        counts.nodes += sum.nodes;
+        counts.descents += sum.descents;
+        counts.entries += sum.entries;
     });
     return rays;
 }

@@ -5,12 +5,13 @@
 namespace neuvv {
 
 TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
-                       const TileRanges& ranges, const RayBatch& rays, Shading shading)
+                       const TileRanges& ranges, const RayBatch& rays, Shading shading, const WalkSteps& steps)
     : field_(field),
       trees_(trees),
       ranges_(ranges),
       pass_(device, "trace tree", trace_tree_comp,
-            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u}),
+            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
+             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &trees.nodes},
                    {kTraceEntries, &entries},

@@ -7,11 +7,16 @@ namespace neuvv {
 
 enum class Shading { kPerRay, kPerLeaf };  // SH along each ray, or the colours of record_shade
 
+// What the walk does without, to measure what it is worth (march.glsl).
+struct WalkSteps {
+    bool restart = false, from_root = false, coalesce = true;
+};
+
 class TreeTracer {
   public:
     // `entries`: those of the trees, or shaded ones.
     TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
-               const TileRanges& ranges, const RayBatch& rays, Shading shading);
+               const TileRanges& ranges, const RayBatch& rays, Shading shading, const WalkSteps& steps = {});
 
   private:
     friend void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera,

@@ -255,6 +255,7 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     EXPECT_GT(json["ways"]["paper"]["rest_ms"], 0.0);
     EXPECT_GT(json["ways"]["shaded"]["slice_ms"], 0.0);
     EXPECT_GT(json["host_rays_ms"], 0.0);
+    EXPECT_GT(json["bytes_a_ray"], 40.0 + 20.0 * json["nodes_a_ray"].get<double>());
     EXPECT_LT(json["mean_difference_of_255"], 1.0);
     EXPECT_LT(json["host_difference"], 0.01);
     expect_refused({"bench", "render", scene, "--size", "0x9"}, 2, {"--size"});
@@ -363,6 +364,20 @@ TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
     EXPECT_EQ(json["memory_ratio"], 1.0);
     expect_refused({"bench", "instances", scene, "--count", "1"}, 2, {"--count"});
     expect_refused({"bench", "instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
+}
+
+TEST_F(CliGpu, BenchWalkTimesEachStep) {
+    const std::vector<std::string> command = {"bench",   "walk", scene,       "--size", "64x48",
+                                              "--views", "1",    "--repeats", "1"};
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"from the root to every cell", "masks in registers", "one step", "grid", "bounds"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    std::vector<std::string> as_json = command;
+    as_json.push_back("--json");
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    for (const char* step : {"restart", "node", "coalesce", "grid", "ranges"}) EXPECT_GT(json["trace_ms"][step], 0.0);
+    expect_refused({"bench", "walk", scene, "--views", "0"}, 2, {"--views"});
 }
 
 TEST_F(CliGpu, BenchStereoDrawsBothEyes) {

@@ -9,7 +9,7 @@ layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
-const bool kRestart = false;
+const bool kRestart = false, kFromRoot = false, kCoalesce = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;

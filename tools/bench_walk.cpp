@@ -1,0 +1,191 @@
+// neuvv bench walk: what each part of the walk through the tree is worth, as a table of traces that do without.
+#include <fmt/format.h>
+
+#include <bit>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "render/performer.h"
+#include "tools/bench.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/view_path.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchWalkOptions {
+    std::string scene, size = "1280x720";
+    uint32_t views = 4, repeats = 5;
+    bool json = false;
+};
+
+struct Step {
+    std::string name;
+    const char* key;  // in JSON
+    WalkSteps walk;
+    bool ranges = false;  // only tiles that see anything, between their bounds
+    std::vector<double> ms = {};
+};
+
+std::vector<Step> steps() {
+    return {{"from the root to every cell", "restart", {true, true, false}},
+            {"a node's masks in registers, from the root to every node", "node", {false, true, false}},
+            {"empty octants and nodes in one step", "coalesce", {false, true, true}},
+            {"from a grid over the upper levels", "grid", {false, false, true}},
+            {"tiles that see anything, between their bounds", "ranges", {false, false, true}, true}};
+}
+
+// Every tile is listed, and its rays have no bounds.
+void list_every_tile(const Device& device, const TileRanges& ranges, uint32_t tiles) {
+    const uint32_t near = 0, far = ~std::bit_cast<uint32_t>(1e30f);
+    const std::vector<glm::uvec2> words(tiles, glm::uvec2(near, far));
+    std::vector<uint32_t> list(tiles);
+    for (uint32_t tile = 0; tile < tiles; tile++) list[tile] = tile;
+    const uint32_t across = std::min(tiles, kListRow);
+    list.resize(ranges.list.bytes / 4, kNoTile);
+    const LiveCount count{across, (tiles + across - 1) / across, 1, tiles, 0};
+    upload(device, ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    upload(device, ranges.list, list.data(), list.size() * 4);
+    upload(device, ranges.count, &count, sizeof(count));
+}
+
+// One slice of the field, shaded, and what walks need to trace it.
+class WalkBench {
+  public:
+    WalkBench(const Device& device, const VOctree& tree, PictureSize size)
+        : device_(device),
+          field_(upload_field(device, tree, WeightPrecision::kHalf)),
+          layout_{size.width, size.height},
+          live_(device, field_, field_.leaf_count),
+          trees_(device, field_, most_entries(field_), 1),
+          shaded_(shaded_entries(device, trees_.capacity)),
+          rays_(device, 2, layout_.ray_tiles()),
+          ranges_(device, layout_.ray_tiles(), layout_.picture_tiles(), 2),
+          slicer_(device, field_, live_, trees_),
+          shader_(device, field_, trees_, shaded_),
+          ranger_(device, field_, &trees_, rays_, ranges_) {
+        const std::vector<Tile> tiles = tiles_of_picture(0, size.width, size.height);
+        std::copy(tiles.begin(), tiles.end(), rays_.tiles.as<Tile>());
+        for (const Step& step : steps())
+            tracers_.push_back(std::make_unique<TreeTracer>(device, field_, trees_, shaded_, ranges_, rays_,
+                                                            Shading::kPerLeaf, step.walk));
+    }
+
+    // GPU milliseconds of the trace of each step, for one view.
+    void measure(const ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
+        const ShaderCamera camera = shader_camera(view.camera);
+        std::fill_n(rays_.cameras.as<ShaderCamera>(), 2, camera);
+        std::fill_n(ranges_.views.as<RangeView>(), 2, range_view(camera));
+        run_once(device_, "slice", [&](Commands& commands) {
+            record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
+            record_shade(commands, shader_, 0, glm::vec3(camera.origin));
+        });
+        for (size_t i = 0; i < all.size() && !stop_requested(); i++) {
+            if (!all[i].ranges) list_every_tile(device_, ranges_, layout_.ray_tiles());
+            for (uint32_t repeat = 0; repeat <= repeats; repeat++) {
+                const double ms = trace(*tracers_[i], all[i].ranges);
+                if (repeat > 0) all[i].ms.push_back(ms);  // the first warms caches
+            }
+        }
+    }
+
+    uint64_t rays() const { return uint64_t{layout_.width} * layout_.height; }
+
+  private:
+    double trace(const TreeTracer& tracer, bool ranged) {
+        const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
+        commands_.begin();
+        record_clear(commands_, rays_);
+        record_unseen(commands_, ranges_);
+        if (ranged) record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
+        record_trace_tree(commands_, tracer, 0, 1, kStopTransmittance);
+        commands_.submit();
+        commands_.wait();
+        double sum = 0;
+        for (const PassTime& pass : commands_.pass_times())
+            if (pass.name == "trace" || pass.name == "tile ranges") sum += pass.milliseconds;
+        return sum;
+    }
+
+    const Device& device_;
+    const Field field_;
+    const ViewLayout layout_;
+    const LiveLeaves live_;
+    const SliceTrees trees_;
+    const Buffer shaded_;
+    const RayBatch rays_;
+    const TileRanges ranges_;
+    const TreeSlicer slicer_;
+    const Shader shader_;
+    const TileRanger ranger_;
+    std::vector<std::unique_ptr<TreeTracer>> tracers_;
+    Commands commands_{device_, "walk"};
+};
+
+void print(const std::vector<Step>& all, uint64_t rays, const Device& device, const BenchWalkOptions& options) {
+    fmt::print("{}: {}, {}, {} views; a shaded slice, each step with those before it\n", device.summary().name,
+               options.scene, options.size, options.views);
+    fmt::print("{:<58} {:>9} {:>8} {:>10} {:>10}\n", "", "ms (p50)", "ns a ray", "of before", "of first");
+    for (size_t i = 0; i < all.size(); i++) {
+        const double ms = median(all[i].ms);
+        fmt::print("{:<58} {:>9.1f} {:>8.0f} {:>10.2f} {:>10.2f}\n", all[i].name, ms,
+                   1e6 * ms / static_cast<double>(rays), ms / median(all[i > 0 ? i - 1 : 0].ms),
+                   ms / median(all[0].ms));
+    }
+}
+
+nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const Device& device,
+                               const BenchWalkOptions& options) {
+    auto walk = nlohmann::ordered_json::object();
+    for (const Step& step : all) walk[step.key] = median(step.ms);
+    return {{"device", device.summary().name},
+            {"scene", options.scene},
+            {"size", options.size},
+            {"rays", rays},
+            {"trace_ms", walk}};
+}
+
+void run(const BenchWalkOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const VOctree tree = read_nvv(options.scene);
+    const Device device(common.device);
+    const PictureSize size = parse_size(options.size);
+    const std::vector<ViewStep> path =
+        orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    WalkBench bench(device, tree, size);
+    std::vector<Step> all = steps();
+    Progress progress("bench", options.views);
+    for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
+        bench.measure(path[i * path.size() / options.views], options.repeats, all);
+        progress.update(i + 1);
+    }
+    if (stop_requested()) return;
+    if (options.json)
+        fmt::print("{}", json_text(json_of(all, bench.rays(), device, options)));
+    else
+        print(all, bench.rays(), device, options);
+}
+
+}  // namespace
+
+void add_bench_walk(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("walk", "What each part of the walk through the tree is worth");
+    const auto options = std::make_shared<BenchWalkOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")->check(CLI::Range(1, 100));
+    verb->add_option("--repeats", options->repeats, "Traces of each view that the medians are over")
+        ->check(CLI::Range(1, 1000));
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string("Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU "
+                    "time.\n") +
+        kDeviceHelp + kExamplesHead + "  neuvv bench walk build/performer.nvv");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
