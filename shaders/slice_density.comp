@@ -36,7 +36,7 @@ void store_leaf(uint leaf, float sigma, uint slot) {
 
 void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    const uint first_leaf = (group * kSliceGroup + gl_LocalInvocationID.x) * kLeavesPerThread;
+    const uint first_leaf = push.first_leaf + (group * kSliceGroup + gl_LocalInvocationID.x) * kLeavesPerThread;
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();
 
@@ -44,7 +44,7 @@ void main() {
     uint live_leaves = 0u;
     for (uint i = 0u; i < kLeavesPerThread; i++) {
         const uint leaf = first_leaf + i;
-        sigma[i] = leaf < push.leaf_count ? leaf_sigma(leaf, push.leaf_count) : 0.0;
+        sigma[i] = leaf < push.end_leaf ? leaf_sigma(leaf, push.leaf_count) : 0.0;
         live_leaves += sigma[i] > 0.0 ? 1u : 0u;
     }
     const uint place = live_leaves > 0u ? atomicAdd(group_count, live_leaves) : 0u;
@@ -59,7 +59,7 @@ void main() {
     uint slot = group_first + place;
     for (uint i = 0u; i < kLeavesPerThread; i++) {
         const uint leaf = first_leaf + i;
-        if (leaf < push.leaf_count) store_leaf(leaf, sigma[i], slot);
+        if (leaf < push.end_leaf) store_leaf(leaf, sigma[i], slot);
         if (sigma[i] > 0.0) slot++;
     }
 }

@@ -32,7 +32,7 @@ void store_coefficient(uint entry, uint j, vec3 k) {
 #include "slice_leaf.glsl"
 
 void main() {
-    const uint slot = gl_GlobalInvocationID.x;
+    const uint slot = push.first_slot + gl_GlobalInvocationID.x;
     if (slot >= min(live.slots, push.capacity)) return;
     const uint leaf = texelFetch(slot_leaf, int(slot)).x;
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;

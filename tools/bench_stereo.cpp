@@ -84,8 +84,14 @@ Drawn draw(FrameRenderer& renderer, const std::vector<Camera>& eyes, const Frame
     return drawn;
 }
 
+// A clip at 25 pictures a second on a display of 90 Hz, every slice new.
+struct Playing {
+    std::vector<double> needed_ms, ahead_ms;  // of each display frame: slices built when needed, or ahead
+};
+
 struct Result {
     std::vector<Way> ways;
+    Playing playing;
     std::vector<PassSum> passes;  // of the first
     double covered = 0;           // share of pixels
     double copy_tb_s = 0;         // bytes read and written
@@ -125,6 +131,25 @@ void measure(FrameRenderer& renderer, Way& way, const std::vector<Camera>& eyes,
     way.psnr = std::min(compare(truth[0], drawn.pictures[0]).psnr, compare(truth[1], drawn.pictures[1]).psnr);
 }
 
+std::vector<double> play(FrameRenderer& renderer, const std::vector<Camera>& eyes, uint32_t clip_frames, bool ahead) {
+    constexpr double kClipFps = 25, kDisplayHz = 90;
+    constexpr uint32_t kDisplayFrames = 72;
+    FrameSettings settings;
+    settings.width = eyes[0].width;
+    settings.height = eyes[0].height;
+    settings.mode = TraceMode::kPlay;
+    renderer.forget_slices();
+    std::vector<double> ms;
+    for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
+        const auto shown = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
+        settings.instances[0].frame = static_cast<float>(shown % clip_frames);
+        if (ahead) settings.next_frames = {static_cast<float>((shown + 1) % clip_frames)};
+        renderer.render_views(eyes, settings);
+        if (i >= kDisplayHz / kClipFps) ms.push_back(milliseconds(renderer));  // the first slice is needed at once
+    }
+    return ms;
+}
+
 Result measure_all(const Device& device, const VOctree& tree, const BenchStereoOptions& options) {
     const Field field = upload_field(device, tree, WeightPrecision::kHalf);
     const PictureSize size = parse_size(options.size);
@@ -133,11 +158,15 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchStereoO
     Result result;
     result.ways = ways_to_draw();
     std::vector<Image> truth;
-    Progress progress("bench", result.ways.size());
+    Progress progress("bench", result.ways.size() + 2);
     for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
         measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
         progress.update(i + 1);
     }
+    result.playing.needed_ms = play(renderer, eyes, tree.frames, false);
+    progress.update(result.ways.size() + 1);
+    result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
+    progress.update(result.ways.size() + 2);
     const Buffer copied(device, "copy", field.weights.bytes, MemoryKind::kDevice);
     std::vector<double> copies;
     for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
@@ -157,6 +186,11 @@ void print(const Result& result, const Device& device, const BenchStereoOptions&
         fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", way.name, median(way.ms),
                    quantile(way.ms, 0.99), mrays_per_second(way), mrays_per_second(way) / result.copy_tb_s,
                    way.psnr > 90 ? "same" : fmt::format("{:.1f}", way.psnr));
+    const auto playing = [](const char* name, const std::vector<double>& ms) {
+        fmt::print("{:<50} {:>9.1f} {:>9.1f}\n", name, median(ms), quantile(ms, 0.99));
+    };
+    playing("playing at 25 fps on 90 Hz, slices when needed", result.playing.needed_ms);
+    playing("the same, slices built ahead", result.playing.ahead_ms);
     fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
 }
 
@@ -176,6 +210,9 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
             {"covered", result.covered},
             {"copy_tb_s", result.copy_tb_s},
             {"ways", ways},
+            {"playing",
+             {{"needed_p99_ms", quantile(result.playing.needed_ms, 0.99)},
+              {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}},
             {"passes_ms", passes}};
 }
 

@@ -34,9 +34,9 @@ struct Step {
 std::vector<Step> steps() {
     return {{"from the root to every cell", "restart", {true, true, false}},
             {"a node's masks in registers, from the root to every node", "node", {false, true, false}},
-            {"empty octants and nodes in one step", "coalesce", {false, true, true}},
-            {"from a grid over the upper levels", "grid", {false, false, true}},
-            {"tiles that see anything, between their bounds", "ranges", {false, false, true}, true}};
+            {"tiles that see anything, between their bounds", "ranges", {false, true, false}, true},
+            {"empty octants and nodes in one step", "coalesce", {false, true, true}, true},
+            {"from a grid over the upper levels", "grid", {false, false, true}, true}};
 }
 
 // Every tile is listed, and its rays have no bounds.

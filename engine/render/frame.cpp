@@ -90,6 +90,7 @@ void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings&
         record_upscale(commands, *r.upscaler_, r.layout_, settings.resolve);
     else
         record_resolve(commands, r.listed_resolver_, r.layout_, settings.resolve);
+    record_slices_ahead(commands, *r.performer_, settings.parts_ahead);
 }
 
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
@@ -222,14 +223,14 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
     drawn_.push_back(drawn);
 }
 
-void FrameRenderer::prepare(TraceMode mode) {
-    switch (mode) {
+void FrameRenderer::prepare(const FrameSettings& settings) {
+    switch (settings.mode) {
         case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
             if (!performer_)
                 performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.slice_budget);
-            performer_->prepare(drawn_);
+            performer_->prepare(drawn_, settings.next_frames);
             break;
         case TraceMode::kSlice:
             if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
@@ -250,7 +251,7 @@ std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, 
     place_rays(cameras, settings);
     place_instances(cameras, settings);
     do {
-        prepare(settings.mode);
+        prepare(settings);
         commands_.begin();
         record_frame(commands_, *this, settings);
         commands_.submit();

@@ -26,7 +26,9 @@ struct FrameSettings {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
     double scale = 1;      // below 1: so many rays a pixel along each side, upscaled; samples must be 1, no reference
-    std::vector<Fovea> foveae;  // one a view, or none; as scale
+    std::vector<Fovea> foveae;       // one a view, or none; as scale
+    std::vector<float> next_frames;  // of the clip, that will be shown next, the first first: built ahead,
+    uint32_t parts_ahead = 2;        // so many of kSliceParts parts a slice with each picture
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
     float stop = kStopTransmittance;
@@ -93,7 +95,7 @@ class FrameRenderer {
     void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance,
                         glm::dvec3 eye);
-    void prepare(TraceMode mode);
+    void prepare(const FrameSettings& settings);
     const Device& device_;
     const Field& field_;
     FrameCapacity capacity_;

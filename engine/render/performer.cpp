@@ -55,13 +55,14 @@ void Performer::make_slices(uint32_t entries) {
     slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, entries, slice_budget_);
 }
 
-void Performer::prepare(std::span<const DrawnInstance> instances) {
+void Performer::prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames) {
     bool all_sliced = slices_ != nullptr;
     if (slices_) {
         asked_.clear();
         for (const DrawnInstance& instance : instances) asked_.push_back(instance.frame);
         slices_->cache.ask(asked_);
         for (const float frame : asked_) all_sliced &= slices_->cache.find(frame).has_value();
+        if (all_sliced) slices_->cache.ask_ahead(next_frames);  // else there is no room, and live leaves serve others
     }
     if (!all_sliced && !direct_) direct_ = std::make_unique<InstanceDirectPath>(device_, field_, live_, rays_, ranges_);
 }
@@ -79,9 +80,13 @@ bool Performer::enlarge_slices() {
 }
 
 void record_slices(Commands& commands, Performer& performer) {
+    if (SlicePath* path = performer.slices()) record_slices(commands, path->cache);
+}
+
+void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts) {
     SlicePath* path = performer.slices();
     if (!path) return;
-    record_slices(commands, path->cache);
+    record_ahead(commands, path->cache, parts);
     copy(commands, path->cache.trees().counts, path->counts_readback, path->counts_readback.bytes);
 }
 

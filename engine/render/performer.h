@@ -56,9 +56,9 @@ class Performer {
     Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
               uint64_t slice_budget);
 
-    // Before a picture is recorded: its instances, those first that shall rather have a slice. Makes what is missing on
-    // the device.
-    void prepare(std::span<const DrawnInstance> instances);
+    // Before a picture is recorded: its instances, those first that shall rather have a slice, and the frames that will
+    // be shown next. Makes what is missing on the device.
+    void prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames = {});
     // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
     // picture must be prepared and recorded anew.
     bool enlarge_slices();
@@ -82,6 +82,8 @@ class Performer {
 
 // The slices of prepared instances.
 void record_slices(Commands& commands, Performer& performer);
+// After the picture: so many parts (kSliceParts a slice) of those of the next frames.
+void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
 
 // One prepared instance, into what earlier ones left in the ray batch.
 void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,

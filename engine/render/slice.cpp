@@ -52,12 +52,10 @@ void record_rows(Commands& commands, const LiveFinder& finder, float frame) {
     compute_barrier(commands);
 }
 
-void record_live(Commands& commands, const LiveFinder& finder, float frame) {
-    record_rows(commands, finder, frame);
+void record_density(Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end) {
     constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
-    const uint32_t leaves = finder.field_.leaf_count;
-    dispatch(commands, finder.density_, finder.density_set_, (leaves + kGroupLeaves - 1) / kGroupLeaves,
-             SlicePush{leaves, finder.live_.capacity});
+    const SlicePush push{finder.field_.leaf_count, finder.live_.capacity, first, end};
+    dispatch(commands, finder.density_, finder.density_set_, (end - first + kGroupLeaves - 1) / kGroupLeaves, push);
     compute_barrier(commands);
 }
 
@@ -76,9 +74,10 @@ void record_slice(Commands& commands, const Slicer& slicer, float frame) {
     const PassScope scope(commands, "slice");
     const Field& field = slicer.field_;
     copy(commands, field.inner_cells, slicer.slice_.node_live, field.inner_cells.bytes);
-    record_live(commands, slicer.finder_, frame);
+    record_rows(commands, slicer.finder_, frame);
+    record_density(commands, slicer.finder_, 0, field.leaf_count);
     dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0,
-                      SlicePush{field.leaf_count, slicer.slice_.capacity});
+                      SlicePush{field.leaf_count, slicer.slice_.capacity, 0, field.leaf_count});
     compute_barrier(commands);
 }
 

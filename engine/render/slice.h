@@ -34,7 +34,7 @@ class LiveFinder {
 
   private:
     friend void record_rows(Commands& commands, const LiveFinder& finder, float frame);
-    friend void record_live(Commands& commands, const LiveFinder& finder, float frame);
+    friend void record_density(Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
     const Field& field_;
     const LiveLeaves& live_;
     ComputePass rows_, density_;
@@ -58,8 +58,9 @@ class Slicer {
 // The rows A_t and B_t alone, which is all that the direct passes need.
 void record_rows(Commands& commands, const LiveFinder& finder, float frame);
 
-// σ of every leaf, slots of the live ones, and their cells, which are added to what node_live holds.
-void record_live(Commands& commands, const LiveFinder& finder, float frame);
+// After the rows: σ of the leaves first..end−1, slots of the live ones, and their cells, which are added to what
+// node_live holds.
+void record_density(Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
 
 // Frame 0..frames−1, fractions interpolate (errata 9). Ends with a barrier: passes after it may read the slice.
 void record_slice(Commands& commands, const Slicer& slicer, float frame);

@@ -17,17 +17,28 @@ SliceCache::Kept* SliceCache::kept_of(float frame) {
     return found == kept_.end() ? nullptr : &*found;
 }
 
+SliceCache::Kept& SliceCache::oldest() {
+    return *std::min_element(kept_.begin(), kept_.end(),
+                             [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
+}
+
 void SliceCache::ask(std::span<const float> frames) {
     pictures_++;
+    ahead_.clear();
     for (const float frame : frames)
         if (Kept* kept = kept_of(frame)) kept->asked = pictures_;
     for (const float frame : frames) {
         if (kept_of(frame)) continue;
-        Kept& oldest = *std::min_element(kept_.begin(), kept_.end(),
-                                         [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
-        if (oldest.asked == pictures_) return;
-        oldest = {frame, false, pictures_};
+        Kept& place = oldest();
+        if (place.asked == pictures_) return;
+        place = {frame, 0, pictures_};
     }
+}
+
+void SliceCache::ask_ahead(std::span<const float> frames) {
+    ahead_.assign(frames.begin(), frames.end());
+    for (const float frame : ahead_)
+        if (Kept* kept = kept_of(frame)) kept->asked = pictures_;
 }
 
 std::optional<uint32_t> SliceCache::find(float frame) const {
@@ -40,12 +51,39 @@ void SliceCache::forget() {
     std::fill(kept_.begin(), kept_.end(), Kept{});
 }
 
+void SliceCache::build(Commands& commands, uint32_t slice, uint32_t parts) {
+    Kept& kept = kept_[slice];
+    for (uint32_t i = 0; i < kept_.size(); i++)  // who else has a part gives up the live leaves
+        if (i != slice && kept_[i].parts < kSliceParts) kept_[i].parts = 0;
+    if (kept.parts == 0 && parts >= kSliceParts) {
+        record_slice_tree(commands, slicer_, slice, *kept.frame);
+        kept.parts = kSliceParts;
+    }
+    for (; parts > 0 && kept.parts < kSliceParts; parts--)
+        record_slice_part(commands, slicer_, slice, *kept.frame, kept.parts++);
+}
+
 void record_slices(Commands& commands, SliceCache& cache) {
-    for (uint32_t i = 0; i < cache.kept_.size(); i++) {
-        SliceCache::Kept& kept = cache.kept_[i];
-        if (!kept.frame || kept.built) continue;
-        record_slice_tree(commands, cache.slicer_, i, *kept.frame);
-        kept.built = true;
+    const auto is_wanted = [&cache](const SliceCache::Kept& kept) {
+        return kept.frame && kept.asked == cache.pictures_ && kept.parts < kSliceParts;
+    };
+    for (const bool begun : {true, false})  // first the one that has a part
+        for (uint32_t i = 0; i < cache.kept_.size(); i++)
+            if (is_wanted(cache.kept_[i]) && (cache.kept_[i].parts > 0) == begun) cache.build(commands, i, kSliceParts);
+}
+
+void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts) {
+    for (const float frame : cache.ahead_) {
+        SliceCache::Kept* kept = cache.kept_of(frame);
+        if (!kept) {
+            kept = &cache.oldest();
+            if (kept->asked == cache.pictures_) return;
+            *kept = {frame, 0, cache.pictures_};
+        }
+        const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
+        if (wanted > 0) cache.build(commands, static_cast<uint32_t>(kept - cache.kept_.data()), wanted);
+        parts -= wanted;
+        if (parts == 0) return;
     }
 }
 

@@ -24,23 +24,34 @@ class SliceCache {
     std::optional<uint32_t> find(float frame) const;
     void forget();
 
+    // After ask(): the slices of these frames will be needed next. The first of them that is not kept is built in parts
+    // (record_ahead), in the place of one that this picture does not need, if there is any.
+    void ask_ahead(std::span<const float> frames);
+
     const SliceTrees& trees() const { return trees_; }
 
   private:
     friend void record_slices(Commands& commands, SliceCache& cache);
+    friend void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);
     struct Kept {
         std::optional<float> frame;
-        bool built = false;
+        uint32_t parts = 0;  // of kSliceParts that are built
         uint64_t asked = 0;  // the last time, in pictures
     };
     Kept* kept_of(float frame);
+    Kept& oldest();
+    void build(Commands& commands, uint32_t slice, uint32_t parts);
     SliceTrees trees_;
     TreeSlicer slicer_;
-    std::vector<Kept> kept_;  // per slice
+    std::vector<Kept> kept_;  // per slice; of one at most a part is built, which then has the live leaves
+    std::vector<float> ahead_;
     uint64_t pictures_ = 0;
 };
 
 // Builds the slices that were asked for and are not there.
 void record_slices(Commands& commands, SliceCache& cache);
+
+// Builds so many parts of those that were asked for ahead.
+void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);
 
 }  // namespace neuvv

@@ -73,19 +73,44 @@ void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice) 
     }
 }
 
+void record_slice_begin(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
+    fill(commands, slicer.live_.node_live, 0);
+    update(commands, slicer.trees_.counts, LiveCount{0, 1, 1, 0, 0}, slice * sizeof(LiveCount));
+    record_rows(commands, slicer.finder_, frame);
+}
+
 void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
-    const SliceTrees& trees = slicer.trees_;
     {
         const PassScope scope(commands, "slice density");
-        fill(commands, slicer.live_.node_live, 0);
-        update(commands, trees.counts, LiveCount{0, 1, 1, 0, 0}, slice * sizeof(LiveCount));
-        record_live(commands, slicer.finder_, frame);
+        record_slice_begin(commands, slicer, slice, frame);
+        record_density(commands, slicer.finder_, 0, slicer.field_.leaf_count);
     }
     record_nodes(commands, slicer, slice);
     const PassScope scope(commands, "slice entries");
-    dispatch_indirect(commands, slicer.entries_, slicer.entries_set_, slicer.live_.live, 0,
-                      SliceEntriesPush{slicer.field_.leaf_count, slicer.live_.capacity, trees.node_base(slice)});
+    dispatch_indirect(
+        commands, slicer.entries_, slicer.entries_set_, slicer.live_.live, 0,
+        SliceEntriesPush{slicer.field_.leaf_count, slicer.live_.capacity, slicer.trees_.node_base(slice), 0});
     compute_barrier(commands);
+}
+
+void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part) {
+    constexpr uint32_t kDensityParts = 3, kEntryParts = kSliceParts - kDensityParts - 1;
+    const uint32_t leaves = slicer.field_.leaf_count, slots = slicer.trees_.capacity;
+    if (part < kDensityParts) {
+        const PassScope scope(commands, "slice density");
+        if (part == 0) record_slice_begin(commands, slicer, slice, frame);
+        const auto share = [leaves](uint64_t i) { return static_cast<uint32_t>(leaves * i / kDensityParts); };
+        record_density(commands, slicer.finder_, share(part), share(part + 1));
+    } else if (part == kDensityParts) {
+        record_nodes(commands, slicer, slice);
+    } else {
+        const PassScope scope(commands, "slice entries");
+        const auto share = [slots](uint64_t i) { return static_cast<uint32_t>(slots * i / kEntryParts); };
+        const uint32_t first = share(part - kDensityParts - 1), end = share(part - kDensityParts);
+        dispatch(commands, slicer.entries_, slicer.entries_set_, (end - first + kSliceGroup - 1) / kSliceGroup,
+                 SliceEntriesPush{leaves, std::min(end, slicer.live_.capacity), slicer.trees_.node_base(slice), first});
+        compute_barrier(commands);
+    }
 }
 
 }  // namespace neuvv

@@ -34,7 +34,10 @@ class TreeSlicer {
 
   private:
     friend void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice);
+    friend void record_slice_begin(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
     friend void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
+    friend void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
+                                  uint32_t part);
     const Field& field_;
     const LiveLeaves& live_;
     const SliceTrees& trees_;
@@ -45,5 +48,10 @@ class TreeSlicer {
 
 // `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9).
 void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
+
+// The same in parts of about as much work each, 0 to kSliceParts − 1, between which nothing else may use the live
+// leaves.
+constexpr uint32_t kSliceParts = 6;
+void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part);
 
 }  // namespace neuvv

@@ -32,7 +32,9 @@ struct RowsPush {
 
 struct SlicePush {
     uint leaf_count;
-    uint capacity;  // slots
+    uint capacity;    // slots
+    uint first_leaf;  // slice_density.comp: of those that are looked at, and the end of these
+    uint end_leaf;
 };
 
 NEUVV_SHARED_END

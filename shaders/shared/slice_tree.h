@@ -51,6 +51,7 @@ struct SliceEntriesPush {
     uint leaf_count;
     uint capacity;  // slots of live leaves
     uint node_base;
+    uint first_slot;
 };
 
 // shade.comp

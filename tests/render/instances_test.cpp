@@ -212,6 +212,40 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
     }
 }
 
+// A part with each picture; whatever else is drawn meanwhile, the slice that results is the one that is built at once.
+TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
+    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const auto draw = [&](FrameRenderer& renderer, float frame, const std::vector<float>& next) {
+        FrameSettings settings = settings_of({{frame}}, TraceMode::kTree);
+        settings.next_frames = next;
+        settings.parts_ahead = 1;
+        return renderer.render(stage_camera(), settings).rgba;
+    };
+    const auto slice_passes = [](const FrameRenderer& renderer) {
+        return passes(renderer, "slice density") + passes(renderer, "slice nodes") + passes(renderer, "slice entries");
+    };
+    for (const bool disturbed : {false, true}) {
+        FrameRenderer renderer(device(), field, {kWidth, kHeight}), fresh(device(), field, {kWidth, kHeight});
+        draw(renderer, 0, {});
+        for (uint32_t part = 0; part < 4; part++) {
+            draw(renderer, 0, {1.5f, 3});
+            EXPECT_EQ(slice_passes(renderer), 1u) << "part " << part;
+        }
+        if (disturbed) {
+            EXPECT_EQ(draw(renderer, 2, {}), draw(fresh, 2, {}));
+        }
+        const uint32_t left = disturbed ? kSliceParts : kSliceParts - 4;
+        for (uint32_t part = 0; part < left; part++) draw(renderer, 0, {1.5f, 3});
+        EXPECT_EQ(draw(renderer, 1.5f, {}), draw(fresh, 1.5f, {}));
+        EXPECT_EQ(slice_passes(renderer), 0u) << "it was ready";
+        draw(renderer, 0, {3});
+        EXPECT_EQ(draw(renderer, 3, {4}), draw(fresh, 3, {})) << "needed before it was ready";
+        EXPECT_GE(slice_passes(renderer), kSliceParts - 1) << "what was missing, and a part of the next";
+        EXPECT_EQ(draw(renderer, 0, {}), draw(fresh, 0, {}));
+    }
+}
+
 TEST_F(InstancesTest, WhatCannotBeDrawnIsRefused) {
     const VOctree tree = random_tree({.seed = 6, .leaves = 20});
     const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
