@@ -26,12 +26,12 @@ void SliceCache::ask(std::span<const float> frames) {
     pictures_++;
     ahead_.clear();
     for (const float frame : frames)
-        if (Kept* kept = kept_of(frame)) kept->asked = pictures_;
+        if (Kept* kept = kept_of(frame)) kept->shown = kept->asked = pictures_;
     for (const float frame : frames) {
         if (kept_of(frame)) continue;
         Kept& place = oldest();
         if (place.asked == pictures_) return;
-        place = {frame, 0, pictures_};
+        place = {frame, 0, pictures_, pictures_};
     }
 }
 
@@ -65,7 +65,7 @@ void SliceCache::build(Commands& commands, uint32_t slice, uint32_t parts) {
 
 void record_slices(Commands& commands, SliceCache& cache) {
     const auto is_wanted = [&cache](const SliceCache::Kept& kept) {
-        return kept.frame && kept.asked == cache.pictures_ && kept.parts < kSliceParts;
+        return kept.frame && kept.shown == cache.pictures_ && kept.parts < kSliceParts;
     };
     for (const bool begun : {true, false})  // first the one that has a part
         for (uint32_t i = 0; i < cache.kept_.size(); i++)
@@ -78,7 +78,7 @@ void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts) {
         if (!kept) {
             kept = &cache.oldest();
             if (kept->asked == cache.pictures_) return;
-            *kept = {frame, 0, cache.pictures_};
+            *kept = {frame, 0, 0, cache.pictures_};
         }
         const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
         if (wanted > 0) cache.build(commands, static_cast<uint32_t>(kept - cache.kept_.data()), wanted);

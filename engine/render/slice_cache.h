@@ -36,7 +36,8 @@ class SliceCache {
     struct Kept {
         std::optional<float> frame;
         uint32_t parts = 0;  // of kSliceParts that are built
-        uint64_t asked = 0;  // the last time, in pictures
+        uint64_t shown = 0;  // by which picture last
+        uint64_t asked = 0;  // the same, or ahead of one
     };
     Kept* kept_of(float frame);
     Kept& oldest();
