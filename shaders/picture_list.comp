@@ -2,13 +2,13 @@
 // Reads some words a tile; writes one for each that sees. One thread a tile of all pictures; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/slice_tree.h"
+#include "shared/picture_list.h"
 
 layout(local_size_x = kSliceGroup) in;
-layout(binding = kRangeSeen) uniform utextureBuffer seen;
-layout(binding = kRangeCameras) uniform textureBuffer cameras;
-layout(binding = kPictures, r32ui) writeonly uniform uimageBuffer picture_list;
-layout(binding = kPictureCount, std430) buffer Count { LiveCount count; };
+layout(binding = kListSeen) uniform utextureBuffer seen;
+layout(binding = kListCameras) uniform textureBuffer cameras;
+layout(binding = kListPictures, r32ui) writeonly uniform uimageBuffer picture_list;
+layout(binding = kListCount, std430) buffer Count { LiveCount count; };
 layout(push_constant) uniform Push { PictureListPush push; };
 #include "grid.glsl"
 
@@ -22,7 +22,8 @@ uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
 
 void main() {
     const uint a_view = push.pictures_across * push.pictures_down;
-    const uint tile = gl_GlobalInvocationID.x, view = tile / a_view, at = tile % a_view;
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint tile = group * kSliceGroup + gl_LocalInvocationID.x, view = tile / a_view, at = tile % a_view;
     if (view >= push.views) return;
     const uvec2 x = ray_tiles(view, 0u, at % push.pictures_across, push.tiles_across);
     const uvec2 y = ray_tiles(view, 1u, at / push.pictures_across, push.tiles_down);

@@ -21,13 +21,14 @@ int ray_at(uint view, uvec2 at) {
     return int(first * kTilePixels + inner.y * kTile + inner.x);
 }
 
-// The pixel of this thread; false: it lies beyond the picture's edge. `group`: of all pictures' tiles.
+// The pixel of this thread; false: it lies beyond the picture's edge, or the dispatch rounded the groups up. `group`: of all
+// pictures' tiles.
 bool pixel_of_thread(uint group, out uint view, out uvec2 pixel) {
     const uint across = (push.width + kTile - 1u) / kTile, down = (push.height + kTile - 1u) / kTile;
     const uint lane = gl_LocalInvocationID.x, tile = group % (across * down);
     view = group / (across * down);
     pixel = kTile * uvec2(tile % across, tile / across) + uvec2(lane % kTile, lane / kTile);
-    return pixel.x < push.width && pixel.y < push.height;
+    return view < push.views && pixel.x < push.width && pixel.y < push.height;
 }
 
 // Premultiplied linear light, and depth in metres.

@@ -12,7 +12,8 @@ layout(binding = kRangeSeen, r32ui) writeonly uniform uimageBuffer seen;
 layout(push_constant) uniform Push { TileRangePush push; };
 
 void main() {
-    const uint tile = gl_GlobalInvocationID.x;
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint tile = group * kSliceGroup + gl_LocalInvocationID.x;
     if (tile >= push.views * push.tiles_across * push.tiles_down) return;
     if (texelFetch(tile_ranges, int(tile)).x == kNoTile) return;
     imageStore(seen, int(tile), uvec4(1u));

@@ -67,7 +67,7 @@ void store_range(uint v, Box place) {
     const vec4 pixels = box_pixels(homogeneous(view, box.low), edges);
     vec4 covered = vec4(ray_of_pixel(across, pixels.x), ray_of_pixel(down, pixels.y), ray_of_pixel(across, pixels.z),
                         ray_of_pixel(down, pixels.w)) / float(kTile);
-    if (near < 2.0 * kNearest) covered = vec4(0.0, 0.0, tiles);  // around the eye
+    if (near < 1.01 * kNearest * view.eye.w) covered = vec4(0.0, 0.0, tiles);  // around the eye
     // Half a thousandth of a tile for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
     const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));

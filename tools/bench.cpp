@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "gpu/commands.h"
 
 namespace neuvv {
@@ -20,6 +22,10 @@ double mean(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) sum += value;
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+void expect_not_stopped() {
+    if (stop_requested()) throw RuntimeFailure("stopped before the end");
 }
 
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {

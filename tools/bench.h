@@ -18,6 +18,8 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common);
 
 // The value that a share `p` of the values does not exceed; 0 of none.
 double quantile(std::vector<double> values, double p);
+// Throws RuntimeFailure where the user has asked to stop.
+void expect_not_stopped();
 // How long the device takes to copy all of a buffer to another: the measure of what its memory gives.
 double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to);
 double mean(const std::vector<double>& values);  // 0 of none

@@ -169,7 +169,7 @@ void run(const BenchInstancesOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Device device(common.device);
     const Result result = measure_all(device, tree, options);
-    if (stop_requested()) return;
+    expect_not_stopped();
     if (!options.picture.empty()) write_png(options.picture, result.all.picture);
     if (options.json)
         fmt::print("{}", json_text(json_of(result, device, options)));
@@ -188,7 +188,9 @@ void add_bench_instances(CLI::App& bench, CommonOptions& common) {
         ->capture_default_str();
     add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--repeats", options->repeats, "Pictures that the medians are over")->check(CLI::Range(1, 1000));
+    verb->add_option("--repeats", options->repeats, "Pictures of each that the means are over")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     verb->add_option("--picture", options->picture, "Write what was drawn to this PNG");
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(

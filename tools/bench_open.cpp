@@ -120,8 +120,8 @@ void run(const BenchOpenOptions& options, const CommonOptions& common) {
     const PictureSize size = parse_size(options.size);
     if (!options.pictures.empty()) prepare_output_folder("--pictures", options.pictures);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
-    const uint64_t bytes = summarise_nvv(options.scene).file_bytes;
-    const bool has_coarse = read_nvv_coarse(options.scene).has_value();
+    const NvvSummary summary = summarise_nvv(options.scene);
+    const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
     const Device device(common.device);
     std::optional<ViewStep> view;
     std::optional<Opening> first;
@@ -134,7 +134,7 @@ void run(const BenchOpenOptions& options, const CommonOptions& common) {
         if (first) write_png(std::filesystem::path(options.pictures) / "coarse.png", first->picture);
         write_png(std::filesystem::path(options.pictures) / "whole.png", whole.picture);
     }
-    report(options, device, bytes, first, whole);
+    report(options, device, summary.file_bytes, first, whole);
 }
 
 }  // namespace
@@ -144,8 +144,10 @@ void add_bench_open(CLI::App& bench, CommonOptions& common) {
     const auto options = std::make_shared<BenchOpenOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--synthetic", options->synthetic_megabytes,
-                     "First write a made-up scene of about so many MB there; it stays")
-        ->check(number_between(1, 4000));
+                     "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
+                     "hold in one "
+                     "buffer")
+        ->check(number_between(1, 1000));
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
     verb->add_option("--pictures", options->pictures, "A folder for the two pictures: coarse.png and whole.png");
     verb->add_flag("--json", options->json, "Print JSON");
@@ -153,7 +155,8 @@ void add_bench_open(CLI::App& bench, CommonOptions& common) {
         std::string("Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
                     "(unpacked and checked;\nhow long the checks of the tree take of it is measured once more, apart), "
                     "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
-                    "included). Finding the device is not counted. The system's cache\nof files is used as it is. ") +
+                    "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
+                    "the coarse opening, which is first, also compiles the pipelines. ") +
         kDeviceHelp + kExamplesHead +
         "  neuvv bench open build/performer.nvv\n"
         "  neuvv bench open build/large.nvv --synthetic 1000");

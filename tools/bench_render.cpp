@@ -180,6 +180,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
             }
             progress.update(i * result.ways.size() + w + 1);
         }
+        expect_not_stopped();
         result.covered += covered_share(renderer.radiance()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
@@ -283,7 +284,7 @@ void run(const BenchRenderOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Device device(common.device);
     const Result result = measure_all(device, tree, options);
-    if (stop_requested()) return;
+    expect_not_stopped();
     if (!options.json) return print(result, device, options, tree);
     nlohmann::ordered_json json = json_of(result, device, options);
     if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
@@ -297,9 +298,12 @@ void add_bench_render(CLI::App& bench, CommonOptions& common) {
     const auto options = std::make_shared<BenchRenderOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")->check(CLI::Range(1, 100));
+    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
     verb->add_option("--repeats", options->repeats, "Pictures of each view that the medians are over")
-        ->check(CLI::Range(1, 1000));
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     verb->add_option("--rival", options->rival,
                      "Also by another way: `raster` projects leaves, sorts and composites them")
         ->check(CLI::IsMember({"raster"}));

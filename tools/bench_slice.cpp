@@ -125,7 +125,9 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common) {
     const auto options = std::make_shared<BenchSliceOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--frames", options->frames, "Instants, spread over the clip")->check(CLI::Range(1, 10000));
-    verb->add_option("--repeats", options->repeats, "Slices of each instant")->check(CLI::Range(1, 1000));
+    verb->add_option("--repeats", options->repeats, "Slices of each instant")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(
         std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "

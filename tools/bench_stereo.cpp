@@ -221,7 +221,7 @@ void run(const BenchStereoOptions& options, const CommonOptions& common) {
     const VOctree tree = read_nvv(options.scene);
     const Device device(common.device);
     const Result result = measure_all(device, tree, options);
-    if (stop_requested()) return;
+    expect_not_stopped();
     if (options.json)
         fmt::print("{}", json_text(json_of(result, device, options)));
     else

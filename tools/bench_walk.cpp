@@ -99,7 +99,7 @@ class WalkBench {
     double trace(const TreeTracer& tracer, bool ranged) {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
-        record_clear(commands_, rays_);
+        record_clear(commands_, rays_, layout_.ray_tiles());
         record_unseen(commands_, ranges_);
         if (ranged) record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
         record_trace_tree(commands_, tracer, 0, 1, kStopTransmittance);
@@ -163,7 +163,7 @@ void run(const BenchWalkOptions& options, const CommonOptions& common) {
         bench.measure(path[i * path.size() / options.views], options.repeats, all);
         progress.update(i + 1);
     }
-    if (stop_requested()) return;
+    expect_not_stopped();
     if (options.json)
         fmt::print("{}", json_text(json_of(all, bench.rays(), device, options)));
     else
@@ -177,9 +177,12 @@ void add_bench_walk(CLI::App& bench, CommonOptions& common) {
     const auto options = std::make_shared<BenchWalkOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")->check(CLI::Range(1, 100));
+    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
     verb->add_option("--repeats", options->repeats, "Traces of each view that the medians are over")
-        ->check(CLI::Range(1, 1000));
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(
         std::string("Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU "

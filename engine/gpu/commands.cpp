@@ -149,8 +149,8 @@ void host_barrier(Commands& commands) {
     memory_barrier(commands, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
 
-void fill(Commands& commands, const Buffer& buffer, uint32_t word) {
-    vkCmdFillBuffer(commands.handle(), buffer.buffer, 0, VK_WHOLE_SIZE, word);
+void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t bytes) {
+    vkCmdFillBuffer(commands.handle(), buffer.buffer, 0, bytes, word);
 }
 
 void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset) {

@@ -82,7 +82,8 @@ void compute_barrier(Commands& commands);
 // What compute shaders and copies wrote before is seen by the host after wait().
 void host_barrier(Commands& commands);
 
-void fill(Commands& commands, const Buffer& buffer, uint32_t word);
+// The first `bytes` (a multiple of 4), or all.
+void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t bytes = VK_WHOLE_SIZE);
 // Writes a few bytes (a multiple of 4, at most 64 KiB) that travel in the command buffer itself.
 void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset = 0);
 template <typename T>

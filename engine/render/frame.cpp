@@ -13,7 +13,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 8;  // three of a slice, three of an instance
+constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 64;  // three of a slice, three of an instance, and the rest
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
 uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
@@ -28,8 +28,8 @@ uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
     return static_cast<uint32_t>(tiles);
 }
 
-uint64_t picture_bytes(const FrameCapacity& capacity) {
-    return uint64_t{4} * capacity.width * capacity.height * capacity.views;
+ViewLayout largest(const FrameCapacity& capacity) {
+    return {capacity.width, capacity.height, capacity.samples, capacity.views};
 }
 
 // Per-ray values of one view from tile order into rows.
@@ -70,22 +70,26 @@ DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch&
       paper(device, field, live, rays, Walk::kFromRoot) {}
 
 void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
-    record_clear(commands, r.rays_);
     ViewLayout all_pixels = r.layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
     if (r.blank_is_of_ != shown) {
+        record_clear(commands, r.rays_, all_pixels.ray_tiles());
         record_resolve(commands, r.resolver_, all_pixels, settings.resolve);
-        copy(commands, r.picture_, r.blank_, r.blank_.bytes);
+        copy(commands, r.picture_, r.blank_, r.layout_.picture_bytes());
         r.blank_is_of_ = shown;
     }
+    record_clear(commands, r.rays_, r.layout_.ray_tiles());
     record_slices(commands, *r.performer_);
     record_unseen(commands, r.ranges_);
     for (const DrawnInstance& instance : r.drawn_)
         record_instance(commands, *r.performer_, instance, r.layout_, settings.stop);
     record_picture_list(commands, r.lister_, r.layout_);
-    copy(commands, r.blank_, r.picture_, r.blank_.bytes);
-    compute_barrier(commands);
+    {
+        const PassScope scope(commands, "blank");
+        copy(commands, r.blank_, r.picture_, r.layout_.picture_bytes());
+        compute_barrier(commands);
+    }
     if (r.layout_.upscaled())
         record_upscale(commands, *r.upscaler_, r.layout_, settings.resolve);
     else
@@ -114,7 +118,8 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
             break;
     }
     if (is_reference(settings.mode)) record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
-    copy(commands, r.picture_, r.readback_, uint64_t{4} * r.layout_.width * r.layout_.height * r.layout_.views);
+    const PassScope scope(commands, "readback");
+    copy(commands, r.picture_, r.readback_, r.layout_.picture_bytes());
     host_barrier(commands);
 }
 
@@ -123,11 +128,10 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, const Fra
       field_(field),
       capacity_(capacity),
       rays_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity)),
-      ranges_(device, rays_.tile_capacity,
-              ViewLayout{capacity.width, capacity.height, 1, capacity.views}.picture_tiles(), rays_.camera_capacity),
-      picture_(device, "picture", picture_bytes(capacity), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      readback_(device, "picture readback", picture_bytes(capacity), MemoryKind::kReadback),
-      blank_(device, "blank picture", picture_bytes(capacity), MemoryKind::kDevice),
+      ranges_(device, rays_.tile_capacity, largest(capacity).picture_tiles(), rays_.camera_capacity),
+      picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      readback_(device, "picture readback", largest(capacity).picture_bytes(), MemoryKind::kReadback),
+      blank_(device, "blank picture", largest(capacity).picture_bytes(), MemoryKind::kDevice),
       lister_(device, rays_, ranges_),
       resolver_(device, rays_, picture_),
       listed_resolver_(device, rays_, picture_, &ranges_),
@@ -136,12 +140,16 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, const Fra
 void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
     if (layout.ray_tiles() > rays_.tile_capacity || cameras.size() > capacity_.views ||
-        uint64_t{4} * layout.width * layout.height * layout.views > readback_.bytes)
+        layout.picture_tiles() > ranges_.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
     if (settings.instances.size() > kMaxInstances)
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
+    for (const Camera& camera : cameras)
+        if (camera.width != settings.width || camera.height != settings.height)
+            throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
+                                             camera.height, settings.width, settings.height));
     assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
@@ -205,6 +213,7 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
     drawn.eye = glm::vec3(glm::inverse(glm::dmat4(instance.world_from_performer)) * glm::dvec4(eye, 1));
     drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
     double rays = 0, focal = 0;
+    float apart_m = 0;
     for (uint32_t view = 0; view < layout_.views; view++) {
         const Camera camera = in_performer(cameras[view], instance.world_from_performer);
         const ShaderCamera seen = shader_camera_of(camera, view);
@@ -213,11 +222,12 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
         rays_.cameras.as<ShaderCamera>()[drawn.first_camera + view] = seen;
         ranges_.views.as<RangeView>()[drawn.first_camera + view] = range;
         rays += pixels_around(range, picture, field_.leaves_min, field_.leaves_max) * settings.scale * settings.scale;
+        apart_m = std::max(apart_m, glm::distance(glm::vec3(camera.world_from_camera[3]), drawn.eye));
         focal = std::max(focal, settings.samples * std::max(camera.fx, camera.fy));
     }
     if (rays == 0) return;
     drawn.range_level = range_level(field_, drawn.eye, focal * settings.scale);
-    drawn.shading = settings.mode == TraceMode::kPlay     ? play_shading(field_, drawn.eye, rays)
+    drawn.shading = settings.mode == TraceMode::kPlay     ? play_shading(field_, drawn.eye, apart_m, rays)
                     : settings.mode == TraceMode::kShaded ? Shading::kPerLeaf
                                                           : Shading::kPerRay;
     drawn_.push_back(drawn);

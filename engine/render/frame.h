@@ -6,6 +6,7 @@
 
 #include "media/image.h"
 #include "render/performer.h"
+#include "render/picture_list.h"
 #include "render/ray_grid.h"
 #include "render/upscale.h"
 
@@ -65,7 +66,7 @@ class FrameRenderer {
     FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity);
 
     // Renders and waits: the picture of each camera, sRGB with straight alpha. Throws RuntimeFailure for more or larger
-    // pictures than the renderer was made for, and for transforms that cannot be inverted.
+    // pictures than the renderer was made for, cameras of another size, and transforms that cannot be inverted.
     std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 

@@ -1,5 +1,7 @@
 #include "render/leaf_raster.h"
 
+#include "render/tile_range.h"
+
 #include <bit>
 
 #include "render/trace_tree.h"
@@ -18,13 +20,11 @@ uint32_t bits_of_key(const Field& field, const RayBatch& rays) {
 
 LeafRasterPush raster_push(const Field& field, const SliceTrees& trees, uint32_t slice, const ShaderCamera& camera,
                            uint32_t capacity, float stop) {
-    // A place p is seen by the pixel (x, y) with p − eye = z (corner + x·right + y·down).
-    const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
-    const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
+    const RangeView view = range_view(camera);
     return {glm::vec4(glm::vec3(camera.origin), camera.corner.w),
-            glm::vec4(glm::vec3(rows[0]), 0),
-            glm::vec4(glm::vec3(rows[1]), 0),
-            glm::vec4(glm::vec3(rows[2]), 0),
+            view.row_x,
+            view.row_y,
+            view.row_z,
             glm::vec4(field.box_min, stop),
             glm::vec4(field.box_size, 0),
             static_cast<uint32_t>(camera.right.w),
@@ -89,7 +89,7 @@ void record_leaf_raster(Commands& commands, const LeafRasterizer& r, uint32_t sl
         record_pair_sort(commands, r.sorter_, r.key_bits_);
     }
     const PassScope scope(commands, "composite");
-    record_clear(commands, r.rays_);
+    record_clear(commands, r.rays_, r.rays_.tile_capacity);
     fill(commands, r.tile_pairs_, 0);
     fill(commands, r.tile_list_, kNoTile);
     update(commands, r.tiles_listed_, LiveCount{0, 1, 1, 0, 0});

@@ -14,14 +14,15 @@ uint32_t likely_entries(const Field& field) {
 
 }  // namespace
 
-Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
+Shading play_shading(const Field& field, glm::vec3 eye, float apart_m, double rays) {
     // Measured on lavapipe, degree 1: shading pays from a ray for three leaves.
     if (3 * rays < likely_entries(field)) return Shading::kPerRay;
-    // Half a leaf as seen from the eye, in radians. Functions of degree n turn n times as fast as those of degree 1.
+    // Of half a leaf and of the eyes' distance, in radians. Functions of degree n turn n times as fast as those of
+    // degree 1.
     constexpr float kSmallAngle = 0.02f;
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-    const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
-    return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
+    const float off_m = (0.5f * field.leaf_diagonal + apart_m) * static_cast<float>(field.hh_degree);
+    return off_m < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
 SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,

@@ -17,8 +17,9 @@ struct Instance {
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
-// space, metres), on the average, and not far more than `rays`, those of the rectangle around the field.
-Shading play_shading(const Field& field, glm::vec3 eye, double rays);
+// space, metres), on the average, views begin not far from it (`apart_m` at the most), and leaves are not far more than
+// `rays`, those of the rectangle around the field.
+Shading play_shading(const Field& field, glm::vec3 eye, float apart_m, double rays);
 
 // How an instance is drawn in one frame.
 struct DrawnInstance {

@@ -15,7 +15,7 @@ Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& pic
 ResolvePush resolve_push(const ViewLayout& layout, const ResolveSettings& settings) {
     return {settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),
             settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
-            layout.tiles_down()};
+            layout.tiles_down(),   layout.views};
 }
 
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gpu/commands.h"
-#include "render/tile_range.h"
+#include "render/picture_list.h"
 #include "shared/resolve.h"
 
 namespace neuvv {

@@ -21,7 +21,10 @@ LiveLeaves::LiveLeaves(const Device& device, const Field& field, uint32_t slots)
       live(device, "live count", sizeof(LiveCount), MemoryKind::kDevice) {
     const uint32_t groups = (capacity + kSliceGroup - 1) / kSliceGroup;  // of the indirect dispatches
     if (groups > device.limits().maxComputeWorkGroupCount[0])
-        throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));
+        throw RuntimeFailure(
+            fmt::format("{} leaves that may live at once are more than this device dispatches; it may "
+                        "show the scene without slices (--slice-budget 0)",
+                        capacity));
 }
 
 Slice::Slice(const Device& device, const Field& field, uint32_t slots)

@@ -4,10 +4,23 @@
 
 namespace neuvv {
 
+namespace {
+
+// As many slices as budget, clip and device have room for, one at least.
+uint32_t slice_count(const Device& device, const Field& field, uint32_t entries, uint64_t budget_bytes) {
+    const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
+    const uint64_t bytes = std::max<uint64_t>(4 * kEntryWords * texels, field.nodes.bytes);
+    const uint64_t addressed = device.limits().maxTexelBufferElements / std::max<uint64_t>(texels, field.node_count());
+    const uint64_t allocated = device.max_allocation_bytes() / bytes;
+    const uint64_t wanted = std::min<uint64_t>(budget_bytes / slice_bytes(field, entries), field.frames);
+    return static_cast<uint32_t>(std::max<uint64_t>(std::min({wanted, addressed, allocated}), 1));
+}
+
+}  // namespace
+
 SliceCache::SliceCache(const Device& device, const Field& field, const LiveLeaves& live, uint32_t entries,
                        uint64_t budget_bytes)
-    : trees_(device, field, entries,
-             static_cast<uint32_t>(std::clamp<uint64_t>(budget_bytes / slice_bytes(field, entries), 1, field.frames))),
+    : trees_(device, field, entries, slice_count(device, field, entries, budget_bytes)),
       slicer_(device, field, live, trees_),
       kept_(trees_.slices) {}
 

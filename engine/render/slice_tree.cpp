@@ -30,9 +30,14 @@ SliceTrees::SliceTrees(const Device& device, const Field& field, uint32_t entry_
       entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       counts(device, "counts of entries", sizeof(LiveCount) * slices, MemoryKind::kDevice) {
     if ((capacity + kSliceGroup - 1) / kSliceGroup > device.limits().maxComputeWorkGroupCount[0])
-        throw RuntimeFailure(fmt::format("{} live leaves at once are more than this device can dispatch", capacity));
+        throw RuntimeFailure(
+            fmt::format("{} live leaves and nodes at once are more than this device dispatches; it may "
+                        "show the scene without slices (--slice-budget 0)",
+                        capacity));
     const std::vector<LiveCount> none(slices);
-    upload(device, counts, none.data(), counts.bytes);
+    upload(device, counts, none.data(), none.size() * sizeof(LiveCount));
+    // A node that finds no room leaves entries behind that no one writes.
+    run_once(device, "leaves of entries", [this](Commands& commands) { fill(commands, entry_leaf, kNoLeaf); });
 }
 
 TreeSlicer::TreeSlicer(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)

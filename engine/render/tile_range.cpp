@@ -1,8 +1,9 @@
 #include "render/tile_range.h"
 
+#include "render/ray_grid.h"
+
 #include <algorithm>
 
-#include "spirv/picture_list.comp.h"
 #include "spirv/tile_list.comp.h"
 #include "spirv/tile_range.comp.h"
 
@@ -26,7 +27,13 @@ RangeView range_view(const ShaderCamera& camera) {
     const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
     const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
     const auto row = [&rows](int i) { return glm::vec4(glm::vec3(rows[i]), 0); };
-    return {camera.origin, row(0), row(1), row(2)};
+    double reach_m = 0;  // lines are linear in x and y: the longest is at a corner
+    for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(1, 1)}) {
+        const glm::dvec2 at = corner * glm::dvec2(pixel_of_ray(camera.across, camera.right.w),
+                                                  pixel_of_ray(camera.downwards, camera.down.w));
+        reach_m = std::max(reach_m, glm::length(place_from_pixel * glm::dvec3(at, 1)));
+    }
+    return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(reach_m)), row(0), row(1), row(2)};
 }
 
 double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_min, glm::vec3 box_max) {
@@ -59,7 +66,8 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
 }
 
 TileRanges::TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras)
-    : views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, MemoryKind::kUpload,
+    : picture_tile_capacity(picture_tiles),
+      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_SFLOAT),
       ranges(device, "tile ranges", uint64_t{8} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       list(device, "tile list", list_bytes(ray_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
@@ -93,27 +101,6 @@ void record_unseen(Commands& commands, const TileRanges& ranges) {
     compute_barrier(commands);
 }
 
-PictureLister::PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges)
-    : ranges_(ranges),
-      pass_(device, "picture list", picture_list_comp),
-      set_(pass_, {{kRangeSeen, &ranges.seen},
-                   {kRangeCameras, &rays.cameras},
-                   {kPictures, &ranges.picture_list},
-                   {kPictureCount, &ranges.picture_count}}) {}
-
-void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
-    constexpr uint32_t kFilterReach = 2;  // of upscale.comp
-    const PictureListPush push{layout.views,
-                               layout.tiles_across(),
-                               layout.tiles_down(),
-                               layout.pictures_across(),
-                               layout.pictures_down(),
-                               layout.samples,
-                               layout.upscaled() ? kFilterReach : 0};
-    dispatch(commands, lister.pass_, lister.set_, groups_of(layout.picture_tiles()), push);
-    compute_barrier(commands);
-}
-
 void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
                         uint32_t level, const ViewLayout& layout) {
     const PassScope scope(commands, "tile ranges");
@@ -127,8 +114,8 @@ void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t s
                              layout.views,
                              layout.tiles_across(),
                              layout.tiles_down()};
-    fill(commands, ranger.ranges_.ranges, 0xffffffff);
-    fill(commands, ranger.ranges_.list, kNoTile);
+    fill(commands, ranger.ranges_.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
+    fill(commands, ranger.ranges_.list, kNoTile, list_bytes(layout.ray_tiles()));
     update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
     compute_barrier(commands);
     dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);

@@ -3,31 +3,15 @@
 
 #include "render/slice_tree.h"
 #include "render/trace.h"
+#include "render/view_layout.h"
 
 namespace neuvv {
-
-// Several views of one frame: pictures of one size, whose tiles stand behind each other, all of one view's first.
-struct ViewLayout {
-    uint32_t width = 0, height = 0;  // pixels
-    uint32_t samples = 1;            // rays a pixel, along each side
-    uint32_t views = 1;
-    glm::uvec2 rays{0};  // of a view, where they are fewer than pixels (ray_grid.h); else (0, 0)
-
-    bool upscaled() const { return rays.x > 0; }
-    uint32_t rays_across() const { return upscaled() ? rays.x : samples * width; }
-    uint32_t rays_down() const { return upscaled() ? rays.y : samples * height; }
-    uint32_t tiles_across() const { return (rays_across() + kTile - 1) / kTile; }  // of rays
-    uint32_t tiles_down() const { return (rays_down() + kTile - 1) / kTile; }
-    uint32_t ray_tiles() const { return views * tiles_across() * tiles_down(); }
-    uint32_t pictures_across() const { return (width + kTile - 1) / kTile; }  // tiles of a picture
-    uint32_t pictures_down() const { return (height + kTile - 1) / kTile; }
-    uint32_t picture_tiles() const { return views * pictures_across() * pictures_down(); }
-    bool operator==(const ViewLayout&) const = default;
-};
 
 struct TileRanges {
     // At most so many tiles of rays and of pictures, and cameras of instances.
     TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras);
+
+    uint32_t picture_tile_capacity;
 
     Buffer views;                        // RangeView of each camera of the ray batch, host-mapped
     Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
@@ -66,20 +50,6 @@ class TileRanger {
 
 // Before the first instance of a frame: no tile has seen anything.
 void record_unseen(Commands& commands, const TileRanges& ranges);
-
-class PictureLister {
-  public:
-    PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges);
-
-  private:
-    friend void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
-    const TileRanges& ranges_;
-    ComputePass pass_;
-    BindingSet set_;
-};
-
-// After the last: which tiles of the pictures are to be resolved.
-void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
 
 // `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
 // not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.

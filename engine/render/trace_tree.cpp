@@ -22,11 +22,11 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
 
-void record_clear(Commands& commands, const RayBatch& rays) {
+void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {
     const PassScope scope(commands, "clear");
     constexpr uint32_t kInfinity = 0x7f800000;
-    fill(commands, rays.radiance, 0);
-    fill(commands, rays.depth, kInfinity);
+    fill(commands, rays.radiance, 0, uint64_t{16} * kTilePixels * tiles);
+    fill(commands, rays.depth, kInfinity, uint64_t{4} * kTilePixels * tiles);
     compute_barrier(commands);
 }
 

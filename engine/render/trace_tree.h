@@ -28,8 +28,8 @@ class TreeTracer {
     BindingSet set_;
 };
 
-// Makes every ray of the batch one that sees nothing: before the first instance of a frame.
-void record_clear(Commands& commands, const RayBatch& rays);
+// Makes the rays of the batch's first tiles such that see nothing: before the first instance of a frame.
+void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles);
 
 // Traces the tiles that record_tile_ranges listed, into what stands there (errata 11). `first_camera`: the instance's
 // in the batch, one a view; the batch's first are those of the world.

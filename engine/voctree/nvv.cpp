@@ -264,9 +264,11 @@ std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
         const bool there = file.next(chunk) && chunk.name == name;
         if (!there && part.done == kHead) return std::nullopt;
         if (!there) file.fail_damaged(fmt::format("stands where {} must", name));
+        if (chunk.raw_bytes > kMaxExtraBytes) file.fail_damaged("is larger than 4 GiB");
         read_chunk(file, part);
-        if (part.done == kHead + 1 && !same_clip(whole, part.head))
-            file.fail("has another clip or box than HEAD", "write the file again");
+        if (part.done > kHead + 1) continue;
+        if (!same_clip(whole, part.head)) file.fail("has another clip or box than HEAD", "write the file again");
+        if (part.head.leaf_count > whole.leaf_count) file.fail("has more leaves than HEAD", "write the file again");
     }
     const std::string defect = defect_of(part.tree);
     if (!defect.empty()) throw InputError(path.string(), "the coarse tree", defect, "write the file again");

@@ -14,7 +14,7 @@ NEUVV_SHARED
 // leaf_pairs.comp and leaf_composite.comp
 struct LeafRasterPush {
     vec4 eye;    // world, metres; w: rays of a picture's pixel along each side
-    vec4 row_x;  // as in TileRangePush
+    vec4 row_x;  // as in RangeView
     vec4 row_y;
     vec4 row_z;
     vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)

@@ -13,6 +13,7 @@ CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
 CONSTEXPR uint kResolveTiles = 3u;  // where only some are resolved: those, then kNoTile
 
 CONSTEXPR uint kResolveCameras = 4u;  // upscale.comp: as kTraceCameras
+CONSTEXPR uint kUpscaleReach = 2u;    // rays that its filter takes on each side of a place
 
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;
@@ -28,11 +29,12 @@ struct ResolvePush {
     uint samples;  // rays a pixel, along each side; upscale.comp: fewer than one
     uint tiles_across;  // of a view's rays
     uint tiles_down;
+    uint views;
 };
 
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::ResolvePush) == 48);
+static_assert(sizeof(neuvv::ResolvePush) == 52);
 #endif
 #endif

@@ -38,4 +38,8 @@ struct SlicePush {
 };
 
 NEUVV_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(neuvv::SlicePush) == 16);
+#endif
 #endif

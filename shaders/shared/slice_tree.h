@@ -79,16 +79,13 @@ CONSTEXPR uint kRangeList = 5u;    // tiles of rays where the instance may be se
 CONSTEXPR uint kRangeCount = 6u;   // a LiveCount of them
 CONSTEXPR uint kRangeSeen = 7u;    // per tile of rays: whether any instance of the frame may be seen there
 CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras: where rays stand is as the first `views` of them say
-// picture_list.comp, besides kRangeSeen and kRangeCameras
-CONSTEXPR uint kPictures = 9u;       // the pictures' tiles that such rays make, then kNoTile
-CONSTEXPR uint kPictureCount = 10u;  // a LiveCount of them
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
 
 // A camera as places go to pixels, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for the pixel
 // x, y that sees p. Four texels.
 struct RangeView {
-    vec4 eye;  // metres
+    vec4 eye;  // metres; w: the picture's farthest place of z = 1 is so many metres away
     vec4 row_x;
     vec4 row_y;
     vec4 row_z;
@@ -106,20 +103,11 @@ struct TileRangePush {
     uint tiles_down;
 };
 
-struct PictureListPush {
-    uint views;
-    uint tiles_across;  // of a view's rays
-    uint tiles_down;
-    uint pictures_across;  // tiles of a picture
-    uint pictures_down;
-    uint samples;  // rays a pixel along each side, which are the camera's pixels
-    uint reach;    // rays that a pixel takes beyond those at its edges
-};
-
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::SliceNodesPush) == 20);
+static_assert(sizeof(neuvv::SliceEntriesPush) == 16);
 static_assert(sizeof(neuvv::ShadePush) == 56);
 static_assert(sizeof(neuvv::RangeView) == 64);
 static_assert(sizeof(neuvv::TileRangePush) == 60);

@@ -127,7 +127,7 @@ TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget)
     }
 }
 
-TEST_F(InstancesTest, WhatStandsBehindSomethingSolidIsLeftOutUnseen) {
+TEST_F(InstancesTest, WhatStandsBehindSomethingSolidChangesLessThanAStep) {
     VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 30;
@@ -186,6 +186,24 @@ TEST_F(InstancesTest, EyesShareTheirShadedLeaves) {
         EXPECT_GT(sum, 0) << "nothing is shaded";
         EXPECT_LE(sum / (3 * covered), 1.0 / 255);
     }
+}
+
+// However near: leaves are shaded only where that shows the same to every view.
+TEST_F(InstancesTest, ViewsThatAreFarApartAreNotShadedTogether) {
+    const VOctree tree = random_tree({.seed = 4, .node_levels = 4, .leaves = 6000, .hh_degree = 1});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    FrameRenderer both(device(), field, {512, 512, 1, 2});
+    const auto shades = [&](double apart_m) {
+        std::vector<Camera> eyes;
+        for (const double side : {-0.5, 0.5})
+            eyes.push_back(look_at({side * apart_m, 0.5, 14}, world_of(tree, glm::dvec3(0.5)), 512, 512, 3));
+        FrameSettings settings = settings_of(std::vector<Instance>(1), TraceMode::kPlay);
+        settings.width = settings.height = 512;
+        both.render_views(eyes, settings);
+        return passes(both, "shade") > 0;
+    };
+    EXPECT_TRUE(shades(0.06));
+    EXPECT_FALSE(shades(2));
 }
 
 TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
@@ -259,6 +277,9 @@ TEST_F(InstancesTest, WhatCannotBeDrawnIsRefused) {
     EXPECT_THROW(draw({{0, glm::scale(glm::mat4(1), {1, 0, 1})}}), RuntimeFailure);
     EXPECT_THROW(draw({{0, glm::mat4(NAN)}}), RuntimeFailure);
     EXPECT_THROW(draw(std::vector<Instance>(kMaxInstances + 1)), RuntimeFailure);
+    Camera other = camera;
+    other.width++;
+    EXPECT_THROW(renderer.render(other, settings_of(std::vector<Instance>(1), TraceMode::kPlay)), RuntimeFailure);
     const Camera two[] = {camera, camera};
     EXPECT_THROW(renderer.render_views(two, settings_of(std::vector<Instance>(1), TraceMode::kPlay)), RuntimeFailure);
 }

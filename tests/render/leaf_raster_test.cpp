@@ -57,7 +57,7 @@ class Drawn {
     Rays trace(const Camera& camera, float stop, uint32_t samples = 1) {
         return draw(camera, samples, [&](Commands& commands, const ShaderCamera& seen) {
             *ranges_.views.as<RangeView>() = range_view(seen);
-            record_clear(commands, rays);
+            record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
             record_unseen(commands, ranges_);
             record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
                                {camera.width, camera.height, samples});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -154,6 +155,32 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
                 expect_byte(colour.at(x, y)[channel], srgb_from_linear(light[channel] / light.a));
             expect_byte(depth.at(x, y)[0], (4 - metres / light.a) / 3);
         }
+}
+
+// More tiles than one dimension of a dispatch may hold on many devices: their number is rounded up, and what is beyond
+// the last picture stays as it was.
+TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
+    constexpr uint32_t kWidth = 2402, kHeight = 1763, kUntouched = 0x12345678;
+    const ViewLayout layout{kWidth, kHeight};
+    const RayBatch batch(device(), 1, layout.ray_tiles());
+    std::vector<glm::vec4> light(size_t{layout.ray_tiles()} * kTilePixels, glm::vec4(0, 0, 0, 1));
+    light[0] = light.back() = glm::vec4(1);
+    upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
+    run_once(device(), "depth", [&](Commands& commands) { fill(commands, batch.depth, 0); });
+    const Buffer picture(device(), "picture", 2 * layout.picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const Resolver resolver(device(), batch, picture);
+    run_once(device(), "resolve", [&](Commands& commands) {
+        fill(commands, picture, kUntouched);
+        compute_barrier(commands);
+        record_resolve(commands, resolver, layout, {});
+    });
+    std::vector<uint32_t> pixels(2 * size_t{kWidth} * kHeight);
+    download(device(), picture, pixels.data(), pixels.size() * 4);
+    EXPECT_EQ(pixels[0], 0xffffffffu);
+    EXPECT_EQ(std::count(pixels.begin(), pixels.begin() + pixels.size() / 2, 0xff000000u),
+              static_cast<ptrdiff_t>(pixels.size() / 2 - 1));
+    EXPECT_EQ(std::count(pixels.begin() + pixels.size() / 2, pixels.end(), kUntouched),
+              static_cast<ptrdiff_t>(pixels.size() / 2));
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+#include "render/picture_list.h"
+
+#include "shared/picture_list.h"
+#include "shared/resolve.h"
+#include "spirv/picture_list.comp.h"
+
+namespace neuvv {
+
+PictureLister::PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges)
+    : ranges_(ranges),
+      pass_(device, "picture list", picture_list_comp),
+      set_(pass_, {{kListSeen, &ranges.seen},
+                   {kListCameras, &rays.cameras},
+                   {kListPictures, &ranges.picture_list},
+                   {kListCount, &ranges.picture_count}}) {}
+
+void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
+    const PassScope scope(commands, "picture list");
+    const PictureListPush push{layout.views,
+                               layout.tiles_across(),
+                               layout.tiles_down(),
+                               layout.pictures_across(),
+                               layout.pictures_down(),
+                               layout.samples,
+                               layout.upscaled() ? kUpscaleReach : 0};
+    dispatch(commands, lister.pass_, lister.set_, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv
