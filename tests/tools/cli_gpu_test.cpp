@@ -2,62 +2,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
-
 #include "base/error.h"
 #include "media/video.h"
-#include "render/frame.h"
-#include "support/random_tree.h"
-#include "tests/tools/run_neuvv.h"
-#include "tools/view_path.h"
-#include "training/evaluate.h"
-#include "voctree/nvv.h"
+#include "tests/tools/cli_gpu.h"
 
 namespace neuvv {
 namespace {
-
-struct CliGpu : testing::Test {
-    TemporaryFolder folder;
-    std::string scene = (folder.path / "scene.nvv").string();
-    VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
-
-    void SetUp() override {
-        tree.fps = 2;  // an orbit takes four seconds: eight pictures
-        write_nvv(scene, tree);
-    }
-    std::string file(const char* name) const { return (folder.path / name).string(); }
-};
-
-nlohmann::json frame_of(const ViewStep& step, const std::string& picture, double time) {
-    nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
-                            {"cy", step.camera.cy},   {"w", step.camera.width},        {"h", step.camera.height},
-                            {"time", time},           {"file_path", "test/" + picture}};
-    for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column)
-            frame["transform_matrix"][row][column] = step.camera.world_from_camera[column][row];
-    return frame;
-}
-
-// A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
-void write_own_dataset(const Device& device, const VOctree& tree, const std::filesystem::path& folder) {
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, {48, 40});
-    std::filesystem::create_directories(folder / "test");
-    nlohmann::json file;
-    const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
-    for (size_t c = 0; c < 2; ++c)
-        for (int t = 0; t < 3; ++t) {
-            const double time = t / 2.0;
-            const std::string name = "c0" + std::to_string(c) + "_f" + std::to_string(t);
-            FrameSettings settings;
-            settings.instances[0].frame = static_cast<float>(frame_of_time(time, tree.frames));
-            settings.width = 48;
-            settings.height = 40;
-            write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
-            file["frames"].push_back(frame_of(orbit[3 * c], name, time));
-        }
-    write_text(folder / "transforms_test.json", file.dump());
-}
 
 size_t count_of(const std::string& text, const std::string& part) {
     size_t count = 0;
@@ -224,62 +174,6 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 
-TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
-    {
-        const Device device;
-        write_own_dataset(device, tree, folder.path / "data");
-    }
-    std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
-                               std::filesystem::copy_options::overwrite_existing);
-    for (const char* repeats : {"1", "6"}) {  // one step alone has no pass "slice"
-        const ProgramResult result =
-            run_neuvv({"bench", "train", scene, file("data"), "--repeats", repeats, "--tiles", "2"});
-        ASSERT_EQ(result.code, 0) << result.err;
-        for (const char* word : {"trace adjoint", "direct adjoint", "times as fast as direct", "rays/s", "GB/s"})
-            EXPECT_NE(result.out.find(word), std::string::npos) << word << " in\n" << result.out;
-    }
-    expect_refused({"bench", "train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
-}
-
-TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
-    const std::vector<std::string> command = {"bench",   "render", scene,       "--size", "64x48",
-                                              "--views", "2",      "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
-    EXPECT_GT(json["covered"], 0.02);
-    EXPECT_GT(json["ways"]["paper"]["rest_ms"], 0.0);
-    EXPECT_GT(json["ways"]["shaded"]["slice_ms"], 0.0);
-    EXPECT_GT(json["host_rays_ms"], 0.0);
-    EXPECT_GT(json["bytes_a_ray"], 40.0 + 20.0 * json["nodes_a_ray"].get<double>());
-    EXPECT_LT(json["mean_difference_of_255"], 1.0);
-    EXPECT_LT(json["host_difference"], 0.01);
-    expect_refused({"bench", "render", scene, "--size", "0x9"}, 2, {"--size"});
-    expect_refused({"bench", "render", scene, "--views", "0"}, 2, {"--views"});
-    expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
-}
-
-TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
-    std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
-    EXPECT_EQ(run_neuvv(command).out.find("rival"), std::string::npos);
-    command.insert(command.end(), {"--rival", "raster"});
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"rival: sparse voxels rasterised", "project", "sort", "composite", "pairs"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    command.push_back("--json");
-    const nlohmann::json rival = nlohmann::json::parse(run_neuvv(command).out)["rival"];
-    for (const char* pass : {"project", "sort", "composite"}) EXPECT_GT(rival["passes_ms"][pass], 0.0) << pass;
-    EXPECT_GT(rival["pairs"], 10.0);
-    EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same picture";
-    EXPECT_LT(rival["mean_difference_of_255"], 0.01);
-    expect_refused({"bench", "render", scene, "--rival", "splats"}, 2, {"--rival"});
-}
-
 TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     const std::vector<std::string> command = {"convert", scene, "-o", file("small.nvv"), "--size", "64x48", "--json"};
     const auto with_quality = [&](const char* quality) {
@@ -308,93 +202,6 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     expect_refused({"convert", scene, "-o", file("small.nvv"), "--quality", "nan"}, 2, {"--quality"});
     expect_refused({"convert", file("none.nvv"), "-o", file("small.nvv")}, 2, {"none.nvv"});
     EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
-}
-
-TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
-    const std::string large = file("large.nvv");
-    const ProgramResult result = run_neuvv(
-        {"bench", "open", large, "--synthetic", "32", "--size", "64x48", "--json", "--pictures", file("pictures")});
-    ASSERT_EQ(result.code, 0) << result.err;
-    const nlohmann::json json = nlohmann::json::parse(result.out);
-    EXPECT_NEAR(json["bytes"], 32e6, 3e6);
-    EXPECT_GT(json["first"]["leaves"], 500);
-    EXPECT_GE(json["whole"]["leaves"], 32 * json["first"]["leaves"].get<uint32_t>());
-    EXPECT_GT(json["first"]["total_s"], 0.0);
-    EXPECT_LT(json["first"]["read_s"], json["whole"]["read_s"]);
-    EXPECT_GT(json["psnr_db"], 12.0);
-    EXPECT_LT(json["psnr_db"], 99.0);
-    EXPECT_EQ(read_png(file("pictures/coarse.png")).width, 64u);
-    EXPECT_EQ(read_png(file("pictures/whole.png")).height, 48u);
-    EXPECT_EQ(summarise_nvv(large).chunks[1].name, "hEAD");
-    const ProgramResult again = run_neuvv({"bench", "open", large, "--size", "64x48"});
-    for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
-        EXPECT_NE(again.out.find(word), std::string::npos) << again.out;
-
-    expect_refused({"bench", "open", large, "--synthetic", "32"}, 2, {"large.nvv", "is there already"});
-    EXPECT_NE(run_neuvv({"bench", "open", scene, "--size", "64x48"}).out.find("no coarse tree"), std::string::npos);
-    expect_refused({"bench", "open", file("none.nvv")}, 2, {"none.nvv"});
-}
-
-TEST_F(CliGpu, BenchSliceTimesEachPass) {
-    const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"density", "nodes", "entries", "slots", "GB/s", "live in a frame"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    const nlohmann::json json =
-        nlohmann::json::parse(run_neuvv({"bench", "slice", scene, "--frames", "3", "--json"}).out);
-    EXPECT_GT(json["live_leaves"], 1.0);
-    EXPECT_LE(json["live_leaves"], json["leaves"]);
-    EXPECT_GT(json["slice_ms"], 0.0);
-    EXPECT_GT(json["copy_gb_s"], 0.0);
-    expect_refused({"bench", "slice", scene, "--frames", "0"}, 2, {"--frames"});
-}
-
-TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
-    const std::vector<std::string> command = {"bench",   "instances", scene,       "--size", "96x64",
-                                              "--count", "5",         "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"instances", "covered rays", "with a slice", "time grows", "memory is"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> direct = command;
-    for (const char* word : {"--slice-budget", "0", "--json"}) direct.push_back(word);
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(direct).out);
-    EXPECT_EQ(json["all"]["with_a_slice"], 0);
-    EXPECT_GT(json["all"]["covered_rays"], 3 * json["one"]["covered_rays"].get<int>());
-    EXPECT_EQ(json["memory_ratio"], 1.0);
-    expect_refused({"bench", "instances", scene, "--count", "1"}, 2, {"--count"});
-    expect_refused({"bench", "instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
-}
-
-TEST_F(CliGpu, BenchWalkTimesEachStep) {
-    const std::vector<std::string> command = {"bench",   "walk", scene,       "--size", "64x48",
-                                              "--views", "1",    "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"from the root to every cell", "masks in registers", "one step", "grid", "bounds"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
-    for (const char* step : {"restart", "node", "coalesce", "grid", "ranges"}) EXPECT_GT(json["trace_ms"][step], 0.0);
-    expect_refused({"bench", "walk", scene, "--views", "0"}, 2, {"--views"});
-}
-
-TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
-    const std::vector<std::string> command = {"bench", "stereo", scene, "--size", "64x72", "--repeats", "2"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
-    EXPECT_GT(json["covered"], 0.02);
-    EXPECT_EQ(json["ways"]["stereo"]["rays"], 2 * 64 * 72);
-    EXPECT_LT(json["ways"]["foveated"]["rays"], 0.5 * 2 * 64 * 72);
-    EXPECT_GT(json["ways"]["half"]["psnr_db"], 15.0);
-    EXPECT_LT(json["ways"]["half"]["psnr_db"], 60.0);
-    expect_refused({"bench", "stereo", scene, "--size", "64"}, 2, {"--size"});
 }
 
 TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {

@@ -1,0 +1,60 @@
+// What tests of the command line with a device share: a scene, and a data set that shows it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "render/frame.h"
+#include "support/random_tree.h"
+#include "tests/tools/run_neuvv.h"
+#include "tools/view_path.h"
+#include "training/evaluate.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+struct CliGpu : testing::Test {
+    TemporaryFolder folder;
+    std::string scene = (folder.path / "scene.nvv").string();
+    VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
+
+    void SetUp() override {
+        tree.fps = 2;  // an orbit takes four seconds: eight pictures
+        write_nvv(scene, tree);
+    }
+    std::string file(const char* name) const { return (folder.path / name).string(); }
+};
+
+inline nlohmann::json frame_of(const ViewStep& step, const std::string& picture, double time) {
+    nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
+                            {"cy", step.camera.cy},   {"w", step.camera.width},        {"h", step.camera.height},
+                            {"time", time},           {"file_path", "test/" + picture}};
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            frame["transform_matrix"][row][column] = step.camera.world_from_camera[column][row];
+    return frame;
+}
+
+// A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
+inline void write_own_dataset(const Device& device, const VOctree& tree, const std::filesystem::path& folder) {
+    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    FrameRenderer renderer(device, field, {48, 40});
+    std::filesystem::create_directories(folder / "test");
+    nlohmann::json file;
+    const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+    for (size_t c = 0; c < 2; ++c)
+        for (int t = 0; t < 3; ++t) {
+            const double time = t / 2.0;
+            const std::string name = "c0" + std::to_string(c) + "_f" + std::to_string(t);
+            FrameSettings settings;
+            settings.instances[0].frame = static_cast<float>(frame_of_time(time, tree.frames));
+            settings.width = 48;
+            settings.height = 40;
+            write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
+            file["frames"].push_back(frame_of(orbit[3 * c], name, time));
+        }
+    write_text(folder / "transforms_test.json", file.dump());
+}
+
+}  // namespace neuvv
