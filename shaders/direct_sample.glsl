@@ -1,5 +1,6 @@
 // What a ray meets in a field without a slice: march_wants stops the walk at leaves with density, sample_colour is theirs
-// along the ray. The includer binds what weights.glsl asks for, has `push.leaf_count`, and sets sh_y to its ray's sh_basis.
+// along the ray. The includer binds what weights.glsl asks for, has `push.leaf_count`, and calls
+// sample_begin for its ray.
 #ifndef NEUVV_DIRECT_SAMPLE_GLSL
 #define NEUVV_DIRECT_SAMPLE_GLSL
 #include "march.glsl"
@@ -9,6 +10,8 @@
 float sh_y[kMaxShCount];
 uint at_leaf;  // the leaf that the walk stopped at
 float sigma;  // its density
+
+void sample_begin(vec3 direction, uint view) { sh_y = sh_basis(direction); }
 
 // Σ_nm w_nlm H_nlm(d, γ) over one l
 vec3 band(uint leaf, uint l, vec4 radial) {

@@ -14,6 +14,7 @@ uint first_camera();
 struct Ray {
     uint index;    // of the per-ray buffers
     uint in_tile;  // 0..63, row by row
+    uint view;     // the tile's camera
     vec3 origin;
     vec3 direction;      // unit
     vec2 range;          // metres of it to walk; none (x > y) where the pixel lies beyond the picture's edge
@@ -55,6 +56,7 @@ Ray tile_ray() {
     const vec3 line = camera_line(camera, at);
     Ray ray;
     ray.in_tile = inner.y * kTile + inner.x;
+    ray.view = tile.x;
     ray.index = group * kTilePixels + ray.in_tile;
     ray.range = all(lessThan(vec2(cell), size)) ? tile_range(group) : vec2(kFar, 0.0);
     ray.origin = texelFetch(cameras, first).xyz;

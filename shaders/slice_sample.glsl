@@ -1,5 +1,6 @@
 // What a ray meets in a slice: march_wants stops the walk at live leaves, sample_colour is theirs along the ray. The
-// includer binds utextureBuffers `node_live` and `head` and textureBuffer `slice_sh`, and sets sh_y to its ray's sh_basis.
+// includer binds utextureBuffers `node_live` and `head` and textureBuffer `slice_sh`, and calls sample_begin for
+// its ray.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
 #include "march.glsl"
@@ -8,6 +9,8 @@
 float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at
 uint slot;
+
+void sample_begin(vec3 direction, uint view) { sh_y = sh_basis(direction); }
 
 Node march_node(uint node) {
     const uvec4 entry = texelFetch(tree_nodes, int(node));

@@ -27,7 +27,7 @@ void store_ray(Ray ray, vec4 light, float world_metres) {
 void main() {
     if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
     const Ray ray = tile_ray();
-    sh_y = sh_basis(ray.direction);
+    sample_begin(ray.direction, ray.view);
     Composite sum = composite_begin();
     March march = march_begin((ray.origin - push.box_min.xyz) / push.box_size.xyz, ray.direction / push.box_size.xyz,
                               is_hidden(ray) ? vec2(kFar, 0.0) : ray.range);

@@ -1,5 +1,6 @@
 // What a ray meets in a slice tree (shared/slice_tree.h): sample_colour is the leaf's along the ray, or where kShaded is set
-// as its entry has it. The includer binds utextureBuffers `nodes` and `entries`, and sets sh_y to its ray's sh_basis.
+// as its entry has it. The includer binds utextureBuffers `nodes` and `entries`, and calls sample_begin for
+// its ray.
 #ifndef NEUVV_TREE_SAMPLE_GLSL
 #define NEUVV_TREE_SAMPLE_GLSL
 #include "march.glsl"
@@ -9,6 +10,12 @@ float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at
 uint entry;
 uvec2 entry_words;
+uint view_entries;  // shaded ones of the views before this one, less the slice's first
+
+void sample_begin(vec3 direction, uint view) {
+    sh_y = sh_basis(direction);
+    view_entries = view * push.shaded_stride - push.entry_base;
+}
 
 Node march_node(uint node) {
     const uvec4 words = texelFetch(nodes, int(push.node_base + node));
@@ -16,7 +23,7 @@ Node march_node(uint node) {
 }
 
 uint march_child(uint index) {
-    entry = kShaded ? index - push.entry_base : index * sh_count(kHhDegree);
+    entry = kShaded ? index + view_entries : index * sh_count(kHhDegree);
     entry_words = texelFetch(entries, int(entry)).xy;
     return (entry_words.x & kEntryIsNode) != 0u ? entry_words.y : kLeafBit;
 }

@@ -82,7 +82,7 @@ class WalkBench {
         std::fill_n(ranges_.views.as<RangeView>(), 2, range_view(camera));
         run_once(device_, "slice", [&](Commands& commands) {
             record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
-            record_shade(commands, shader_, 0, glm::vec3(camera.origin));
+            record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
         });
         for (size_t i = 0; i < all.size() && !stop_requested(); i++) {
             if (!all[i].ranges) list_every_tile(device_, ranges_, layout_.ray_tiles());

@@ -203,34 +203,34 @@ void FrameRenderer::place_instances(std::span<const Camera> cameras, const Frame
         by_distance.emplace_back(glm::distance(eye, middle_of(field_, settings.instances[i])), i);
     std::sort(by_distance.begin(), by_distance.end());
     drawn_.clear();
-    for (const auto& [distance, i] : by_distance) place_instance(cameras, settings, settings.instances[i], eye);
+    for (const auto& [distance, i] : by_distance) place_instance(cameras, settings, settings.instances[i]);
 }
 
 void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameSettings& settings,
-                                   const Instance& instance, glm::dvec3 eye) {
+                                   const Instance& instance) {
     DrawnInstance drawn;
     drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field_.frames - 1));
-    drawn.eye = glm::vec3(glm::inverse(glm::dmat4(instance.world_from_performer)) * glm::dvec4(eye, 1));
     drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
-    double rays = 0, focal = 0;
-    float apart_m = 0;
+    drawn.shading = settings.mode == TraceMode::kTree ? Shading::kPerRay : Shading::kPerLeaf;
+    const double pixel_rays = settings.samples * settings.scale;  // along each side
+    bool seen_at_all = false;
     for (uint32_t view = 0; view < layout_.views; view++) {
         const Camera camera = in_performer(cameras[view], instance.world_from_performer);
+        const glm::vec3 eye(camera.world_from_camera[3]);
         const ShaderCamera seen = shader_camera_of(camera, view);
         const RangeView range = range_view(seen);
         const glm::dvec2 picture = static_cast<double>(settings.samples) * glm::dvec2(camera.width, camera.height);
+        const double rays =
+            pixels_around(range, picture, field_.leaves_min, field_.leaves_max) * settings.scale * settings.scale;
         rays_.cameras.as<ShaderCamera>()[drawn.first_camera + view] = seen;
         ranges_.views.as<RangeView>()[drawn.first_camera + view] = range;
-        rays += pixels_around(range, picture, field_.leaves_min, field_.leaves_max) * settings.scale * settings.scale;
-        apart_m = std::max(apart_m, glm::distance(glm::vec3(camera.world_from_camera[3]), drawn.eye));
-        focal = std::max(focal, settings.samples * std::max(camera.fx, camera.fy));
+        const uint32_t level = range_level(field_, eye, pixel_rays * std::max(camera.fx, camera.fy));
+        drawn.range_level = std::max(drawn.range_level, level);
+        if (settings.mode == TraceMode::kPlay && play_shading(field_, eye, rays) == Shading::kPerRay)
+            drawn.shading = Shading::kPerRay;
+        seen_at_all |= rays > 0;
     }
-    if (rays == 0) return;
-    drawn.range_level = range_level(field_, drawn.eye, focal * settings.scale);
-    drawn.shading = settings.mode == TraceMode::kPlay     ? play_shading(field_, drawn.eye, apart_m, rays)
-                    : settings.mode == TraceMode::kShaded ? Shading::kPerLeaf
-                                                          : Shading::kPerRay;
-    drawn_.push_back(drawn);
+    if (seen_at_all) drawn_.push_back(drawn);
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
@@ -239,7 +239,8 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         case TraceMode::kShaded:
         case TraceMode::kTree:
             if (!performer_)
-                performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.slice_budget);
+                performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.views,
+                                                         capacity_.slice_budget);
             performer_->prepare(drawn_, settings.next_frames);
             break;
         case TraceMode::kSlice:

@@ -94,8 +94,7 @@ class FrameRenderer {
     ShaderCamera shader_camera_of(const Camera& camera, uint32_t view) const;
     void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
-    void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance,
-                        glm::dvec3 eye);
+    void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance);
     void prepare(const FrameSettings& settings);
     const Device& device_;
     const Field& field_;

@@ -14,21 +14,20 @@ uint32_t likely_entries(const Field& field) {
 
 }  // namespace
 
-Shading play_shading(const Field& field, glm::vec3 eye, float apart_m, double rays) {
+Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     // Measured on lavapipe, degree 1: shading pays from a ray for three leaves.
     if (3 * rays < likely_entries(field)) return Shading::kPerRay;
-    // Of half a leaf and of the eyes' distance, in radians. Functions of degree n turn n times as fast as those of
-    // degree 1.
+    // Of half a leaf, in radians. Functions of degree n turn n times as fast as those of degree 1.
     constexpr float kSmallAngle = 0.02f;
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-    const float off_m = (0.5f * field.leaf_diagonal + apart_m) * static_cast<float>(field.hh_degree);
-    return off_m < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
+    const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
+    return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
 SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                     const TileRanges& ranges, uint32_t entries, uint64_t slice_budget)
+                     const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget)
     : cache(device, field, live, entries, slice_budget),
-      shaded(shaded_entries(device, cache.trees().capacity)),
+      shaded(shaded_entries(device, cache.trees().capacity, views)),
       shader(device, field, cache.trees(), shaded),
       ranger(device, field, &cache.trees(), rays, ranges),
       unshaded_tracer(device, field, cache.trees(), cache.trees().entries, ranges, rays, Shading::kPerRay),
@@ -42,18 +41,19 @@ InstanceDirectPath::InstanceDirectPath(const Device& device, const Field& field,
       tracer(device, field, live, rays, Walk::kDown, &ranges) {}
 
 Performer::Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
-                     uint64_t slice_budget)
+                     uint32_t views, uint64_t slice_budget)
     : device_(device),
       field_(field),
       rays_(rays),
       ranges_(ranges),
+      views_(views),
       slice_budget_(slice_budget),
       live_(device, field, slice_budget > 0 ? field.leaf_count : 1) {
     if (slice_budget > 0) make_slices(likely_entries(field));
 }
 
 void Performer::make_slices(uint32_t entries) {
-    slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, entries, slice_budget_);
+    slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, views_, entries, slice_budget_);
 }
 
 void Performer::prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames) {
@@ -103,7 +103,10 @@ void record_instance(Commands& commands, const Performer& performer, const Drawn
         return;
     }
     const bool shaded = instance.shading == Shading::kPerLeaf;
-    if (shaded) record_shade(commands, path->shader, *slice, instance.eye);
+    for (uint32_t view = 0; shaded && view < layout.views; view++) {
+        const RangeView& seen = performer.ranges().views.as<RangeView>()[instance.first_camera + view];
+        record_shade(commands, path->shader, *slice, view, glm::vec3(seen.eye));
+    }
     record_tile_ranges(commands, path->ranger, *slice, instance.first_camera, instance.range_level, layout);
     record_trace_tree(commands, shaded ? path->shaded_tracer : path->unshaded_tracer, *slice, instance.first_camera,
                       stop);

@@ -17,15 +17,13 @@ struct Instance {
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
-// space, metres), on the average, views begin not far from it (`apart_m` at the most), and leaves are not far more than
-// `rays`, those of the rectangle around the field.
-Shading play_shading(const Field& field, glm::vec3 eye, float apart_m, double rays);
+// space, metres), on the average, and not far more than the view's `rays` of the rectangle around the field.
+Shading play_shading(const Field& field, glm::vec3 eye, double rays);
 
 // How an instance is drawn in one frame.
 struct DrawnInstance {
     float frame = 0;
     Shading shading = Shading::kPerRay;
-    glm::vec3 eye{0};           // in the performer's space, metres: shaded leaves are seen from there
     uint32_t first_camera = 0;  // in ray batch and ranges
     uint32_t range_level = 0;   // of nodes that tile ranges look at
 };
@@ -33,7 +31,7 @@ struct DrawnInstance {
 // By slices.
 struct SlicePath {
     SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-              const TileRanges& ranges, uint32_t entries, uint64_t slice_budget);
+              const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget);
     SliceCache cache;
     Buffer shaded;
     Shader shader;
@@ -53,8 +51,8 @@ struct InstanceDirectPath {
 
 class Performer {
   public:
-    // All must outlive it. A budget of 0 bytes: no slice at all, else one at least.
-    Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
+    // For at most so many views. All must outlive it. A budget of 0 bytes: no slice at all, else one at least.
+    Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges, uint32_t views,
               uint64_t slice_budget);
 
     // Before a picture is recorded: its instances, those first that shall rather have a slice, and the frames that will
@@ -65,6 +63,7 @@ class Performer {
     bool enlarge_slices();
 
     const Field& field() const { return field_; }
+    const TileRanges& ranges() const { return ranges_; }
     SlicePath* slices() const { return slices_.get(); }  // null where there is none
     InstanceDirectPath* direct() const { return direct_.get(); }
 
@@ -74,6 +73,7 @@ class Performer {
     const Field& field_;
     const RayBatch& rays_;
     const TileRanges& ranges_;
+    uint32_t views_;
     uint64_t slice_budget_;
     LiveLeaves live_;
     std::unique_ptr<SlicePath> slices_;

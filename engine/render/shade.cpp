@@ -4,8 +4,8 @@
 
 namespace neuvv {
 
-Buffer shaded_entries(const Device& device, uint32_t capacity) {
-    return Buffer(device, "shaded entries", uint64_t{4} * kEntryWords * capacity, MemoryKind::kDevice,
+Buffer shaded_entries(const Device& device, uint32_t capacity, uint32_t views) {
+    return Buffer(device, "shaded entries", uint64_t{4} * kEntryWords * capacity * views, MemoryKind::kDevice,
                   VK_FORMAT_R32G32_UINT);
 }
 
@@ -19,12 +19,12 @@ Shader::Shader(const Device& device, const Field& field, const SliceTrees& trees
                    {kShadeCount, &trees.counts},
                    {kShadeOut, &shaded}}) {}
 
-void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye) {
+void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye) {
     const PassScope scope(commands, "shade");
     const Field& field = shader.field_;
     dispatch_indirect(commands, shader.pass_, shader.set_, shader.trees_.counts, slice * sizeof(LiveCount),
                       ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0), slice,
-                                shader.trees_.capacity});
+                                shader.trees_.capacity, view});
     compute_barrier(commands);
 }
 

@@ -7,21 +7,21 @@ namespace neuvv {
 
 class Shader {
   public:
-    // All must outlive it. `shaded` has room for the entries of one slice (shaded_entries).
+    // All must outlive it. `shaded` has room for the entries of one slice from each view (shaded_entries).
     Shader(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded);
 
   private:
-    friend void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye);
+    friend void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye);
     const Field& field_;
     const SliceTrees& trees_;
     ComputePass pass_;
     BindingSet set_;
 };
 
-// A buffer for the shaded entries of a slice with room for so many.
-Buffer shaded_entries(const Device& device, uint32_t capacity);
+// A buffer for the shaded entries of a slice with room for so many, from each view.
+Buffer shaded_entries(const Device& device, uint32_t capacity, uint32_t views = 1);
 
-// `eye`: in the performer's space, metres.
-void record_shade(Commands& commands, const Shader& shader, uint32_t slice, glm::vec3 eye);
+// `eye`: the view's, in the performer's space, metres.
+void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye);
 
 }  // namespace neuvv

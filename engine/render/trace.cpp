@@ -49,7 +49,7 @@ std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t hei
 }
 
 TracePush trace_push(const Field& field, float stop) {
-    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count, 0, 0, 0};
+    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count, 0, 0, 0, 0};
 }
 
 Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)

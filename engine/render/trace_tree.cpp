@@ -34,6 +34,7 @@ void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t sl
                        float stop) {
     const PassScope scope(commands, "trace");
     TracePush push = trace_push(tracer.field_, stop);
+    push.shaded_stride = tracer.trees_.capacity;
     push.first_camera = first_camera;
     push.node_base = tracer.trees_.node_base(slice);
     push.entry_base = tracer.trees_.entry_base(slice);

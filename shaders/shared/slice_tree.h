@@ -9,7 +9,7 @@
 //
 // Several slices lie behind each other in the same buffers, each with room for as many nodes and entries. Nodes count
 // from their slice's first (node_base), entries from the first of all, shaded ones from their slice's first
-// (entry_base).
+// (entry_base), those of each view behind those of the view before.
 #ifndef NEUVV_SHARED_SLICE_TREE_H
 #define NEUVV_SHARED_SLICE_TREE_H
 #include "shared/slice.h"
@@ -67,6 +67,7 @@ struct ShadePush {
     vec4 box_size;  // metres
     uint slice;
     uint capacity;  // entries of a slice
+    uint view;
 };
 
 // tile_range.comp and tile_list.comp. Tiles of several views stand behind each other.
@@ -108,7 +109,7 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::SliceNodesPush) == 20);
 static_assert(sizeof(neuvv::SliceEntriesPush) == 16);
-static_assert(sizeof(neuvv::ShadePush) == 56);
+static_assert(sizeof(neuvv::ShadePush) == 60);
 static_assert(sizeof(neuvv::RangeView) == 64);
 static_assert(sizeof(neuvv::TileRangePush) == 60);
 #endif

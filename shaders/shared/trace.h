@@ -61,7 +61,8 @@ struct TracePush {
     uint leaf_count;  // direct.comp
     uint node_base;   // trace_tree.comp
     uint entry_base;
-    uint first_camera;  // of the instance's, one a view; before them stand the world's
+    uint shaded_stride;  // shaded entries of a view
+    uint first_camera;   // of the instance's, one a view; before them stand the world's
 };
 
 NEUVV_SHARED_END
@@ -69,6 +70,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 56);
+static_assert(sizeof(neuvv::TracePush) == 60);
 #endif
 #endif

@@ -97,7 +97,7 @@ class Drawn {
         const ShaderCamera seen = shader_camera(enlarged(camera, samples), samples);
         *rays.cameras.as<ShaderCamera>() = seen;
         run_once(device_, "draw", [&](Commands& commands) {
-            record_shade(commands, shader_, kSlice, glm::vec3(seen.origin));
+            record_shade(commands, shader_, kSlice, 0, glm::vec3(seen.origin));
             record(commands, seen);
         });
         const size_t count = tiles.size() * kTilePixels;

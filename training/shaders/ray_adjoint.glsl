@@ -22,7 +22,7 @@ void main() {
     const vec4 truth = texelFetch(target, int(ray.index));
     const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
     const float pull = push.lambda_point * max(truth.a, 0.0);
-    sh_y = sh_basis(ray.direction);
+    sample_begin(ray.direction, ray.view);
     Composite sum = composite_begin();
     March march = march_begin((ray.origin - push.box_min.xyz) / push.box_size.xyz,
                               ray.direction / push.box_size.xyz, d_ray != vec4(0.0) ? ray.range : vec2(kFar, 0.0));
