@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -119,6 +120,10 @@ struct Outcome {
 
 Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     prepare_output_file("--output", options.output);
+    std::error_code none;  // either may be missing
+    if (std::filesystem::equivalent(options.scene, options.output, none))
+        throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
+                         "name another file");
     const uint64_t bytes_before = summarise_nvv(options.scene).file_bytes;
     const VOctree tree = read_nvv(options.scene);
     const Device device(common.device);
