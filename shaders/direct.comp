@@ -1,8 +1,10 @@
 // The paper's rendering: every number of a leaf evaluated at every sample, no slice. Reference for speed and correctness;
-// where kLayered is set, of the tiles where an instance may be seen that has no slice.
-// Reads topology, weights and rows; writes as trace_rays.glsl says. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes a sample.
+// where kInto is not
+// kIntoRay, of the tiles where an instance may be seen that has no slice.
+// Reads topology, weights and rows; writes as store_instance.glsl says. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shared/segments.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -12,7 +14,7 @@ layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
-layout(constant_id = 6) const bool kLayered = false;
+layout(constant_id = 6) const uint kInto = kIntoRay;
 const bool kFromRoot = kRestart, kCoalesce = true, kDear = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
@@ -25,7 +27,13 @@ layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
 layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
 layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
+layout(binding = kTracePages, std430) buffer Pages { uvec4 pages[]; };
+layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
+layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
 layout(push_constant) uniform Push { TracePush push; };
 #include "direct_sample.glsl"
 #include "listed_tiles.glsl"
+#include "composite.glsl"
+#include "ray.glsl"
+#include "store_instance.glsl"
 #include "trace_rays.glsl"

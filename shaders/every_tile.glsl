@@ -9,4 +9,6 @@ vec2 tile_range(uint tile) { return vec2(0.0, 1e30); }
 
 uint first_camera() { return 0u; }
 
+float set_end(uint view, vec2 at) { return 1e30; }
+
 #endif

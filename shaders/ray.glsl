@@ -5,11 +5,13 @@
 #define NEUVV_RAY_GLSL
 #include "grid.glsl"
 
-// The includer's: which tile this workgroup has, between which distances its rays run (metres), and how many cameras
-// stand before those in the performer's space, which are the world's (0: they are these).
+// The includer's: which tile this workgroup has, between which distances its rays run (metres), how many cameras
+// stand before those in the performer's space, which are the world's (0: they are these), and where along the camera's axis
+// something solid ends what is seen at a place of its picture (metres).
 uint tile_group();
 vec2 tile_range(uint tile);
 uint first_camera();
+float set_end(uint view, vec2 at);
 
 struct Ray {
     uint index;    // of the per-ray buffers
@@ -58,7 +60,10 @@ Ray tile_ray() {
     ray.in_tile = inner.y * kTile + inner.x;
     ray.view = tile.x;
     ray.index = group * kTilePixels + ray.in_tile;
-    ray.range = all(lessThan(vec2(cell), size)) ? tile_range(group) : vec2(kFar, 0.0);
+    const bool in_picture = all(lessThan(vec2(cell), size));
+    ray.range = in_picture ? tile_range(group) : vec2(kFar, 0.0);
+    // A camera's lines are one metre long along its axis.
+    if (in_picture) ray.range.y = min(ray.range.y, set_end(tile.x, at) * length(line));
     ray.origin = texelFetch(cameras, first).xyz;
     ray.direction = normalize(line);
     ray.world_metres = first_camera() == 0u ? 1.0 : length(camera_line(tile.x, at)) / length(line);

@@ -9,7 +9,7 @@ layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
-const bool kRestart = false, kFromRoot = false, kCoalesce = true, kDear = false, kLayered = false;
+const bool kRestart = false, kFromRoot = false, kCoalesce = true, kDear = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
@@ -23,4 +23,7 @@ layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { TracePush push; };
 #include "slice_sample.glsl"
 #include "every_tile.glsl"
+#include "composite.glsl"
+#include "ray.glsl"
+#include "store_ray.glsl"
 #include "trace_rays.glsl"

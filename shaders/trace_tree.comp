@@ -1,8 +1,9 @@
 // Trace of an instance by its slice tree, shaded or not: the rays of those 8×8 pixel tiles where it may be seen.
-// Reads nodes and entries; writes as trace_rays.glsl says. Dispatched indirectly. Bound by the walk: two dependent fetches for
+// Reads nodes and entries; writes as store_instance.glsl says. Dispatched indirectly. Bound by the walk: two dependent fetches for
 // each node, and one a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shared/segments.h"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -13,7 +14,9 @@ layout(constant_id = 3) const bool kShaded = true;
 layout(constant_id = 4) const bool kRestart = false;
 layout(constant_id = 5) const bool kFromRoot = false;
 layout(constant_id = 6) const bool kCoalesce = true;
-const bool kDear = false, kLayered = true;
+layout(constant_id = 7) const uint kInto = kIntoLayer;
+layout(constant_id = 8) const bool kColourless = false;
+const bool kDear = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer nodes;
 layout(binding = kTraceEntries) uniform utextureBuffer entries;
@@ -23,8 +26,14 @@ layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
 layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
 layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
+layout(binding = kTracePages, std430) buffer Pages { uvec4 pages[]; };
+layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
+layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
 layout(push_constant) uniform Push { TracePush push; };
 
 #include "listed_tiles.glsl"
 #include "tree_sample.glsl"
+#include "composite.glsl"
+#include "ray.glsl"
+#include "store_instance.glsl"
 #include "trace_rays.glsl"

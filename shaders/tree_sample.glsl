@@ -1,5 +1,5 @@
-// What a ray meets in a slice tree (shared/slice_tree.h): sample_colour is the leaf's along the ray, or where kShaded is set
-// as its entry has it. The includer binds utextureBuffers `nodes` and `entries`, and calls sample_begin for
+// What a ray meets in a slice tree (shared/slice_tree.h): sample_colour is the leaf's along the ray, where kShaded is set
+// as its entry has it, and where kColourless is set none. The includer binds utextureBuffers `nodes` and `entries`, and calls sample_begin for
 // its ray.
 #ifndef NEUVV_TREE_SAMPLE_GLSL
 #define NEUVV_TREE_SAMPLE_GLSL
@@ -36,6 +36,7 @@ bool march_wants(uint leaf) {
 vec3 entry_colour(uvec2 words) { return vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y)); }
 
 vec3 sample_colour() {
+    if (kColourless) return vec3(0.0);
     if (kShaded) return entry_colour(entry_words);
     vec3 raw = sh_y[0] * entry_colour(entry_words);
     for (uint j = 1u; j < sh_count(kHhDegree); j++)

@@ -89,8 +89,8 @@ Shown show(const Device& device, const Field& field, const BenchInstancesOptions
             add_picture(shown.passes, renderer.pass_times());
         }
         for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
-        if (const SlicePath* slices = renderer.performer()->slices())
-            for (const Instance& instance : instances) shown.slices += slices->cache.find(instance.frame).has_value();
+        if (const SliceCache* slices = renderer.performer()->slices())
+            for (const Instance& instance : instances) shown.slices += slices->find(instance.frame).has_value();
     }
     shown.buffer_bytes = device.buffer_bytes() - before;
     return shown;

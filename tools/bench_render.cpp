@@ -69,15 +69,15 @@ struct Result {
 };
 
 // The first of the slices that are kept.
-HostSlice host_slice(const Device& device, const Field& field, const SlicePath& path) {
-    const SliceTrees& trees = path.cache.trees();
+HostSlice host_slice(const Device& device, const Field& field, const Performer& performer) {
+    const SliceTrees& trees = performer.slices()->trees();
     HostSlice slice;
     LiveCount count;
     download(device, trees.counts, &count, sizeof(count));
     std::vector<glm::uvec2> words(std::min(count.slots, trees.capacity));
     slice.nodes.resize(field.node_count());
     download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
-    download(device, path.shaded, words.data(), words.size() * sizeof(glm::uvec2));
+    download(device, *performer.passes().shaded(), words.data(), words.size() * sizeof(glm::uvec2));
     const auto number = [](uint32_t word, int shift) { return float_from_half(static_cast<uint16_t>(word >> shift)); };
     for (const glm::uvec2 word : words) {
         if (word.x & kEntryIsNode)
@@ -105,7 +105,7 @@ HostTileRanges host_ranges(const Device& device, const TileRanges& of, size_t ti
 // The rays of the picture that the renderer has just shaded, by the host.
 void measure_host(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
                   uint32_t repeats, HostTimes& host) {
-    const HostSlice slice = host_slice(device, field, *renderer.performer()->slices());
+    const HostSlice slice = host_slice(device, field, *renderer.performer());
     const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
     const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
     std::vector<glm::vec4> rays;

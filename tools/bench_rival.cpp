@@ -30,8 +30,8 @@ RayBatch rays_of(const Device& device, const Camera& camera) {
     return rays;
 }
 
-uint32_t count_pairs(const Device& device, const Field& field, const SlicePath& path, const RayBatch& rays) {
-    const LeafRasterizer counter(device, field, path.cache.trees(), path.shaded, rays, 1);
+uint32_t count_pairs(const Device& device, const Field& field, const Performer& performer, const RayBatch& rays) {
+    const LeafRasterizer counter(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays, 1);
     run_once(device, "count pairs",
              [&](Commands& commands) { record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>()); });
     return pairs_wanted(device, counter);
@@ -64,10 +64,11 @@ Image picture_of(const Device& device, const RayBatch& rays, uint32_t width, uin
 
 void measure_rival(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
                    const Image& shaded, uint32_t repeats, RivalTimes& times) {
-    const SlicePath& path = *renderer.performer()->slices();
+    const Performer& performer = *renderer.performer();
     const RayBatch rays = rays_of(device, camera);
-    const uint32_t pairs = count_pairs(device, field, path, rays);
-    const LeafRasterizer rasterizer(device, field, path.cache.trees(), path.shaded, rays, pairs);
+    const uint32_t pairs = count_pairs(device, field, performer, rays);
+    const LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
+                                    pairs);
     Commands commands(device, "rival");
     for (uint32_t i = 0; i < repeats + 1; i++) {
         commands.begin();

@@ -63,29 +63,28 @@ class WalkBench {
           live_(device, field_, field_.leaf_count),
           trees_(device, field_, most_entries(field_), 1),
           shaded_(shaded_entries(device, trees_.capacity)),
-          rays_(device, 2, layout_.ray_tiles()),
-          ranges_(device, layout_.ray_tiles(), layout_.picture_tiles(), 2),
+          target_(device, 2, layout_.ray_tiles(), layout_.picture_tiles()),
           slicer_(device, field_, live_, trees_),
           shader_(device, field_, trees_, shaded_),
-          ranger_(device, field_, &trees_, rays_, ranges_) {
+          ranger_(device, field_, &trees_, target_.rays, target_.ranges) {
         const std::vector<Tile> tiles = tiles_of_picture(0, size.width, size.height);
-        std::copy(tiles.begin(), tiles.end(), rays_.tiles.as<Tile>());
+        std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
-            tracers_.push_back(std::make_unique<TreeTracer>(device, field_, trees_, shaded_, ranges_, rays_,
-                                                            Shading::kPerLeaf, step.walk));
+            tracers_.push_back(std::make_unique<TreeTracer>(device, field_, trees_, shaded_, target_, Shading::kPerLeaf,
+                                                            Into::kLayer, nullptr, step.walk));
     }
 
     // GPU milliseconds of the trace of each step, for one view.
     void measure(const ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
         const ShaderCamera camera = shader_camera(view.camera);
-        std::fill_n(rays_.cameras.as<ShaderCamera>(), 2, camera);
-        std::fill_n(ranges_.views.as<RangeView>(), 2, range_view(camera));
+        std::fill_n(target_.rays.cameras.as<ShaderCamera>(), 2, camera);
+        std::fill_n(target_.ranges.views.as<RangeView>(), 2, range_view(camera));
         run_once(device_, "slice", [&](Commands& commands) {
             record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
             record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
         });
         for (size_t i = 0; i < all.size() && !stop_requested(); i++) {
-            if (!all[i].ranges) list_every_tile(device_, ranges_, layout_.ray_tiles());
+            if (!all[i].ranges) list_every_tile(device_, target_.ranges, layout_.ray_tiles());
             for (uint32_t repeat = 0; repeat <= repeats; repeat++) {
                 const double ms = trace(*tracers_[i], all[i].ranges);
                 if (repeat > 0) all[i].ms.push_back(ms);  // the first warms caches
@@ -99,10 +98,10 @@ class WalkBench {
     double trace(const TreeTracer& tracer, bool ranged) {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
-        record_clear(commands_, rays_, layout_.ray_tiles());
-        record_unseen(commands_, ranges_);
+        record_clear(commands_, target_.rays, layout_.ray_tiles());
+        record_unseen(commands_, target_.ranges);
         if (ranged) record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
-        record_trace_tree(commands_, tracer, 0, 1, kStopTransmittance);
+        record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
         commands_.submit();
         commands_.wait();
         double sum = 0;
@@ -117,8 +116,7 @@ class WalkBench {
     const LiveLeaves live_;
     const SliceTrees trees_;
     const Buffer shaded_;
-    const RayBatch rays_;
-    const TileRanges ranges_;
+    const RayTarget target_;
     const TreeSlicer slicer_;
     const Shader shader_;
     const TileRanger ranger_;

@@ -13,6 +13,8 @@ namespace neuvv {
 
 namespace {
 
+constexpr uint32_t kEyeTarget = 0;  // of each performer
+
 constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 64;  // three of a slice, three of an instance, and the rest
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
@@ -52,11 +54,7 @@ bool is_reference(TraceMode mode) {
     return mode == TraceMode::kSlice || mode == TraceMode::kDirect || mode == TraceMode::kPaper;
 }
 
-// World, metres.
-glm::dvec3 middle_of(const Field& field, const Instance& instance) {
-    const glm::dvec4 middle(0.5 * glm::dvec3(field.leaves_min + field.leaves_max), 1);
-    return glm::dvec3(glm::dmat4(instance.world_from_performer) * middle);
-}
+constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, times bands
 
 }  // namespace
 
@@ -69,21 +67,38 @@ DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch&
       direct(device, field, live, rays),
       paper(device, field, live, rays, Walk::kFromRoot) {}
 
+// Instances that have a place of their own in draw order go under what stands there; others are merged first.
+void record_group(Commands& commands, FrameRenderer& r, std::span<const DrawnInstance> group,
+                  const FrameSettings& settings) {
+    if (group.size() == 1) {
+        record_instance(commands, *r.performers_[group[0].field], kEyeTarget, group[0], r.layout_);
+        return;
+    }
+    for (uint32_t band = 0; band < r.segments_->bands(); band++) {
+        const TileSpan tiles = r.segments_->band(band, r.layout_.ray_tiles());
+        record_merge_begin(commands, *r.segments_);
+        for (DrawnInstance instance : group) {
+            instance.rays.tiles = tiles;
+            record_instance(commands, *r.performers_[instance.field], kEyeTarget, instance, r.layout_);
+        }
+        record_merge(commands, *r.segments_, tiles, settings.stop);
+    }
+}
+
 void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     ViewLayout all_pixels = r.layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
     if (r.blank_is_of_ != shown) {
-        record_clear(commands, r.rays_, all_pixels.ray_tiles());
+        record_clear(commands, r.target_.rays, all_pixels.ray_tiles());
         record_resolve(commands, r.resolver_, all_pixels, settings.resolve);
         copy(commands, r.picture_, r.blank_, r.layout_.picture_bytes());
         r.blank_is_of_ = shown;
     }
-    record_clear(commands, r.rays_, r.layout_.ray_tiles());
-    record_slices(commands, *r.performer_);
-    record_unseen(commands, r.ranges_);
-    for (const DrawnInstance& instance : r.drawn_)
-        record_instance(commands, *r.performer_, instance, r.layout_, settings.stop);
+    record_clear(commands, r.target_.rays, r.layout_.ray_tiles());
+    for (const auto& performer : r.performers_) record_slices(commands, *performer);
+    record_unseen(commands, r.target_.ranges);
+    for (const std::vector<DrawnInstance>& group : r.drawn_) record_group(commands, r, group, settings);
     record_picture_list(commands, r.lister_, r.layout_);
     {
         const PassScope scope(commands, "blank");
@@ -94,7 +109,7 @@ void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings&
         record_upscale(commands, *r.upscaler_, r.layout_, settings.resolve);
     else
         record_resolve(commands, r.listed_resolver_, r.layout_, settings.resolve);
-    record_slices_ahead(commands, *r.performer_, settings.parts_ahead);
+    for (const auto& performer : r.performers_) record_slices_ahead(commands, *performer, settings.parts_ahead);
 }
 
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
@@ -123,24 +138,24 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
     host_barrier(commands);
 }
 
-FrameRenderer::FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
+FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity)
     : device_(device),
-      field_(field),
+      fields_(std::move(fields)),
       capacity_(capacity),
-      rays_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity)),
-      ranges_(device, rays_.tile_capacity, largest(capacity).picture_tiles(), rays_.camera_capacity),
+      target_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity),
+              largest(capacity).picture_tiles()),
       picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", largest(capacity).picture_bytes(), MemoryKind::kReadback),
       blank_(device, "blank picture", largest(capacity).picture_bytes(), MemoryKind::kDevice),
-      lister_(device, rays_, ranges_),
-      resolver_(device, rays_, picture_),
-      listed_resolver_(device, rays_, picture_, &ranges_),
+      lister_(device, target_.rays, target_.ranges),
+      resolver_(device, target_.rays, picture_),
+      listed_resolver_(device, target_.rays, picture_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {}
 
 void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
-    if (layout.ray_tiles() > rays_.tile_capacity || cameras.size() > capacity_.views ||
-        layout.picture_tiles() > ranges_.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
+    if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
+        layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
     if (settings.instances.size() > kMaxInstances)
@@ -157,6 +172,8 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
         const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
         if (!std::isfinite(volume) || volume == 0)
             throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
+        if (settings.instances[i].field >= fields_.size())
+            throw RuntimeFailure(fmt::format("instance {}: there is no field {}", i, settings.instances[i].field));
     }
 }
 
@@ -171,7 +188,7 @@ void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
         grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
         layout_.rays = glm::max(layout_.rays, grids_.back().rays);
     }
-    if (!upscaler_) upscaler_ = std::make_unique<Upscaler>(device_, rays_, picture_, ranges_);
+    if (!upscaler_) upscaler_ = std::make_unique<Upscaler>(device_, target_.rays, picture_, target_.ranges);
 }
 
 ShaderCamera FrameRenderer::shader_camera_of(const Camera& camera, uint32_t view) const {
@@ -184,34 +201,65 @@ void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSetti
     const ViewLayout last = layout_;
     place_grids(settings, static_cast<uint32_t>(cameras.size()));
     for (uint32_t view = 0; view < layout_.views; view++)
-        rays_.cameras.as<ShaderCamera>()[view] = shader_camera_of(cameras[view], view);
+        target_.rays.cameras.as<ShaderCamera>()[view] = shader_camera_of(cameras[view], view);
     if (layout_ == last) return;
-    Tile* to = rays_.tiles.as<Tile>();
+    Tile* to = target_.rays.tiles.as<Tile>();
     for (uint32_t view = 0; view < layout_.views; view++) {
         const std::vector<Tile> tiles = tiles_of_picture(view, layout_.rays_across(), layout_.rays_down());
         to = std::copy(tiles.begin(), tiles.end(), to);
     }
 }
 
-// Those that may be seen, near to far, so that rays that have met something solid need not look behind it.
-void FrameRenderer::place_instances(std::span<const Camera> cameras, const FrameSettings& settings) {
+// Near to far, so that rays that have met something solid need not look behind it.
+std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const Camera> cameras,
+                                                           const FrameSettings& settings) const {
+    std::vector<glm::dvec3> eyes;
+    for (const Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
+    std::vector<PlacedBox> boxes;
+    for (const Instance& instance : settings.instances) {
+        const Field& field = *fields_[instance.field];
+        boxes.push_back(placed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
+    }
+    if (settings.blend == Blend::kExact) return draw_order(boxes, eyes);
     glm::dvec3 eye(0);
-    for (const Camera& camera : cameras)
-        eye += glm::dvec3(camera.world_from_camera[3]) / static_cast<double>(cameras.size());
+    for (const glm::dvec3& one : eyes) eye += one / static_cast<double>(eyes.size());
     std::vector<std::pair<double, uint32_t>> by_distance;
-    for (uint32_t i = 0; i < settings.instances.size(); i++)
-        by_distance.emplace_back(glm::distance(eye, middle_of(field_, settings.instances[i])), i);
+    for (uint32_t i = 0; i < boxes.size(); i++) by_distance.emplace_back(glm::distance(eye, boxes[i].middle), i);
     std::sort(by_distance.begin(), by_distance.end());
-    drawn_.clear();
-    for (const auto& [distance, i] : by_distance) place_instance(cameras, settings, settings.instances[i]);
+    std::vector<std::vector<uint32_t>> order;
+    for (const auto& [distance, i] : by_distance) order.push_back({i});
+    return order;
 }
 
-void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameSettings& settings,
-                                   const Instance& instance) {
+// Those that may be seen.
+void FrameRenderer::place_instances(std::span<const Camera> cameras, const FrameSettings& settings) {
+    drawn_.clear();
+    uint32_t placed = 0;
+    for (const std::vector<uint32_t>& group : order_of(cameras, settings)) {
+        std::vector<DrawnInstance> drawn;
+        for (const uint32_t i : group)
+            if (const auto instance = place_instance(cameras, settings, settings.instances[i], placed)) {
+                drawn.push_back(*instance);
+                placed++;
+            }
+        if (drawn.size() > 1)
+            for (DrawnInstance& instance : drawn) instance.into = Into::kSegments;
+        if (!drawn.empty()) drawn_.push_back(std::move(drawn));
+    }
+}
+
+std::optional<DrawnInstance> FrameRenderer::place_instance(std::span<const Camera> cameras,
+                                                           const FrameSettings& settings, const Instance& instance,
+                                                           uint32_t place) {
+    const Field& field = *fields_[instance.field];
     DrawnInstance drawn;
-    drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field_.frames - 1));
-    drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
+    drawn.field = instance.field;
+    drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field.frames - 1));
     drawn.shading = settings.mode == TraceMode::kTree ? Shading::kPerRay : Shading::kPerLeaf;
+    drawn.into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
+    drawn.rays.first_camera = layout_.views * (place + 1);
+    drawn.rays.opacity = instance.opacity;
+    drawn.rays.stop = settings.stop;
     const double pixel_rays = settings.samples * settings.scale;  // along each side
     bool seen_at_all = false;
     for (uint32_t view = 0; view < layout_.views; view++) {
@@ -221,16 +269,17 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
         const RangeView range = range_view(seen);
         const glm::dvec2 picture = static_cast<double>(settings.samples) * glm::dvec2(camera.width, camera.height);
         const double rays =
-            pixels_around(range, picture, field_.leaves_min, field_.leaves_max) * settings.scale * settings.scale;
-        rays_.cameras.as<ShaderCamera>()[drawn.first_camera + view] = seen;
-        ranges_.views.as<RangeView>()[drawn.first_camera + view] = range;
-        const uint32_t level = range_level(field_, eye, pixel_rays * std::max(camera.fx, camera.fy));
+            pixels_around(range, picture, field.leaves_min, field.leaves_max) * settings.scale * settings.scale;
+        target_.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = seen;
+        target_.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
+        const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));
         drawn.range_level = std::max(drawn.range_level, level);
-        if (settings.mode == TraceMode::kPlay && play_shading(field_, eye, rays) == Shading::kPerRay)
+        if (settings.mode == TraceMode::kPlay && play_shading(field, eye, rays) == Shading::kPerRay)
             drawn.shading = Shading::kPerRay;
         seen_at_all |= rays > 0;
     }
-    if (seen_at_all) drawn_.push_back(drawn);
+    if (!seen_at_all || instance.opacity <= 0) return std::nullopt;
+    return drawn;
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
@@ -238,23 +287,49 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            if (!performer_)
-                performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.views,
-                                                         capacity_.slice_budget);
-            performer_->prepare(drawn_, settings.next_frames);
+            prepare_performers(settings);
             break;
         case TraceMode::kSlice:
-            if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
+            if (!slots_) slots_ = std::make_unique<SlotPath>(device_, *fields_[0], target_.rays);
             break;
         case TraceMode::kDirect:
         case TraceMode::kPaper:
-            if (!direct_) direct_ = std::make_unique<DirectPath>(device_, field_, rays_);
+            if (!direct_) direct_ = std::make_unique<DirectPath>(device_, *fields_[0], target_.rays);
             break;
     }
 }
 
+void FrameRenderer::prepare_performers(const FrameSettings& settings) {
+    for (size_t i = performers_.size(); i < fields_.size(); i++) {
+        const uint64_t share = (capacity_.slice_budget + fields_.size() - 1) / fields_.size();
+        performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], share));
+        performers_.back()->add_target(target_, capacity_.views);
+    }
+    std::vector<std::vector<float>> frames(fields_.size());
+    for (const auto& group : drawn_)
+        for (const DrawnInstance& instance : group) frames[instance.field].push_back(instance.frame);
+    for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(frames[i], settings.next_frames);
+    for (const auto& group : drawn_) {
+        if (group.size() > 1 && !segments_) segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges);
+        for (const DrawnInstance& instance : group)
+            performers_[instance.field]->prepare(kEyeTarget, instance, segments_.get());
+    }
+}
+
+// Whether something on the device had less room than the picture asked for; now there is more.
+bool FrameRenderer::enlarge() {
+    bool any = false;
+    for (const auto& performer : performers_) any |= performer->enlarge_slices();
+    if (segments_ && segments_->enlarge()) {
+        for (const auto& performer : performers_) performer->forget_segments();
+        any = true;
+    }
+    return any;
+}
+
 void FrameRenderer::forget_slices() {
-    if (performer_ && performer_->slices()) performer_->slices()->cache.forget();
+    for (const auto& performer : performers_)
+        if (performer->slices()) performer->slices()->forget();
 }
 
 std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
@@ -267,7 +342,7 @@ std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, 
         record_frame(commands_, *this, settings);
         commands_.submit();
         commands_.wait();
-    } while (!is_reference(settings.mode) && performer_->enlarge_slices());
+    } while (!is_reference(settings.mode) && enlarge());
     std::vector<Image> pictures;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {
@@ -283,11 +358,11 @@ Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings)
 }
 
 std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
-    return rows_of_view<glm::vec4>(device_, rays_.radiance, layout_, view);
+    return rows_of_view<glm::vec4>(device_, target_.rays.radiance, layout_, view);
 }
 
 std::vector<float> FrameRenderer::depth(uint32_t view) const {
-    return rows_of_view<float>(device_, rays_.depth, layout_, view);
+    return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
 }
 
 }  // namespace neuvv

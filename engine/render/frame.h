@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "media/image.h"
+#include "render/draw_order.h"
 #include "render/performer.h"
 #include "render/picture_list.h"
 #include "render/ray_grid.h"
@@ -22,6 +23,11 @@ enum class TraceMode {
     kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
 
+enum class Blend {
+    kExact,  // instances whose boxes overlap along a ray are marched together, in depth order
+    kPaper,  // each is a layer, blended by depth: the paper's Algorithm 1 (errata 11)
+};
+
 struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
@@ -32,6 +38,7 @@ struct FrameSettings {
     uint32_t parts_ahead = 2;        // so many of kSliceParts parts a slice with each picture
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
+    Blend blend = Blend::kExact;
     float stop = kStopTransmittance;
 };
 
@@ -42,7 +49,8 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    uint64_t slice_budget = kSliceBudget;  // bytes; 0: no slices, all numbers at each sample
+    uint64_t slice_budget =
+        kSliceBudget;  // bytes, in equal shares for all fields; 0: no slices, all numbers at each sample
 };
 
 // What the reference paths need on the device besides rays.
@@ -63,10 +71,13 @@ struct DirectPath {
 // Everything a frame needs on the device, made once.
 class FrameRenderer {
   public:
-    FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity);
+    FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity);
+    FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
+        : FrameRenderer(device, std::vector{&field}, capacity) {}
 
     // Renders and waits: the picture of each camera, sRGB with straight alpha. Throws RuntimeFailure for more or larger
-    // pictures than the renderer was made for, cameras of another size, and transforms that cannot be inverted.
+    // pictures than the renderer was made for, cameras of another size, fields that it has not, and transforms that
+    // cannot be inverted.
     std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 
@@ -79,9 +90,13 @@ class FrameRenderer {
     std::vector<float> depth(uint32_t view = 0) const;
 
     // What the last picture left on the device; no performer before the first that was not a reference.
-    const Performer* performer() const { return performer_.get(); }
-    const TileRanges& ranges() const { return ranges_; }
-    const RayBatch& rays() const { return rays_; }
+    const Performer* performer(uint32_t field = 0) const {
+        return performers_.empty() ? nullptr : &*performers_[field];
+    }
+    const TileRanges& ranges() const { return target_.ranges; }
+    const RayBatch& rays() const { return target_.rays; }
+    // Instances by draw order, in groups that were merged (draw_order.h).
+    std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
     // GPU time of each pass of the last picture.
     std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
@@ -89,30 +104,36 @@ class FrameRenderer {
   private:
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_instances(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_group(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
+                             const FrameSettings& settings);
     void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
     void place_grids(const FrameSettings& settings, uint32_t views);
     ShaderCamera shader_camera_of(const Camera& camera, uint32_t view) const;
     void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
-    void place_instance(std::span<const Camera> cameras, const FrameSettings& settings, const Instance& instance);
+    std::vector<std::vector<uint32_t>> order_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
+    std::optional<DrawnInstance> place_instance(std::span<const Camera> cameras, const FrameSettings& settings,
+                                                const Instance& instance, uint32_t place);
     void prepare(const FrameSettings& settings);
+    void prepare_performers(const FrameSettings& settings);
+    bool enlarge();
     const Device& device_;
-    const Field& field_;
+    std::vector<const Field*> fields_;
     FrameCapacity capacity_;
-    RayBatch rays_;
-    TileRanges ranges_;
+    RayTarget target_;
     Buffer picture_, readback_;
     Buffer blank_;  // what pictures show where nothing is seen
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
-    std::unique_ptr<Performer> performer_;  // paths are made when first asked for
+    std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
+    std::unique_ptr<Segments> segments_;
     std::unique_ptr<SlotPath> slots_;
     std::unique_ptr<DirectPath> direct_;
     PictureLister lister_;
-    Resolver resolver_, listed_resolver_;  // of all tiles; of those where anything may be seen
-    std::unique_ptr<Upscaler> upscaler_;   // made when first asked for
-    ViewLayout layout_;                    // of the last picture
-    std::vector<RayGrid> grids_;           // of its views, where they are upscaled
-    std::vector<DrawnInstance> drawn_;     // of the last picture: those that may be seen, near to far
+    Resolver resolver_, listed_resolver_;            // of all tiles; of those where anything may be seen
+    std::unique_ptr<Upscaler> upscaler_;             // made when first asked for
+    ViewLayout layout_;                              // of the last picture
+    std::vector<RayGrid> grids_;                     // of its views, where they are upscaled
+    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last picture: those that may be seen, near to far
     Commands commands_;
 };
 

@@ -24,92 +24,127 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
-SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                     const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget)
-    : cache(device, field, live, entries, slice_budget),
-      shaded(shaded_entries(device, cache.trees().capacity, views)),
-      shader(device, field, cache.trees(), shaded),
-      ranger(device, field, &cache.trees(), rays, ranges),
-      unshaded_tracer(device, field, cache.trees(), cache.trees().entries, ranges, rays, Shading::kPerRay),
-      shaded_tracer(device, field, cache.trees(), shaded, ranges, rays, Shading::kPerLeaf),
-      counts_readback(device, "entries readback", cache.trees().counts.bytes, MemoryKind::kReadback) {}
+TargetPasses::TargetPasses(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
+                           const RayTarget& target, uint32_t views)
+    : device_(device), field_(field), live_(live), trees_(trees), target_(target), views_(views) {}
 
-InstanceDirectPath::InstanceDirectPath(const Device& device, const Field& field, const LiveLeaves& live,
-                                       const RayBatch& rays, const TileRanges& ranges)
-    : finder(device, field, live),
-      ranger(device, field, nullptr, rays, ranges),
-      tracer(device, field, live, rays, Walk::kDown, &ranges) {}
+TargetPasses::Shaded::Shaded(const Device& device, const Field& field, const SliceTrees& trees, uint32_t views)
+    : entries(shaded_entries(device, trees.capacity, views)), shader(device, field, trees, entries) {}
 
-Performer::Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
-                     uint32_t views, uint64_t slice_budget)
+size_t TargetPasses::place_of(Shading shading, Into into) {
+    return 4 * static_cast<size_t>(shading) + static_cast<size_t>(into);
+}
+
+void TargetPasses::need_tree(Shading shading, Into into, const Segments* segments) {
+    std::unique_ptr<TreeTracer>& tracer = trees_into_[place_of(shading, into)];
+    if (tracer) return;
+    if (!tree_ranger_)
+        tree_ranger_ = std::make_unique<TileRanger>(device_, field_, trees_, target_.rays, target_.ranges);
+    const bool shaded = shading == Shading::kPerLeaf;
+    if (shaded && !shaded_) shaded_ = std::make_unique<Shaded>(device_, field_, *trees_, views_);
+    tracer = std::make_unique<TreeTracer>(device_, field_, *trees_, shaded ? shaded_->entries : trees_->entries,
+                                          target_, shading, into, into == Into::kSegments ? segments : nullptr);
+}
+
+void TargetPasses::need_direct(Into into, const Segments* segments) {
+    std::unique_ptr<DirectTracer>& tracer = direct_into_[static_cast<size_t>(into)];
+    if (tracer) return;
+    if (!direct_ranger_)
+        direct_ranger_ = std::make_unique<TileRanger>(device_, field_, nullptr, target_.rays, target_.ranges);
+    tracer = std::make_unique<DirectTracer>(device_, field_, live_, target_, into,
+                                            into == Into::kSegments ? segments : nullptr);
+}
+
+void TargetPasses::forget_segments() {
+    for (const Shading shading : {Shading::kPerRay, Shading::kPerLeaf, Shading::kNone})
+        trees_into_[place_of(shading, Into::kSegments)].reset();
+    direct_into_[static_cast<size_t>(Into::kSegments)].reset();
+}
+
+Performer::Performer(const Device& device, const Field& field, uint64_t slice_budget)
     : device_(device),
       field_(field),
-      rays_(rays),
-      ranges_(ranges),
-      views_(views),
       slice_budget_(slice_budget),
-      live_(device, field, slice_budget > 0 ? field.leaf_count : 1) {
+      live_(device, field, slice_budget > 0 ? field.leaf_count : 1),
+      finder_(device, field, live_) {
     if (slice_budget > 0) make_slices(likely_entries(field));
 }
 
 void Performer::make_slices(uint32_t entries) {
-    slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, views_, entries, slice_budget_);
+    passes_.clear();  // they are bound to the slices
+    slices_.reset();  // before there are others
+    slices_ = std::make_unique<SliceCache>(device_, field_, live_, entries, slice_budget_);
+    counts_readback_ = Buffer(device_, "entries readback", slices_->trees().counts.bytes, MemoryKind::kReadback);
+    for (const auto& [target, views] : targets_)
+        passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
 }
 
-void Performer::prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames) {
-    bool all_sliced = slices_ != nullptr;
-    if (slices_) {
-        asked_.clear();
-        for (const DrawnInstance& instance : instances) asked_.push_back(instance.frame);
-        slices_->cache.ask(asked_);
-        for (const float frame : asked_) all_sliced &= slices_->cache.find(frame).has_value();
-        if (all_sliced) slices_->cache.ask_ahead(next_frames);  // else there is no room, and live leaves serve others
-    }
-    if (!all_sliced && !direct_) direct_ = std::make_unique<InstanceDirectPath>(device_, field_, live_, rays_, ranges_);
+uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
+    targets_.emplace_back(&target, views);
+    passes_.push_back(
+        std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views));
+    return static_cast<uint32_t>(passes_.size()) - 1;
+}
+
+void Performer::prepare(std::span<const float> frames, std::span<const float> next_frames) {
+    if (!slices_) return;
+    slices_->ask(frames);
+    // Else there is no room, and live leaves serve others.
+    if (std::all_of(frames.begin(), frames.end(), [this](float frame) { return slices_->find(frame).has_value(); }))
+        slices_->ask_ahead(next_frames);
+}
+
+void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
+    if (slices_ && slices_->find(instance.frame))
+        passes_[target]->need_tree(instance.shading, instance.into, segments);
+    else
+        passes_[target]->need_direct(instance.into, segments);
+}
+
+void Performer::forget_segments() {
+    for (const auto& passes : passes_) passes->forget_segments();
 }
 
 bool Performer::enlarge_slices() {
     if (!slices_) return false;
-    const SliceTrees& trees = slices_->cache.trees();
-    const std::span counts(slices_->counts_readback.as<LiveCount>(), trees.slices);
+    const SliceTrees& trees = slices_->trees();
+    const std::span counts(counts_readback_.as<LiveCount>(), trees.slices);
     if (std::none_of(counts.begin(), counts.end(), [](const LiveCount& count) { return count.overflow > 0; }))
         return false;
-    const uint32_t entries = std::min(most_entries(field_), 2 * trees.capacity);
-    slices_.reset();  // before there is another
-    make_slices(entries);
+    make_slices(std::min(most_entries(field_), 2 * trees.capacity));
     return true;
 }
 
 void record_slices(Commands& commands, Performer& performer) {
-    if (SlicePath* path = performer.slices()) record_slices(commands, path->cache);
+    if (SliceCache* cache = performer.slices()) record_slices(commands, *cache);
 }
 
 void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts) {
-    SlicePath* path = performer.slices();
-    if (!path) return;
-    record_ahead(commands, path->cache, parts);
-    copy(commands, path->cache.trees().counts, path->counts_readback, path->counts_readback.bytes);
+    SliceCache* cache = performer.slices();
+    if (!cache) return;
+    record_ahead(commands, *cache, parts);
+    copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
 }
 
-void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,
-                     const ViewLayout& layout, float stop) {
-    const SlicePath* path = performer.slices();
-    const std::optional<uint32_t> slice = path ? path->cache.find(instance.frame) : std::nullopt;
+void record_instance(Commands& commands, const Performer& performer, uint32_t target, const DrawnInstance& instance,
+                     const ViewLayout& layout) {
+    const TargetPasses& passes = *performer.passes_[target];
+    const std::optional<uint32_t> slice = performer.slices() ? performer.slices()->find(instance.frame) : std::nullopt;
+    const uint32_t first_camera = instance.rays.first_camera;
     if (!slice) {
-        const InstanceDirectPath& direct = *performer.direct();
-        record_rows(commands, direct.finder, instance.frame);
-        record_tile_ranges(commands, direct.ranger, 0, instance.first_camera, instance.range_level, layout);
-        record_direct_instance(commands, direct.tracer, instance.first_camera, stop);
+        record_rows(commands, performer.finder_, instance.frame);
+        record_tile_ranges(commands, *passes.direct_ranger_, 0, first_camera, instance.range_level, layout);
+        record_direct_instance(commands, *passes.direct_into_[static_cast<size_t>(instance.into)], instance.rays);
         return;
     }
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
-        const RangeView& seen = performer.ranges().views.as<RangeView>()[instance.first_camera + view];
-        record_shade(commands, path->shader, *slice, view, glm::vec3(seen.eye));
+        const RangeView& seen = passes.target_.ranges.views.as<RangeView>()[first_camera + view];
+        record_shade(commands, passes.shaded_->shader, *slice, view, glm::vec3(seen.eye));
     }
-    record_tile_ranges(commands, path->ranger, *slice, instance.first_camera, instance.range_level, layout);
-    record_trace_tree(commands, shaded ? path->shaded_tracer : path->unshaded_tracer, *slice, instance.first_camera,
-                      stop);
+    record_tile_ranges(commands, *passes.tree_ranger_, *slice, first_camera, instance.range_level, layout);
+    record_trace_tree(commands, *passes.trees_into_[TargetPasses::place_of(instance.shading, instance.into)], *slice,
+                      instance.rays);
 }
 
 }  // namespace neuvv

@@ -2,6 +2,7 @@
 // takes on the device does not grow with its instances.
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "render/shade.h"
@@ -14,6 +15,8 @@ namespace neuvv {
 struct Instance {
     float frame = 0;                    // 0..frames−1, fractions allowed
     glm::mat4 world_from_performer{1};  // affine and invertible
+    uint32_t field = 0;                 // of the renderer's
+    float opacity = 1;                  // below 1 it lets light through, however dense it is (store_instance.glsl)
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
@@ -22,63 +25,83 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays);
 
 // How an instance is drawn in one frame.
 struct DrawnInstance {
+    uint32_t field = 0;
     float frame = 0;
     Shading shading = Shading::kPerRay;
-    uint32_t first_camera = 0;  // in ray batch and ranges
-    uint32_t range_level = 0;   // of nodes that tile ranges look at
+    Into into = Into::kLayer;
+    uint32_t range_level = 0;  // of nodes that tile ranges look at
+    InstanceRays rays;
 };
 
-// By slices.
-struct SlicePath {
-    SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-              const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget);
-    SliceCache cache;
-    Buffer shaded;
-    Shader shader;
-    TileRanger ranger;
-    TreeTracer unshaded_tracer, shaded_tracer;
-    Buffer counts_readback;  // LiveCount of each slice as of the last picture
-};
+// The passes of one performer into one target, each made when first needed. All must outlive it.
+class TargetPasses {
+  public:
+    TargetPasses(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
+                 const RayTarget& target, uint32_t views);
 
-// By all numbers, where the budget has no room for a slice.
-struct InstanceDirectPath {
-    InstanceDirectPath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                       const TileRanges& ranges);
-    LiveFinder finder;
-    TileRanger ranger;
-    DirectTracer tracer;
+    // Before a picture. `segments`: bound where rays become those; null else.
+    void need_tree(Shading shading, Into into, const Segments* segments);
+    void need_direct(Into into, const Segments* segments);
+    // The segments have other buffers now.
+    void forget_segments();
+
+    const Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
+
+  private:
+    friend void record_instance(Commands&, const class Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    static size_t place_of(Shading shading, Into into);
+    struct Shaded {
+        Buffer entries;
+        Shader shader;
+        Shaded(const Device& device, const Field& field, const SliceTrees& trees, uint32_t views);
+    };
+    const Device& device_;
+    const Field& field_;
+    const LiveLeaves& live_;
+    const SliceTrees* trees_;  // null: it has no slices
+    const RayTarget& target_;
+    uint32_t views_;
+    std::unique_ptr<Shaded> shaded_;
+    std::unique_ptr<TileRanger> tree_ranger_, direct_ranger_;
+    std::array<std::unique_ptr<TreeTracer>, 12> trees_into_;
+    std::array<std::unique_ptr<DirectTracer>, 4> direct_into_;
 };
 
 class Performer {
   public:
-    // For at most so many views. All must outlive it. A budget of 0 bytes: no slice at all, else one at least.
-    Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges, uint32_t views,
-              uint64_t slice_budget);
+    // A budget of 0 bytes: no slice at all, else one at least. All must outlive it.
+    Performer(const Device& device, const Field& field, uint64_t slice_budget);
 
-    // Before a picture is recorded: its instances, those first that shall rather have a slice, and the frames that will
-    // be shown next. Makes what is missing on the device.
-    void prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames = {});
+    // Where its instances are drawn, of so many views at most; returns the target's number.
+    uint32_t add_target(const RayTarget& target, uint32_t views);
+
+    // Before a picture is recorded: its instances in all targets, those first that shall rather have a slice, and the
+    // frames that will be shown next. Then for each target its instances there; makes what is missing on the device.
+    void prepare(std::span<const float> frames, std::span<const float> next_frames = {});
+    void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
     // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
     // picture must be prepared and recorded anew.
     bool enlarge_slices();
+    void forget_segments();
 
     const Field& field() const { return field_; }
-    const TileRanges& ranges() const { return ranges_; }
-    SlicePath* slices() const { return slices_.get(); }  // null where there is none
-    InstanceDirectPath* direct() const { return direct_.get(); }
+    SliceCache* slices() { return slices_.get(); }  // null where there is none
+    const SliceCache* slices() const { return slices_.get(); }
+    const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
 
   private:
+    friend void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
+    friend void record_instance(Commands&, const Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     void make_slices(uint32_t entries);
     const Device& device_;
     const Field& field_;
-    const RayBatch& rays_;
-    const TileRanges& ranges_;
-    uint32_t views_;
     uint64_t slice_budget_;
     LiveLeaves live_;
-    std::unique_ptr<SlicePath> slices_;
-    std::unique_ptr<InstanceDirectPath> direct_;  // made when first needed
-    std::vector<float> asked_;
+    LiveFinder finder_;
+    std::unique_ptr<SliceCache> slices_;
+    Buffer counts_readback_;  // LiveCount of each slice as of the last picture
+    std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
+    std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
 };
 
 // The slices of prepared instances.
@@ -86,8 +109,8 @@ void record_slices(Commands& commands, Performer& performer);
 // After the picture: so many parts (kSliceParts a slice) of those of the next frames.
 void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
 
-// One prepared instance, into what earlier ones left in the ray batch.
-void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,
-                     const ViewLayout& layout, float stop);
+// One prepared instance, into what earlier ones left in the target.
+void record_instance(Commands& commands, const Performer& performer, uint32_t target, const DrawnInstance& instance,
+                     const ViewLayout& layout);
 
 }  // namespace neuvv

@@ -1,8 +1,9 @@
 #include "render/trace.h"
 
 #include <algorithm>
+#include <cassert>
 
-#include "render/tile_range.h"
+#include "render/segments.h"
 
 #include "spirv/direct.comp.h"
 #include "spirv/trace.comp.h"
@@ -49,7 +50,24 @@ std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t hei
 }
 
 TracePush trace_push(const Field& field, float stop) {
-    return {glm::vec4(field.box_min, stop), glm::vec4(field.box_size, 0), field.top_box, field.leaf_count, 0, 0, 0, 0};
+    TracePush push{};
+    push.box_min = glm::vec4(field.box_min, stop);
+    push.box_size = glm::vec4(field.box_size, 1);
+    push.top = field.top_box;
+    push.leaf_count = field.leaf_count;
+    push.end_tile = UINT32_MAX;
+    return push;
+}
+
+TracePush instance_push(const Field& field, const InstanceRays& rays) {
+    TracePush push = trace_push(field, rays.stop);
+    push.box_size.w = rays.opacity;
+    push.first_camera = rays.first_camera;
+    push.first_tile = rays.tiles.first;
+    push.end_tile = rays.tiles.end;
+    push.set_width = rays.set_size.x;
+    push.set_texels = rays.set_size.x * rays.set_size.y;
+    return push;
 }
 
 Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
@@ -72,14 +90,14 @@ void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, floa
     compute_barrier(commands);
 }
 
+// What a field alone does not read is bound to buffers of the same formats.
 DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                           Walk walk, const TileRanges* only)
+                           Walk walk)
     : field_(field),
-      only_(only),
       pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
              walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
-             only ? 1u : 0u}),
+             kIntoRay}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &field.nodes},
                    {kTraceChildren, &field.children},
@@ -87,10 +105,37 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTraceRows, &live.rows},
                    {kTraceCameras, &rays.cameras},
                    {kTraceTiles, &rays.tiles},
-                   {kTraceTileList, only ? &only->list : &rays.tiles},  // read only where they are
-                   {kTraceTileRanges, only ? &only->ranges : &rays.tiles},
+                   {kTraceTileList, &rays.tiles},
+                   {kTraceTileRanges, &rays.tiles},
+                   {kTracePages, &rays.radiance},
+                   {kTraceHeads, &rays.radiance},
+                   {kTraceSetDepth, &rays.depth},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
+
+DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
+                           Into into, const Segments* segments)
+    : field_(field),
+      tile_count_(&target.ranges.count),
+      pass_(device, "direct", direct_comp,
+            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
+             static_cast<uint32_t>(into)}),
+      set_(pass_, {{kTraceTop, &field.top},
+                   {kTraceNodes, &field.nodes},
+                   {kTraceChildren, &field.children},
+                   {kTraceWeights, &field.weights},
+                   {kTraceRows, &live.rows},
+                   {kTraceCameras, &target.rays.cameras},
+                   {kTraceTiles, &target.rays.tiles},
+                   {kTraceTileList, &target.ranges.list},
+                   {kTraceTileRanges, &target.ranges.ranges},
+                   {kTracePages, segments ? &segments->pages() : &target.rays.radiance},
+                   {kTraceHeads, segments ? &segments->heads() : &target.rays.radiance},
+                   {kTraceSetDepth, target.set_depth ? target.set_depth : &target.rays.depth},
+                   {kTraceRadiance, &target.rays.radiance},
+                   {kTraceDepth, &target.rays.depth}}) {
+    assert((into == Into::kSegments) == (segments != nullptr));
+}
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const PassScope scope(commands, tracer.pass_.name());
@@ -98,11 +143,9 @@ void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tile
     compute_barrier(commands);
 }
 
-void record_direct_instance(Commands& commands, const DirectTracer& tracer, uint32_t first_camera, float stop) {
+void record_direct_instance(Commands& commands, const DirectTracer& tracer, const InstanceRays& rays) {
     const PassScope scope(commands, tracer.pass_.name());
-    TracePush push = trace_push(tracer.field_, stop);
-    push.first_camera = first_camera;
-    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.only_->count, 0, push);
+    dispatch_indirect(commands, tracer.pass_, tracer.set_, *tracer.tile_count_, 0, instance_push(tracer.field_, rays));
     compute_barrier(commands);
 }
 

@@ -54,20 +54,45 @@ enum class Walk {
     kFromRoot,  // the paper's: from the root to every cell
 };
 
-struct TileRanges;
+// What becomes of the rays of an instance (kInto… of shared/trace.h).
+enum class Into : uint32_t {
+    kLayer = kIntoLayer,                // under all that stands there: instances in draw order
+    kLayerByDepth = kIntoLayerByDepth,  // over or under it: the paper's Algorithm 1 (errata 11)
+    kSegments = kIntoSegments,          // to be merged with others
+};
+
+// Some of a target's tiles of rays: first..end−1.
+struct TileSpan {
+    uint32_t first = 0, end = UINT32_MAX;
+};
+
+// How an instance's rays are traced. Its cameras stand in the batch from `first_camera` on, one a view; the batch's
+// first are the world's.
+struct InstanceRays {
+    uint32_t first_camera = 0;
+    float opacity = 1;
+    float stop = kStopTransmittance;
+    TileSpan tiles;
+    glm::uvec2 set_size{0};  // texels of the target's set_depth in a view; 0: there is none
+};
+
+struct RayTarget;
+class Segments;
 
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 class DirectTracer {
   public:
-    // `only`: for instances, of the tiles that may see them.
     DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                 Walk walk = Walk::kDown, const TileRanges* only = nullptr);
+                 Walk walk = Walk::kDown);
+    // For instances. `segments`: where these are what rays become.
+    DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target, Into into,
+                 const Segments* segments);
 
   private:
     friend void record_direct(Commands&, const DirectTracer&, uint32_t, float);
-    friend void record_direct_instance(Commands&, const DirectTracer&, uint32_t, float);
+    friend void record_direct_instance(Commands&, const DirectTracer&, const InstanceRays&);
     const Field& field_;
-    const TileRanges* only_;
+    const Buffer* tile_count_ = nullptr;
     ComputePass pass_;
     BindingSet set_;
 };
@@ -75,9 +100,10 @@ class DirectTracer {
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
 // As record_trace_tree, where an instance has no slice.
-void record_direct_instance(Commands& commands, const DirectTracer& tracer, uint32_t first_camera, float stop);
+void record_direct_instance(Commands& commands, const DirectTracer& tracer, const InstanceRays& rays);
 
-// What both pass to their shader.
+// What they pass to their shader: of a field alone, and of an instance.
 TracePush trace_push(const Field& field, float stop);
+TracePush instance_push(const Field& field, const InstanceRays& rays);
 
 }  // namespace neuvv

@@ -1,26 +1,35 @@
 #include "render/trace_tree.h"
 
+#include <cassert>
+
 #include "spirv/trace_tree.comp.h"
 
 namespace neuvv {
 
 TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
-                       const TileRanges& ranges, const RayBatch& rays, Shading shading, const WalkSteps& steps)
+                       const RayTarget& target, Shading shading, Into into, const Segments* segments,
+                       const WalkSteps& steps)
     : field_(field),
       trees_(trees),
-      ranges_(ranges),
+      target_(target),
       pass_(device, "trace tree", trace_tree_comp,
             {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
-             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u}),
+             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
+             shading == Shading::kNone ? 1u : 0u}),
       set_(pass_, {{kTraceTop, &field.top},
                    {kTraceNodes, &trees.nodes},
                    {kTraceEntries, &entries},
-                   {kTraceCameras, &rays.cameras},
-                   {kTraceTiles, &rays.tiles},
-                   {kTraceTileList, &ranges.list},
-                   {kTraceTileRanges, &ranges.ranges},
-                   {kTraceRadiance, &rays.radiance},
-                   {kTraceDepth, &rays.depth}}) {}
+                   {kTraceCameras, &target.rays.cameras},
+                   {kTraceTiles, &target.rays.tiles},
+                   {kTraceTileList, &target.ranges.list},
+                   {kTraceTileRanges, &target.ranges.ranges},
+                   {kTracePages, segments ? &segments->pages() : &target.rays.radiance},  // read only where there are
+                   {kTraceHeads, segments ? &segments->heads() : &target.rays.radiance},
+                   {kTraceSetDepth, target.set_depth ? target.set_depth : &target.rays.depth},
+                   {kTraceRadiance, &target.rays.radiance},
+                   {kTraceDepth, &target.rays.depth}}) {
+    assert((into == Into::kSegments) == (segments != nullptr));
+}
 
 void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {
     const PassScope scope(commands, "clear");
@@ -30,15 +39,13 @@ void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {
     compute_barrier(commands);
 }
 
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera,
-                       float stop) {
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays) {
     const PassScope scope(commands, "trace");
-    TracePush push = trace_push(tracer.field_, stop);
+    TracePush push = instance_push(tracer.field_, rays);
     push.shaded_stride = tracer.trees_.capacity;
-    push.first_camera = first_camera;
     push.node_base = tracer.trees_.node_base(slice);
     push.entry_base = tracer.trees_.entry_base(slice);
-    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.ranges_.count, 0, push);
+    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.target_.ranges.count, 0, push);
     compute_barrier(commands);
 }
 

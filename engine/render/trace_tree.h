@@ -1,11 +1,12 @@
 // Trace of an instance by its slice tree: the rays of tiles that may see it.
 #pragma once
 
-#include "render/tile_range.h"
+#include "render/segments.h"
 
 namespace neuvv {
 
-enum class Shading { kPerRay, kPerLeaf };  // SH along each ray, or the colours of record_shade
+// SH along each ray, the colours of record_shade, or black: for alpha and depth alone
+enum class Shading { kPerRay, kPerLeaf, kNone };
 
 // What the walk does without, to measure what it is worth (march.glsl).
 struct WalkSteps {
@@ -14,16 +15,16 @@ struct WalkSteps {
 
 class TreeTracer {
   public:
-    // `entries`: those of the trees, or shaded ones.
+    // `entries`: those of the trees, or shaded ones. `segments`: where these are what rays become.
     TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
-               const TileRanges& ranges, const RayBatch& rays, Shading shading, const WalkSteps& steps = {});
+               const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
+               const WalkSteps& steps = {});
 
   private:
-    friend void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera,
-                                  float stop);
+    friend void record_trace_tree(Commands&, const TreeTracer&, uint32_t, const InstanceRays&);
     const Field& field_;
     const SliceTrees& trees_;
-    const TileRanges& ranges_;
+    const RayTarget& target_;
     ComputePass pass_;
     BindingSet set_;
 };
@@ -31,8 +32,7 @@ class TreeTracer {
 // Makes the rays of the batch's first tiles such that see nothing: before the first instance of a frame.
 void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles);
 
-// Traces the tiles that record_tile_ranges listed, into what stands there (errata 11). `first_camera`: the instance's
-// in the batch, one a view; the batch's first are those of the world.
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, uint32_t first_camera, float stop);
+// Traces the tiles that record_tile_ranges listed, into what stands there.
+void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays);
 
 }  // namespace neuvv

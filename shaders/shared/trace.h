@@ -25,9 +25,18 @@ CONSTEXPR uint kTraceRows = 9u;
 
 // trace_tree.comp reads a slice tree
 CONSTEXPR uint kTraceEntries = 10u;
-// where kLayered is set: the tiles where an instance may be seen
+// of instances: the tiles where an instance may be seen
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
+CONSTEXPR uint kTracePages = 16u;  // shared/segments.h
+CONSTEXPR uint kTraceHeads = 17u;
+CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel of the set's picture each
+
+// What becomes of a ray's result (store_instance.glsl)
+CONSTEXPR uint kIntoRay = 0u;           // it alone
+CONSTEXPR uint kIntoLayer = 1u;         // under what stands there
+CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11)
+CONSTEXPR uint kIntoSegments = 3u;
 
 // Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset (grid.glsl).
 struct GridAxis {
@@ -56,13 +65,17 @@ struct Tile {
 
 struct TracePush {
     vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
-    vec4 box_size;  // metres
+    vec4 box_size;  // metres; w: the instance's opacity
     TopBox top;
     uint leaf_count;  // direct.comp
     uint node_base;   // trace_tree.comp
     uint entry_base;
     uint shaded_stride;  // shaded entries of a view
     uint first_camera;   // of the instance's, one a view; before them stand the world's
+    uint first_tile;     // of those that are traced, and their end
+    uint end_tile;
+    uint set_width;      // texels of the set's picture, in rows; 0: there is no set
+    uint set_texels;     // of a view
 };
 
 NEUVV_SHARED_END
@@ -70,6 +83,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 60);
+static_assert(sizeof(neuvv::TracePush) == 76);
 #endif
 #endif

@@ -331,7 +331,7 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
             kept.insert(kept.begin(), frame);
             kept.resize(std::min<size_t>(kept.size(), slices));
         }
-        EXPECT_EQ(renderer.performer()->slices()->cache.trees().slices, slices);
+        EXPECT_EQ(renderer.performer()->slices()->trees().slices, slices);
     }
 }
 

@@ -91,6 +91,7 @@ FrameSettings settings_of(std::vector<Instance> instances, TraceMode mode) {
     settings.width = kWidth;
     settings.height = kHeight;
     settings.mode = mode;
+    settings.blend = Blend::kPaper;
     settings.stop = 0;
     return settings;
 }

@@ -36,14 +36,14 @@ class Drawn {
           trees(device, field, most_entries(field), 2),
           shaded(shaded_entries(device, trees.capacity)),
           tiles(tiles_of_picture(0, width, height)),
-          rays(device, 1, static_cast<uint32_t>(tiles.size())),
+          target(device, 1, static_cast<uint32_t>(tiles.size()), 1),
+          rays(target.rays),
           rasterizer(device, field, trees, shaded, rays, pairs),
           device_(device),
           slicer_(device, field, live, trees),
           shader_(device, field, trees, shaded),
-          ranges_(device, static_cast<uint32_t>(tiles.size()), 1, 1),
-          ranger_(device, field, &trees, rays, ranges_),
-          tracer_(device, field, trees, shaded, ranges_, rays, Shading::kPerLeaf) {
+          ranger_(device, field, &trees, rays, target.ranges),
+          tracer_(device, field, trees, shaded, target, Shading::kPerLeaf) {
         std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
         run_once(device, "slice", [&](Commands& commands) { record_slice_tree(commands, slicer_, kSlice, kFrame); });
     }
@@ -56,12 +56,12 @@ class Drawn {
 
     Rays trace(const Camera& camera, float stop, uint32_t samples = 1) {
         return draw(camera, samples, [&](Commands& commands, const ShaderCamera& seen) {
-            *ranges_.views.as<RangeView>() = range_view(seen);
+            *target.ranges.views.as<RangeView>() = range_view(seen);
             record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
-            record_unseen(commands, ranges_);
+            record_unseen(commands, target.ranges);
             record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
                                {camera.width, camera.height, samples});
-            record_trace_tree(commands, tracer_, kSlice, 0, stop);
+            record_trace_tree(commands, tracer_, kSlice, {.stop = stop});
         });
     }
 
@@ -88,7 +88,8 @@ class Drawn {
     const SliceTrees trees;
     const Buffer shaded;
     const std::vector<Tile> tiles;
-    const RayBatch rays;
+    const RayTarget target;
+    const RayBatch& rays;
     const LeafRasterizer rasterizer;
 
   private:
@@ -110,7 +111,6 @@ class Drawn {
     const Device& device_;
     const TreeSlicer slicer_;
     const Shader shader_;
-    const TileRanges ranges_;
     const TileRanger ranger_;
     const TreeTracer tracer_;
 };

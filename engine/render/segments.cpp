@@ -1,0 +1,84 @@
+#include "render/segments.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "spirv/merge.comp.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint64_t kPageBytes = 16 * kPageWords;
+constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
+
+uint64_t most_pages(const Device& device) {
+    return std::min<uint64_t>({device.limits().maxStorageBufferRange / kPageBytes,
+                               device.max_allocation_bytes() / kPageBytes, UINT32_MAX / kPageWords});
+}
+
+}  // namespace
+
+Segments::Segments(const Device& device, const RayTarget& target, uint32_t merges)
+    : device_(device),
+      target_(target),
+      merges_(merges),
+      heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
+             MemoryKind::kDevice),
+      taken_(device, "pages that were taken", uint64_t{4} * merges, MemoryKind::kReadback),
+      pass_(device, "merge", merge_comp) {
+    make_pages(std::min(kFirstPages, most_pages(device)));
+    run_once(device, "heads of segments", [this](Commands& commands) { fill(commands, heads_, 0); });
+}
+
+void Segments::make_pages(uint64_t pages) {
+    pages_ = Buffer();  // before there is another
+    pages_ = Buffer(device_, "segments", kPageBytes * pages, MemoryKind::kDevice);
+    page_count_ = pages;
+    set_ = BindingSet(pass_, {{kMergePages, &pages_},
+                              {kMergeHeads, &heads_},
+                              {kMergeSeen, &target_.ranges.seen},
+                              {kMergeRadiance, &target_.rays.radiance},
+                              {kMergeDepth, &target_.rays.depth}});
+}
+
+bool Segments::enlarge() {
+    const uint32_t* taken = taken_.as<uint32_t>();
+    const uint64_t most = recorded_ == 0 ? 0 : *std::max_element(taken, taken + recorded_);
+    const uint32_t merges = recorded_;
+    recorded_ = 0;
+    if (most + 1 <= page_count_) return false;  // page 0 is none
+    const uint64_t possible = most_pages(device_);
+    if (page_count_ < possible) {
+        make_pages(std::min(possible, 2 * page_count_));
+        return true;
+    }
+    if (2 * bands_ > target_.rays.tile_capacity || 2 * merges > merges_)
+        throw RuntimeFailure(
+            "performers that stand in each other take more memory along these rays than the device has; choose a "
+            "smaller --size or --samples, or --blend paper");
+    bands_ *= 2;
+    return true;
+}
+
+TileSpan Segments::band(uint32_t i, uint32_t tiles) const {
+    const auto border = [&](uint64_t at) { return static_cast<uint32_t>(tiles * at / bands_); };
+    return {border(i), border(i + 1)};
+}
+
+void record_merge_begin(Commands& commands, const Segments& segments) {
+    update(commands, segments.heads_, uint32_t{0});
+    compute_barrier(commands);
+}
+
+void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
+    const PassScope scope(commands, "merge");
+    copy(commands, segments.heads_, segments.taken_, 4, 0, uint64_t{4} * segments.recorded_++);
+    compute_barrier(commands);
+    if (tiles.end > tiles.first)
+        dispatch(commands, segments.pass_, segments.set_, tiles.end - tiles.first,
+                 MergePush{stop, tiles.first, tiles.end});
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

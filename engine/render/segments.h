@@ -1,0 +1,48 @@
+// Segments: what instances that stand in each other put along rays, and its merge in depth order (exact blending).
+#pragma once
+
+#include "render/ray_target.h"
+#include "shared/segments.h"
+
+namespace neuvv {
+
+// Room for segments, and the merge of one frame's groups of instances, each after the other. How many there are is
+// known only after the frame, so its rays go in bands where a device cannot hold all at once.
+class Segments {
+  public:
+    // At most so many merges a frame.
+    Segments(const Device& device, const RayTarget& target, uint32_t merges);
+
+    // After a frame was waited for. True: there was less room than segments. Now there is more, or there are more
+    // bands, and the frame must be recorded anew by passes that are bound to these buffers. Throws RuntimeFailure where
+    // even a row of tiles has more segments than the device holds.
+    bool enlarge();
+
+    const Buffer& pages() const { return pages_; }
+    const Buffer& heads() const { return heads_; }
+
+    // The tiles of a band, of `tiles` in all.
+    uint32_t bands() const { return bands_; }
+    TileSpan band(uint32_t i, uint32_t tiles) const;
+
+  private:
+    friend void record_merge_begin(Commands& commands, const Segments& segments);
+    friend void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
+    void make_pages(uint64_t pages);
+    const Device& device_;
+    const RayTarget& target_;
+    uint32_t merges_, bands_ = 1;
+    uint64_t page_count_ = 0;
+    Buffer pages_, heads_;
+    Buffer taken_;  // pages of each merge of the frame, readback
+    uint32_t recorded_ = 0;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// Before the first instance of a group: no page is taken.
+void record_merge_begin(Commands& commands, const Segments& segments);
+// After the last: the group goes under what nearer ones left in the target.
+void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
+
+}  // namespace neuvv

@@ -1,0 +1,78 @@
+// Merge: what several instances put along a ray (shared/segments.h), blended in depth order; where they overlap, densities
+// add and colours weigh by density. The exact answer that the paper's Algorithm 1 approaches (errata 11).
+// Reads pages; writes radiance and depth under what nearer instances left there. One workgroup a tile of rays, one
+// thread a ray; tiles that see nothing end at once. Bound by memory and its latency: a header and a segment for each list at
+// each border.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/segments.h"
+#include "shared/trace.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kMergePages, std430) buffer Pages { uvec4 pages[]; };
+layout(binding = kMergeHeads, std430) buffer Heads { uint heads[]; };
+layout(binding = kMergeSeen) uniform utextureBuffer seen;
+layout(binding = kMergeRadiance, rgba32f) uniform imageBuffer radiance;
+layout(binding = kMergeDepth, r32f) uniform imageBuffer depth;
+layout(push_constant) uniform Push { MergePush push; };
+#include "composite.glsl"
+#include "layers.glsl"
+
+const float kEnd = 1e30;  // metres: no border follows
+
+// What all lists together have behind a place of the ray, up to the next border of any.
+struct Stretch {
+    float end;    // metres
+    float sigma;  // 1/m
+    vec3 light;   // Σ σ c
+};
+
+// The segment after another one of the same list; 0: there is none.
+uint segment_after(uint at) {
+    const uvec4 header = pages[at - at % kPageWords];
+    if (at % kPageWords < header.z) return at + 1u;
+    return header.x == 0u ? 0u : header.x * kPageWords + 1u;
+}
+
+// Adds a list's part, and moves its cursor over what lies behind.
+void add_list(uint list, float begin, inout Stretch stretch) {
+    uint at = pages[list * kPageWords].w;
+    if (at == 0u) return;
+    if (uintBitsToFloat(pages[at].y) <= begin) {
+        at = segment_after(at);
+        pages[list * kPageWords].w = at;
+        if (at == 0u) return;
+    }
+    const uvec4 segment = pages[at];
+    const float t_in = uintBitsToFloat(segment.x);
+    if (t_in > begin) {
+        stretch.end = min(stretch.end, t_in);
+        return;
+    }
+    const vec2 first = unpackHalf2x16(segment.z);
+    stretch.end = min(stretch.end, uintBitsToFloat(segment.y));
+    stretch.sigma += first.x;
+    stretch.light += first.x * vec3(first.y, unpackHalf2x16(segment.w));
+}
+
+void main() {
+    const uint tile = push.first_tile + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (tile >= push.end_tile || texelFetch(seen, int(tile)).x == 0u) return;
+    const uint ray = tile * kTilePixels + gl_LocalInvocationID.x;
+    const uint first = heads[kFirstHead + ray];
+    if (first == 0u) return;
+    heads[kFirstHead + ray] = 0u;
+    Composite sum = composite_begin();
+    float begin = 0.0;
+    while (sum.transmittance >= push.stop) {
+        Stretch stretch = Stretch(kEnd, 0.0, vec3(0.0));
+        for (uint list = first; list != 0u; list = pages[list * kPageWords].y) add_list(list, begin, stretch);
+        if (stretch.end == kEnd) break;
+        if (stretch.sigma > 0.0)
+            composite_add(sum, stretch.sigma, stretch.end - begin, stretch.light / stretch.sigma,
+                          0.5 * (begin + stretch.end));
+        begin = stretch.end;
+    }
+    const float alpha = 1.0 - sum.transmittance;
+    if (alpha > 0.0) store_under(int(ray), vec4(sum.colour, alpha), sum.depth / alpha);
+}

@@ -1,0 +1,65 @@
+// A ray's result as one of several instances' (trace_rays.glsl): a layer over or under what earlier ones left, or its segments,
+// for merge.comp; or alone. kInto says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
+// The includer binds imageBuffers `radiance` and `depth` and storage buffers `pages` and `heads`.
+#ifndef NEUVV_STORE_INSTANCE_GLSL
+#define NEUVV_STORE_INSTANCE_GLSL
+#include "layers.glsl"
+
+// All of the ray's range lies behind something solid. What is left out is less than early termination leaves out.
+bool is_hidden(Ray ray) {
+    if (kInto == kIntoRay) return false;
+    const bool solid = imageLoad(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
+    return solid && (kInto != kIntoLayerByDepth || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
+}
+
+uint first_page = 0u, page = 0u, in_page = 0u;
+
+void close_page(Ray ray, uint next) {
+    const bool first = page == first_page;
+    pages[page * kPageWords] = uvec4(next, first ? heads[kFirstHead + ray.index] : 0u, in_page,
+                                     first ? page * kPageWords + 1u : 0u);
+}
+
+// Room for one segment more, in the ray's last page or a new one. False: there is none left, as the number of
+// pages that are taken tells.
+bool page_has_room(Ray ray) {
+    if (page != 0u && in_page < kPageSegments) return true;
+    const uint fresh = atomicAdd(heads[0], 1u) + 1u;
+    if ((fresh + 1u) * kPageWords > uint(pages.length())) return false;
+    if (page != 0u) close_page(ray, fresh);
+    if (page == 0u) first_page = fresh;
+    page = fresh;
+    in_page = 0u;
+    return true;
+}
+
+// `before`, `after`: transmittance of the solid instance.
+void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
+    if (kInto != kIntoSegments || before == after || !page_has_room(ray)) return;
+    const float opacity = push.box_size.w;
+    const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
+    const vec2 metres = ray.world_metres * vec2(part.t_in, part.t_out);
+    // The solid one's own density where it can: no digits are lost then.
+    const float depth = opacity == 1.0 ? sigma * (part.t_out - part.t_in) : log(through.x / max(through.y, 1e-30));
+    const float world_sigma = min(depth / (metres.y - metres.x), 65504.0);
+    in_page++;
+    pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres), packHalf2x16(vec2(world_sigma, colour.r)),
+                                               packHalf2x16(colour.gb));
+}
+
+void store_ray(Ray ray, vec4 light, float metres) {
+    if (kInto == kIntoSegments) {
+        if (page == 0u) return;
+        close_page(ray, 0u);
+        heads[kFirstHead + ray.index] = first_page;
+    } else if (kInto == kIntoRay) {
+        imageStore(radiance, int(ray.index), light);
+        imageStore(depth, int(ray.index), vec4(metres));
+    } else if (kInto == kIntoLayerByDepth) {
+        store_by_depth(int(ray.index), push.box_size.w * light, metres * ray.world_metres);
+    } else {
+        store_under(int(ray.index), push.box_size.w * light, metres * ray.world_metres);
+    }
+}
+
+#endif

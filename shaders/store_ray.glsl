@@ -1,0 +1,14 @@
+// A ray's result as it is, of a field alone (trace_rays.glsl).
+#ifndef NEUVV_STORE_RAY_GLSL
+#define NEUVV_STORE_RAY_GLSL
+
+bool is_hidden(Ray ray) { return false; }
+
+void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {}
+
+void store_ray(Ray ray, vec4 light, float metres) {
+    imageStore(radiance, int(ray.index), light);
+    imageStore(depth, int(ray.index), vec4(metres));
+}
+
+#endif

@@ -1,0 +1,44 @@
+#include "reference/merge.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace neuvv::reference {
+
+std::vector<Sample> merge(const std::vector<std::vector<Sample>>& instances) {
+    std::vector<double> borders;
+    for (const std::vector<Sample>& samples : instances)
+        for (const Sample& sample : samples)
+            if (sample.sigma > 0)
+                for (const double side : {-0.5, 0.5}) borders.push_back(sample.z_m + side * sample.delta_m);
+    std::sort(borders.begin(), borders.end());
+    std::vector<Sample> merged;
+    for (size_t i = 0; i + 1 < borders.size(); i++) {
+        const double middle = 0.5 * (borders[i] + borders[i + 1]);
+        Sample sum{0, glm::dvec3(0), borders[i + 1] - borders[i], middle};
+        for (const std::vector<Sample>& samples : instances)
+            for (const Sample& sample : samples)
+                if (std::abs(middle - sample.z_m) < 0.5 * sample.delta_m) {
+                    sum.sigma += sample.sigma;
+                    sum.colour += sample.sigma * sample.colour;
+                }
+        if (sum.sigma <= 0) continue;
+        sum.colour /= sum.sigma;
+        merged.push_back(sum);
+    }
+    return merged;
+}
+
+std::vector<Sample> in_world(const std::vector<Sample>& samples, double world_metres, double opacity) {
+    std::vector<Sample> placed;
+    double solid = 1;
+    for (const Sample& sample : samples) {
+        const double before = 1 - opacity * (1 - solid);
+        solid *= std::exp(-sample.sigma * sample.delta_m);
+        const double after = 1 - opacity * (1 - solid), delta = world_metres * sample.delta_m;
+        placed.push_back({std::log(before / after) / delta, sample.colour, delta, world_metres * sample.z_m});
+    }
+    return placed;
+}
+
+}  // namespace neuvv::reference
