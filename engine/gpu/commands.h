@@ -79,6 +79,8 @@ void dispatch_indirect(Commands& commands, const ComputePass& pass, const Bindin
 
 // What compute shaders and copies wrote before is seen by compute shaders, indirect arguments and copies after.
 void compute_barrier(Commands& commands);
+// What compute shaders and copies wrote before is seen by the shaders of draws after.
+void draw_barrier(Commands& commands);
 // What compute shaders and copies wrote before is seen by the host after wait().
 void host_barrier(Commands& commands);
 

@@ -67,24 +67,26 @@ struct FixedState {
     VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
     VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    VkPipelineColorBlendAttachmentState attachment{};
+    std::vector<VkPipelineColorBlendAttachmentState> attachments;
     VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
     VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
 
-    explicit FixedState(VkSampleCountFlagBits samples) {
+    explicit FixedState(const GraphicsShape& shape) {
         assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         viewport.viewportCount = viewport.scissorCount = 1;
         raster.polygonMode = VK_POLYGON_MODE_FILL;
         raster.lineWidth = 1;
-        multisample.rasterizationSamples = samples;
+        multisample.rasterizationSamples = shape.samples;
         depth.depthTestEnable = VK_TRUE;
-        depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-        attachment.blendEnable = VK_TRUE;
+        depth.depthCompareOp = shape.nearer;
+        VkPipelineColorBlendAttachmentState attachment{};
+        attachment.blendEnable = shape.blend;
         attachment.srcColorBlendFactor = attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
         attachment.dstColorBlendFactor = attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
         attachment.colorWriteMask = 0xf;
-        blend.attachmentCount = 1;
-        blend.pAttachments = &attachment;
+        attachments.assign(shape.colours.size(), attachment);
+        blend.attachmentCount = static_cast<uint32_t>(attachments.size());
+        blend.pAttachments = attachments.data();
         static constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
                                                       VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE,
                                                       VK_DYNAMIC_STATE_DEPTH_WRITE_ENABLE};
@@ -110,10 +112,10 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, const Gr
     input.pVertexBindingDescriptions = shape.streams.data();
     input.vertexAttributeDescriptionCount = static_cast<uint32_t>(shape.attributes.size());
     input.pVertexAttributeDescriptions = shape.attributes.data();
-    const FixedState fixed(shape.samples);
+    const FixedState fixed(shape);
     VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-    rendering.colorAttachmentCount = 1;
-    rendering.pColorAttachmentFormats = &shape.colour;
+    rendering.colorAttachmentCount = static_cast<uint32_t>(shape.colours.size());
+    rendering.pColorAttachmentFormats = shape.colours.data();
     rendering.depthAttachmentFormat = shape.depth;
     VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
     info.pNext = &rendering;
@@ -154,34 +156,50 @@ GraphicsPass::~GraphicsPass() {
     vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
 }
 
+// Delegates, so that the destructor frees the pool when something is missing.
 TextureSet::TextureSet(const GraphicsPass& pass,
-                       std::span<const std::pair<const DeviceImage*, const Sampler*>> textures)
-    : device_(&pass.device()) {
+                       std::span<const std::pair<const DeviceImage*, const Sampler*>> textures,
+                       std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers)
+    : TextureSet() {
+    device_ = &pass.device();
     const std::vector<BindingSlot>& slots = pass.interface().bindings;
-    if (slots.size() != textures.size())
-        throw RuntimeFailure(
-            fmt::format("pass \"{}\" has {} bindings, not {}", pass.name(), slots.size(), textures.size()));
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, static_cast<uint32_t>(slots.size())};
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const BindingSlot& slot : slots) sizes.push_back({slot.type, 1});
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
-    pool.poolSizeCount = 1;
-    pool.pPoolSizes = &size;
+    pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    pool.pPoolSizes = sizes.data();
     check(vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &pool_), "vkCreateDescriptorPool", pass.name());
     const VkDescriptorSetLayout layout = pass.set_layout();
     VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &layout};
     check(vkAllocateDescriptorSets(device_->handle(), &info, &set_), "vkAllocateDescriptorSets", pass.name());
     device_->name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), pass.name());
-    for (size_t i = 0; i < slots.size(); i++) {
-        const VkDescriptorImageInfo image{textures[i].second->sampler, textures[i].first->view,
-                                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    size_t used = 0;
+    for (const BindingSlot& slot : slots) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_;
-        write.dstBinding = slots[i].binding;
+        write.dstBinding = slot.binding;
         write.descriptorCount = 1;
-        write.descriptorType = slots[i].type;
-        write.pImageInfo = &image;
+        write.descriptorType = slot.type;
+        VkDescriptorImageInfo image{VK_NULL_HANDLE, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        VkDescriptorBufferInfo range{VK_NULL_HANDLE, 0, VK_WHOLE_SIZE};
+        if (slot.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER && used < textures.size()) {
+            image.sampler = textures[used].second->sampler;
+            image.imageView = textures[used++].first->view;
+            write.pImageInfo = &image;
+        } else {
+            const auto found =
+                std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });
+            if (found == buffers.end())
+                throw RuntimeFailure(fmt::format("pass \"{}\": nothing for binding {}", pass.name(), slot.binding));
+            range.buffer = found->second->buffer;
+            write.pBufferInfo = &range;
+            write.pTexelBufferView = &found->second->view;
+        }
         vkUpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
     }
+    if (used != textures.size())
+        throw RuntimeFailure(fmt::format("pass \"{}\" has {} textures, not {}", pass.name(), used, textures.size()));
 }
 
 TextureSet::~TextureSet() {

@@ -1,5 +1,5 @@
 // One pair of vertex and fragment shader that draws triangles with depth, MSAA and premultiplied blending, by dynamic
-// rendering; its layout is read from the SPIR-V.
+// rendering; its layout is read from the SPIR-V. And the textures and buffers that it is bound to.
 #pragma once
 
 #include <span>
@@ -16,8 +16,10 @@ struct GraphicsShape {
     std::span<const uint32_t> fragment_spirv;
     std::vector<VkVertexInputBindingDescription> streams;
     std::vector<VkVertexInputAttributeDescription> attributes;
-    VkFormat colour = VK_FORMAT_R16G16B16A16_SFLOAT;
-    VkFormat depth = VK_FORMAT_D32_SFLOAT;  // reversed: near 1, far 0, greater wins
+    std::vector<VkFormat> colours = {VK_FORMAT_R16G16B16A16_SFLOAT};  // by location; none: depth alone
+    bool blend = true;                                                // premultiplied, over what is there
+    VkFormat depth = VK_FORMAT_D32_SFLOAT;                            // reversed: near 1, far 0
+    VkCompareOp nearer = VK_COMPARE_OP_GREATER;                       // which depths win
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
 };
 
@@ -48,12 +50,14 @@ class GraphicsPass {
 
 constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// The textures of one draw, all of the pass's bindings in ascending order; move-only. Images and samplers must outlive
-// it.
+// What one draw reads, written once at set-up: the textures, for all of the pass's samplers in ascending order of their
+// bindings, and a buffer for each other binding. Move-only; all of them must outlive it. Throws RuntimeFailure where
+// one is missing.
 class TextureSet {
   public:
     TextureSet() = default;
-    TextureSet(const GraphicsPass& pass, std::span<const std::pair<const DeviceImage*, const Sampler*>> textures);
+    TextureSet(const GraphicsPass& pass, std::span<const std::pair<const DeviceImage*, const Sampler*>> textures,
+               std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers = {});
     ~TextureSet();
     TextureSet(TextureSet&& other) noexcept;
     TextureSet& operator=(TextureSet&& other) noexcept;

@@ -145,8 +145,9 @@ void upload_levels(const Device& device, const DeviceImage& image, std::span<con
     });
 }
 
-void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to) {
+void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to, uint64_t offset) {
     VkBufferImageCopy region{};
+    region.bufferOffset = offset;
     region.imageSubresource = {aspect_of(from.shape.format), 0, 0, 1};
     region.imageOffset = {part.offset.x, part.offset.y, 0};
     region.imageExtent = {part.extent.width, part.extent.height, 1};

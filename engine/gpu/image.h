@@ -62,7 +62,7 @@ void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout fro
 // One tightly packed array of bytes a mip level, the largest first. The layout becomes SHADER_READ_ONLY; set-up only.
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);
 
-// A part of level 0, in layout TRANSFER_SRC, into the tightly packed beginning of a buffer.
-void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to);
+// A part of level 0, in layout TRANSFER_SRC, tightly packed into a buffer from byte `offset` on.
+void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to, uint64_t offset = 0);
 
 }  // namespace neuvv

@@ -5,11 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "gpu/graphics_pass.h"
 #include "media/image.h"
+#include "render/scene_geometry.h"
 #include "shared/raster.h"
 #include "stage/camera.h"
-#include "stage/pose.h"
 
 namespace neuvv {
 
@@ -39,15 +38,6 @@ class Rasterizer {
     RasterPicture draw(const Camera& camera, double near_m);
 
   private:
-    struct Draw {
-        uint32_t node = 0;
-        const GltfPrimitive* primitive = nullptr;
-        uint32_t first_vertex = 0, first_index = 0;
-        int32_t material = -1;
-        bool mirrored = false;
-    };
-    void list_draws();
-    void upload_geometry();
     void upload_textures();
     VkRect2D visible_part(const glm::dmat4& clip_from_world) const;
     void record(const glm::mat4& clip_from_world, const VkRect2D& part);
@@ -57,17 +47,14 @@ class Rasterizer {
     const Device& device_;
     const GltfScene& scene_;
     uint32_t width_, height_;  // of the targets
-    std::vector<Draw> draws_;
-    uint32_t vertex_count_ = 0, index_count_ = 0;
     GraphicsPass pass_;
-    Buffer moving_, fixed_, indices_, readback_;
+    SceneGeometry geometry_;
+    Buffer readback_;
     DeviceImage samples_, depth_, target_;
-    std::vector<DeviceImage> images_;  // by glTF texture, then white
-    std::vector<Sampler> samplers_;
-    std::vector<TextureSet> sets_;
+    SceneTextures textures_;
+    std::vector<size_t> texture_of_draw_;
+    std::vector<TextureSet> sets_;  // by texture
     Commands commands_;
-    PosedVertices posed_;
-    glm::vec3 low_{0}, high_{0};  // the box of the instant that is posed
 };
 
 // Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
@@ -81,5 +68,7 @@ Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, 
 
 // The mip levels of a picture as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
 std::vector<std::vector<uint8_t>> mip_levels(const Image& image);
+// The same of a map whose bytes are numbers (normals, roughness): plain averages.
+std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const Image& image);
 
 }  // namespace neuvv

@@ -47,6 +47,31 @@ void shrink_pixel(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     to[3] = byte_of(sum.a / 4);
 }
 
+// The same of numbers, each channel alone.
+void shrink_numbers(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
+    for (int c = 0; c < 4; c++) {
+        int sum = 2;
+        for (uint32_t i = 0; i < 4; i++)
+            sum += from.at(std::min(2 * x + i % 2, from.width - 1), std::min(2 * y + i / 2, from.height - 1))[c];
+        to[c] = static_cast<uint8_t>(sum / 4);
+    }
+}
+
+using ShrinkPixel = void (*)(const Image& from, uint32_t x, uint32_t y, uint8_t* to);
+
+std::vector<std::vector<uint8_t>> levels_by(const Image& image, ShrinkPixel shrink) {
+    std::vector<std::vector<uint8_t>> levels{{image.rgba.begin(), image.rgba.end()}};
+    Image level = image;
+    while (level.width > 1 || level.height > 1) {
+        Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
+        for (uint32_t y = 0; y < next.height; y++)
+            for (uint32_t x = 0; x < next.width; x++) shrink(level, x, y, next.at(x, y));
+        level = std::move(next);
+        levels.emplace_back(level.rgba.begin(), level.rgba.end());
+    }
+    return levels;
+}
+
 }  // namespace
 
 std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height) {
@@ -81,16 +106,11 @@ Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, 
 }
 
 std::vector<std::vector<uint8_t>> mip_levels(const Image& image) {
-    std::vector<std::vector<uint8_t>> levels{{image.rgba.begin(), image.rgba.end()}};
-    Image level = image;
-    while (level.width > 1 || level.height > 1) {
-        Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
-        for (uint32_t y = 0; y < next.height; y++)
-            for (uint32_t x = 0; x < next.width; x++) shrink_pixel(level, x, y, next.at(x, y));
-        level = std::move(next);
-        levels.emplace_back(level.rgba.begin(), level.rgba.end());
-    }
-    return levels;
+    return levels_by(image, shrink_pixel);
+}
+
+std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const Image& image) {
+    return levels_by(image, shrink_numbers);
 }
 
 }  // namespace neuvv

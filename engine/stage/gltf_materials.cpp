@@ -61,8 +61,9 @@ float number_at(const GltfScene& scene, const tinygltf::Value& value, const std:
     return number_in(scene, number, -1e6, 1e6, place);
 }
 
-// KHR_texture_transform, and which UV set the base colour reads.
-TextureTransform transform_of(const GltfScene& scene, const tinygltf::TextureInfo& info, const std::string& place) {
+// KHR_texture_transform, and which UV set the texture reads. `Info` is one of tinygltf's three alike.
+template <typename Info>
+TextureTransform transform_of(const GltfScene& scene, const Info& info, const std::string& place) {
     TextureTransform transform;
     transform.uv_set = info.texCoord;
     const auto found = info.extensions.find("KHR_texture_transform");
@@ -93,6 +94,15 @@ GltfAlpha alpha_mode(const GltfScene& scene, const std::string& mode, const std:
     throw InputError(scene.file, place + "/alphaMode", "is not OPAQUE, MASK or BLEND");
 }
 
+// KHR_materials_emissive_strength
+float emissive_strength(const GltfScene& scene, const tinygltf::Material& source, const std::string& place) {
+    const auto found = source.extensions.find("KHR_materials_emissive_strength");
+    if (found == source.extensions.end() || !found->second.IsObject() || !found->second.Has("emissiveStrength"))
+        return 1;
+    const std::string at = place + "/extensions/KHR_materials_emissive_strength/emissiveStrength";
+    return number_in(scene, number_at(scene, found->second.Get("emissiveStrength"), at), 0, 1e6, at);
+}
+
 GltfMaterial material_of(const GltfScene& scene, const tinygltf::Material& source, const std::string& place) {
     GltfMaterial material;
     material.name = source.name;
@@ -106,54 +116,86 @@ GltfMaterial material_of(const GltfScene& scene, const tinygltf::Material& sourc
     material.alpha_cutoff = number_in(scene, source.alphaCutoff, 0, 1e6, place + "/alphaCutoff");
     material.double_sided = source.doubleSided;
     material.unlit = source.extensions.contains("KHR_materials_unlit");
-    const int texture = pbr.baseColorTexture.index;
-    if (texture >= static_cast<int>(scene.textures.size()))
-        throw InputError(scene.file, place + "/pbrMetallicRoughness/baseColorTexture/index",
-                         fmt::format("{} does not exist", texture));
-    material.texture = texture < 0 ? -1 : texture;
+    material.normal_scale = number_in(scene, source.normalTexture.scale, -1e3, 1e3, place + "/normalTexture/scale");
+    material.occlusion_strength =
+        number_in(scene, source.occlusionTexture.strength, 0, 1, place + "/occlusionTexture/strength");
+    const float strength = emissive_strength(scene, source, place);
+    for (int c = 0; c < 3; ++c)
+        material.emissive[c] =
+            strength * number_in(scene, source.emissiveFactor[static_cast<size_t>(c)], 0, 1, place + "/emissiveFactor");
     return material;
+}
+
+// The texture of one slot of a material, and how its UVs are made.
+template <typename Info>
+int32_t read_texture(const GltfScene& scene, const Info& info, const std::string& place, TextureTransform& transform) {
+    transform = transform_of(scene, info, place);
+    if (info.index >= static_cast<int>(scene.textures.size()))
+        throw InputError(scene.file, place + "/index", fmt::format("{} does not exist", info.index));
+    return info.index < 0 ? -1 : info.index;
 }
 
 }  // namespace
 
-std::vector<TextureTransform> load_materials(GltfScene& scene, const tinygltf::Model& model) {
+std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf::Model& model) {
     for (size_t i = 0; i < model.textures.size(); ++i) scene.textures.push_back(texture_of(scene, model, i));
-    std::vector<TextureTransform> transforms;
+    std::vector<MaterialTransforms> transforms;
     for (size_t i = 0; i < model.materials.size(); ++i) {
         const std::string place = fmt::format("/materials/{}", i);
         const tinygltf::Material& source = model.materials[i];
-        scene.materials.push_back(material_of(scene, source, place));
-        transforms.push_back(transform_of(scene, source.pbrMetallicRoughness.baseColorTexture,
-                                          place + "/pbrMetallicRoughness/baseColorTexture"));
+        GltfMaterial& material = scene.materials.emplace_back(material_of(scene, source, place));
+        MaterialTransforms& transform = transforms.emplace_back();
+        const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+        const std::string in_pbr = place + "/pbrMetallicRoughness/";
+        const auto read = [&](GltfMap map, const auto& info, const std::string& at) {
+            const auto slot = static_cast<size_t>(map);
+            material.maps[slot] = read_texture(scene, info, at, transform.maps[slot]);
+        };
+        material.texture = read_texture(scene, pbr.baseColorTexture, in_pbr + "baseColorTexture", transform.base);
+        read(GltfMap::kMetallicRoughness, pbr.metallicRoughnessTexture, in_pbr + "metallicRoughnessTexture");
+        read(GltfMap::kNormal, source.normalTexture, place + "/normalTexture");
+        read(GltfMap::kOcclusion, source.occlusionTexture, place + "/occlusionTexture");
+        read(GltfMap::kEmissive, source.emissiveTexture, place + "/emissiveTexture");
     }
     return transforms;
 }
 
+namespace {
+
+Image load_image(const GltfScene& scene, const tinygltf::Model& model, uint32_t index) {
+    const tinygltf::Image& source = model.images[index];
+    const uint8_t* bytes = source.image.data();
+    size_t size = source.image.size();
+    if (source.bufferView >= 0) {
+        const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(source.bufferView));
+        bytes = model.buffers.at(static_cast<size_t>(view.buffer)).data.data() + view.byteOffset;
+        size = view.byteLength;
+    }
+    if (size == 0)
+        throw InputError(scene.file, fmt::format("/images/{}", index),
+                         source.uri.empty() ? "has no bytes" : fmt::format("\"{}\" cannot be read", source.uri),
+                         "put the image beside the model");
+    return decode_image(bytes, size, fmt::format("{}: /images/{}", scene.file, index));
+}
+
+}  // namespace
+
 void load_images(GltfScene& scene, const tinygltf::Model& model) {
     scene.images.resize(model.images.size());
     uint64_t pixels = 0;
-    for (const GltfMaterial& material : scene.materials) {
-        if (material.texture < 0) continue;
-        const uint32_t index = scene.textures[static_cast<size_t>(material.texture)].image;
-        if (!scene.images[index].rgba.empty()) continue;
-        const tinygltf::Image& source = model.images[index];
-        const std::string name = fmt::format("{}: /images/{}", scene.file, index);
-        const uint8_t* bytes = source.image.data();
-        size_t size = source.image.size();
-        if (source.bufferView >= 0) {
-            const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(source.bufferView));
-            bytes = model.buffers.at(static_cast<size_t>(view.buffer)).data.data() + view.byteOffset;
-            size = view.byteLength;
-        }
-        if (size == 0)
-            throw InputError(scene.file, fmt::format("/images/{}", index),
-                             source.uri.empty() ? "has no bytes" : fmt::format("\"{}\" cannot be read", source.uri),
-                             "put the image beside the model");
-        scene.images[index] = decode_image(bytes, size, name);
+    const auto load = [&](int32_t texture) {
+        if (texture < 0) return;
+        const uint32_t index = scene.textures[static_cast<size_t>(texture)].image;
+        if (!scene.images[index].rgba.empty()) return;
+        scene.images[index] = load_image(scene, model, index);
         pixels += uint64_t{scene.images[index].width} * scene.images[index].height;
         if (pixels > kMaxImagePixels)
             throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
                              fmt::format("stay below {} pixels", kMaxImagePixels));
+    };
+    for (const GltfMaterial& material : scene.materials) {
+        load(material.texture);
+        for (const int32_t texture : material.maps) load(texture);
     }
 }
 

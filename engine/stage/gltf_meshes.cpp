@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
+#include "stage/gltf_tangents.h"
 
 namespace neuvv {
 
@@ -50,7 +51,9 @@ struct PrimitiveLoader {
         if (components > reader.budget) fail("", "has more vertices than this program takes", "simplify the model");
         reader.budget -= components;
     }
-    void read_uvs(const TextureTransform& transform);
+    std::vector<glm::vec2> uvs_of(const TextureTransform& transform);
+    void read_uvs(const MaterialTransforms& transforms);
+    void read_tangents();
     void read_colors();
     void read_skin();
     void read_indices();
@@ -58,18 +61,40 @@ struct PrimitiveLoader {
     void read_vertices();
 };
 
-void PrimitiveLoader::read_uvs(const TextureTransform& transform) {
+std::vector<glm::vec2> PrimitiveLoader::uvs_of(const TextureTransform& transform) {
     const std::string name = fmt::format("TEXCOORD_{}", transform.uv_set);
     const int accessor = attribute(name);
-    if (accessor < 0) return;
-    out.uvs = vectors<glm::vec2>(accessor, "/attributes/" + name);
+    if (accessor < 0) return {};
+    std::vector<glm::vec2> uvs = vectors<glm::vec2>(accessor, "/attributes/" + name);
     if (is_raw_integer(reader, accessor)) fail("/attributes/" + name, "is neither float nor normalised");
     // KHR_texture_transform: scale, then rotation, then offset.
     const float c = std::cos(transform.rotation), s = std::sin(transform.rotation);
-    for (glm::vec2& uv : out.uvs) {
+    for (glm::vec2& uv : uvs) {
         uv *= transform.scale;
         uv = glm::vec2(c * uv.x + s * uv.y, -s * uv.x + c * uv.y) + transform.offset;
     }
+    return uvs;
+}
+
+void PrimitiveLoader::read_uvs(const MaterialTransforms& transforms) {
+    out.uvs = uvs_of(transforms.base);
+    if (out.material < 0) return;
+    for (size_t map = 0; map < kGltfMaps; ++map)
+        if (scene.materials[static_cast<size_t>(out.material)].maps[map] >= 0)
+            out.map_uvs[map] = uvs_of(transforms.maps[map]);
+}
+
+bool has_normal_map(const GltfScene& scene, const GltfPrimitive& primitive) {
+    return primitive.material >= 0 &&
+           scene.materials[static_cast<size_t>(primitive.material)].map(GltfMap::kNormal) >= 0;
+}
+
+// glTF: the file's tangents count only together with its normals.
+void PrimitiveLoader::read_tangents() {
+    if (attribute("TANGENT") < 0 || attribute("NORMAL") < 0 || !has_normal_map(scene, out)) return;
+    out.tangents = vectors<glm::vec4>(attribute("TANGENT"), "/attributes/TANGENT");
+    for (size_t v = 0; v < out.tangents.size(); ++v)
+        out.tangents[v] = tangent_across(out.normals[v], glm::vec3(out.tangents[v]), out.tangents[v].w < 0);
 }
 
 void PrimitiveLoader::read_colors() {
@@ -189,6 +214,7 @@ void add_flat_normals(GltfPrimitive& primitive) {
     const std::vector<uint32_t>& indices = primitive.indices;
     unshare(primitive.positions, indices);
     unshare(primitive.uvs, indices);
+    for (std::vector<glm::vec2>& uvs : primitive.map_uvs) unshare(uvs, indices);
     unshare(primitive.colors, indices);
     unshare(primitive.joints, indices);
     unshare(primitive.weights, indices);
@@ -208,29 +234,34 @@ void add_flat_normals(GltfPrimitive& primitive) {
 }
 
 GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, const tinygltf::Primitive& source,
-                             const std::string& place, const std::vector<TextureTransform>& transforms) {
+                             const std::string& place, const std::vector<MaterialTransforms>& transforms) {
     PrimitiveLoader loader{scene, reader, source, place, {}};
     if (source.material >= static_cast<int>(scene.materials.size()))
         loader.fail("/material", fmt::format("{} does not exist", source.material));
     loader.out.material = source.material < 0 ? -1 : source.material;
     loader.read_vertices();
-    loader.read_uvs(source.material < 0 ? TextureTransform{} : transforms[static_cast<size_t>(source.material)]);
+    loader.read_uvs(source.material < 0 ? MaterialTransforms{} : transforms[static_cast<size_t>(source.material)]);
+    loader.read_tangents();
     loader.read_colors();
     loader.read_skin();
     loader.read_targets();
     loader.read_indices();
     if (loader.out.normals.empty()) {
         // Corners may outnumber vertices by far: they count against the same budget.
-        const uint64_t widths = 16 + 3 * loader.out.targets.size();
+        const uint64_t widths = 16 + 2 * kGltfMaps + 3 * loader.out.targets.size();
         loader.spend(widths * loader.out.indices.size());
         add_flat_normals(loader.out);
+    }
+    if (has_normal_map(scene, loader.out) && loader.out.tangents.empty()) {
+        loader.spend(4 * loader.out.positions.size());
+        add_tangents(loader.out);
     }
     return std::move(loader.out);
 }
 
 }  // namespace
 
-void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<TextureTransform>& transforms) {
+void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms) {
     for (size_t m = 0; m < reader.model.meshes.size(); ++m) {
         const tinygltf::Mesh& source = reader.model.meshes[m];
         const std::string place = fmt::format("/meshes/{}", m);

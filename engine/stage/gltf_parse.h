@@ -9,11 +9,14 @@
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
+
+#include "stage/gltf_scene.h"
 
 namespace neuvv {
 
@@ -43,16 +46,20 @@ int accessor_components(const AccessorReader& reader, int accessor, const std::s
 bool is_raw_integer(const AccessorReader& reader, int accessor);
 
 // The steps of load_gltf, in the order they run; each fills its part of the scene.
-struct GltfScene;
 struct TextureTransform {
     int uv_set = 0;
     glm::vec2 offset{0};
     glm::vec2 scale{1};
     float rotation = 0;
 };
-std::vector<TextureTransform> load_materials(GltfScene& scene, const tinygltf::Model& model);
+// The transforms of one material's textures: the base colour's and, by GltfMap, the others'.
+struct MaterialTransforms {
+    TextureTransform base;
+    std::array<TextureTransform, kGltfMaps> maps;
+};
+std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf::Model& model);
 void load_images(GltfScene& scene, const tinygltf::Model& model);
-void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<TextureTransform>& transforms);
+void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms);
 void load_skins(GltfScene& scene, AccessorReader& reader);
 void load_nodes(GltfScene& scene, const tinygltf::Model& model);
 void load_animations(GltfScene& scene, AccessorReader& reader);

@@ -161,7 +161,7 @@ GltfScene load_gltf(const std::filesystem::path& path) {
     scene.file = path.string();
     const tinygltf::Model model = parse_gltf(path);
     AccessorReader reader{scene.file, model};
-    const std::vector<TextureTransform> transforms = load_materials(scene, model);
+    const std::vector<MaterialTransforms> transforms = load_materials(scene, model);
     load_meshes(scene, reader, transforms);
     load_skins(scene, reader);
     load_nodes(scene, model);

@@ -4,6 +4,7 @@
 // left. pose.h evaluates it at an instant.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -28,6 +29,10 @@ struct GltfTexture {
 
 enum class GltfAlpha { kOpaque, kMask, kBlend };
 
+// The textures of a material beside its base colour.
+enum class GltfMap { kMetallicRoughness, kNormal, kOcclusion, kEmissive };
+constexpr size_t kGltfMaps = 4;
+
 struct GltfMaterial {
     std::string name;
     glm::vec4 base_color{1};  // linear, straight alpha
@@ -38,6 +43,14 @@ struct GltfMaterial {
     bool unlit = false;  // KHR_materials_unlit
     float metallic = 1;
     float roughness = 1;
+    // By GltfMap, −1 without: roughness in green and metallic in blue; tangent-space normals; occlusion in red; these
+    // three are numbers, emission is sRGB.
+    std::array<int32_t, kGltfMaps> maps{-1, -1, -1, -1};
+    float normal_scale = 1;
+    float occlusion_strength = 1;
+    glm::vec3 emissive{0};  // linear; KHR_materials_emissive_strength multiplied in
+
+    int32_t map(GltfMap which) const { return maps[static_cast<size_t>(which)]; }
 };
 
 // Displacements to add, weighted, to a primitive's vertices; normals may be empty.
@@ -49,8 +62,12 @@ struct GltfMorphTarget {
 // A triangle list. Every vertex array is empty or as long as positions; every index is < positions.size().
 struct GltfPrimitive {
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;    // unit; never empty: flat normals where the file has none
-    std::vector<glm::vec2> uvs;        // the set its material asks for, KHR_texture_transform applied; may be empty
+    std::vector<glm::vec3> normals;  // unit; never empty: flat normals where the file has none
+    std::vector<glm::vec2> uvs;      // the set its material asks for, KHR_texture_transform applied; may be empty
+    // By GltfMap: as uvs; empty where the material has no such map or the file no such set.
+    std::array<std::vector<glm::vec2>, kGltfMaps> map_uvs;
+    // Unit, along the normal map's U; w ±1: bitangent = cross(normal, tangent) · w. Empty without a normal map.
+    std::vector<glm::vec4> tangents;
     std::vector<glm::vec4> colors;     // COLOR_0, linear; may be empty
     std::vector<glm::u16vec4> joints;  // indices into GltfSkin::joints; empty where not skinned
     std::vector<glm::vec4> weights;    // sum 1; as long as joints
@@ -112,7 +129,7 @@ struct GltfScene {
     std::vector<GltfMesh> meshes;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;
-    std::vector<Image> images;  // empty where no base colour uses the image
+    std::vector<Image> images;  // empty where no material uses the image
     std::vector<GltfSkin> skins;
     std::vector<GltfAnimation> animations;
 };

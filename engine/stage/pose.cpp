@@ -107,6 +107,14 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
     return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
+// Tangents go as positions do; a mirror turns the bitangent's side around.
+glm::vec4 turned(const glm::vec4& tangent, const glm::dmat3& m) {
+    const glm::dvec3 along = m * glm::dvec3(tangent);
+    const double length = glm::length(along);
+    if (!(length > 0 && std::isfinite(length))) return tangent;
+    return {glm::vec3(along / length), glm::determinant(m) < 0 ? -tangent.w : tangent.w};
+}
+
 }  // namespace
 
 PosedScene pose_scene(const GltfScene& scene, int32_t animation, double time_s) {
@@ -142,6 +150,7 @@ void pose_vertices(const GltfScene& scene, const PosedScene& pose, uint32_t node
     const std::vector<float>& weights = pose.morph_weights[node];
     out.positions.resize(primitive.positions.size());
     out.normals.resize(primitive.positions.size());
+    out.tangents.resize(primitive.tangents.size());
     out.mirrored = skin < 0 && glm::determinant(glm::dmat3(rigid)) < 0;
     for (size_t v = 0; v < primitive.positions.size(); ++v) {
         glm::dvec3 position = primitive.positions[v], normal = primitive.normals[v];
@@ -160,9 +169,11 @@ void pose_vertices(const GltfScene& scene, const PosedScene& pose, uint32_t node
                     blend += static_cast<double>(primitive.weights[v][k]) * joints[primitive.joints[v][k]];
             position = glm::dvec3(blend * glm::dvec4(position, 1));
             normal = normal_matrix(glm::dmat3(blend)) * normal;
+            if (!out.tangents.empty()) out.tangents[v] = turned(primitive.tangents[v], glm::dmat3(blend));
         } else {
             position = glm::dvec3(rigid * glm::dvec4(position, 1));
             normal = rigid_normals * normal;
+            if (!out.tangents.empty()) out.tangents[v] = turned(primitive.tangents[v], glm::dmat3(rigid));
         }
         const double length = glm::length(normal);
         out.positions[v] = glm::vec3(position);

@@ -24,6 +24,7 @@ PosedScene pose_scene(const GltfScene& scene, int32_t animation, double time_s);
 struct PosedVertices {
     std::vector<glm::vec3> positions;  // world, metres
     std::vector<glm::vec3> normals;    // world, unit, outward
+    std::vector<glm::vec4> tangents;   // world, as GltfPrimitive's; empty where it has none
     bool mirrored = false;             // the node mirrors: triangles are clockwise from outside
 };
 

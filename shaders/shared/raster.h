@@ -9,6 +9,8 @@ CONSTEXPR uint kRasterPosition = 0u;  // vertex attributes
 CONSTEXPR uint kRasterNormal = 1u;
 CONSTEXPR uint kRasterUv = 2u;
 CONSTEXPR uint kRasterColour = 3u;
+CONSTEXPR uint kRasterTangent = 4u;  // the set alone: see shared/set.h
+CONSTEXPR uint kRasterMapUvs = 5u;   // and 6
 
 CONSTEXPR uint kRasterTexture = 0u;
 

@@ -1,0 +1,222 @@
+#include "render/scene_geometry.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "render/raster.h"
+#include "shared/raster.h"
+
+namespace neuvv {
+
+namespace {
+
+struct MovingVertex {
+    glm::vec3 position, normal;
+};
+struct FixedVertex {
+    glm::vec2 uv;
+    glm::vec4 colour;
+};
+struct MapUvs {
+    glm::vec2 uv[kGltfMaps];
+};
+
+void list_draws(SceneGeometry& to) {
+    uint64_t vertices = 0, indices = 0;
+    for (uint32_t n = 0; n < to.scene.nodes.size(); n++) {
+        const GltfNode& node = to.scene.nodes[n];
+        if (!node.in_scene || node.mesh < 0) continue;
+        for (const GltfPrimitive& primitive : to.scene.meshes[static_cast<size_t>(node.mesh)].primitives) {
+            SceneDraw& draw = to.draws.emplace_back();
+            draw.node = n;
+            draw.primitive = &primitive;
+            draw.first_vertex = static_cast<uint32_t>(vertices);
+            draw.first_index = static_cast<uint32_t>(indices);
+            draw.material = primitive.material;
+            vertices += primitive.positions.size();
+            indices += primitive.indices.size();
+            if (vertices > INT32_MAX || indices > UINT32_MAX)
+                throw RuntimeFailure(to.scene.file + ": more vertices than one picture takes; use a smaller model");
+        }
+    }
+    to.vertex_count = static_cast<uint32_t>(vertices);
+    to.index_count = static_cast<uint32_t>(indices);
+}
+
+template <typename T>
+Buffer filled(const Device& device, const std::string& name, const std::vector<T>& values) {
+    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kUpload);
+    if (!values.empty()) std::memcpy(buffer.mapped, values.data(), values.size() * sizeof(T));
+    return buffer;
+}
+
+void upload_fixed(const Device& device, SceneGeometry& to) {
+    std::vector<FixedVertex> fixed;
+    std::vector<uint32_t> indices;
+    fixed.reserve(to.vertex_count);
+    indices.reserve(to.index_count);
+    for (const SceneDraw& draw : to.draws) {
+        const GltfPrimitive& from = *draw.primitive;
+        for (size_t v = 0; v < from.positions.size(); v++)
+            fixed.push_back(
+                {from.uvs.empty() ? glm::vec2(0) : from.uvs[v], from.colors.empty() ? glm::vec4(1) : from.colors[v]});
+        indices.insert(indices.end(), from.indices.begin(), from.indices.end());
+    }
+    to.fixed = filled(device, "raster fixed vertices", fixed);
+    to.indices = filled(device, "raster indices", indices);
+}
+
+void upload_map_uvs(const Device& device, SceneGeometry& to) {
+    std::vector<MapUvs> uvs(to.vertex_count);
+    for (const SceneDraw& draw : to.draws)
+        for (size_t map = 0; map < kGltfMaps; map++) {
+            const std::vector<glm::vec2>& from = draw.primitive->map_uvs[map];
+            for (size_t v = 0; v < from.size(); v++) uvs[draw.first_vertex + v].uv[map] = from[v];
+        }
+    to.map_uvs = filled(device, "raster map UVs", uvs);
+}
+
+// Whether the draw's vertices stand elsewhere than in the pose before.
+bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const PosedScene& to) {
+    const PosedScene& from = geometry.pose;
+    const int32_t skin = geometry.scene.nodes[draw.node].skin;
+    if (from.world_from_node.empty() || from.morph_weights[draw.node] != to.morph_weights[draw.node]) return true;
+    if (skin < 0) return from.world_from_node[draw.node] != to.world_from_node[draw.node];
+    return from.joint_matrices[static_cast<size_t>(skin)] != to.joint_matrices[static_cast<size_t>(skin)];
+}
+
+void pose_draw(SceneGeometry& geometry, const PosedScene& pose, SceneDraw& draw) {
+    PosedVertices& posed = geometry.scratch;
+    pose_vertices(geometry.scene, pose, draw.node, *draw.primitive, posed);
+    draw.mirrored = posed.mirrored;
+    draw.low = glm::vec3(INFINITY);
+    draw.high = -draw.low;
+    MovingVertex* to = geometry.moving.as<MovingVertex>() + draw.first_vertex;
+    for (size_t v = 0; v < posed.positions.size(); v++) {
+        to[v] = {posed.positions[v], posed.normals[v]};
+        draw.low = glm::min(draw.low, posed.positions[v]);
+        draw.high = glm::max(draw.high, posed.positions[v]);
+    }
+    if (geometry.detail == SceneDetail::kSurface && !posed.tangents.empty())
+        std::memcpy(geometry.tangents.as<glm::vec4>() + draw.first_vertex, posed.tangents.data(),
+                    posed.tangents.size() * sizeof(glm::vec4));
+}
+
+}  // namespace
+
+SceneGeometry::SceneGeometry(const Device& device, const GltfScene& from, SceneDetail how) : scene(from), detail(how) {
+    list_draws(*this);
+    moving = filled(device, "raster moving vertices", std::vector<MovingVertex>(vertex_count));
+    upload_fixed(device, *this);
+    if (detail == SceneDetail::kBase) return;
+    tangents = filled(device, "raster tangents", std::vector<glm::vec4>(vertex_count, glm::vec4(0)));
+    upload_map_uvs(device, *this);
+}
+
+bool pose_geometry(SceneGeometry& geometry, const PosedScene& pose) {
+    bool any = false;
+    for (SceneDraw& draw : geometry.draws) {
+        if (!moved(geometry, draw, pose)) continue;
+        pose_draw(geometry, pose, draw);
+        any = true;
+    }
+    geometry.pose = pose;
+    if (!any) return false;
+    geometry.low = glm::vec3(INFINITY);
+    geometry.high = -geometry.low;
+    for (const SceneDraw& draw : geometry.draws) {
+        geometry.low = glm::min(geometry.low, draw.low);
+        geometry.high = glm::max(geometry.high, draw.high);
+    }
+    return true;
+}
+
+void describe_streams(SceneDetail detail, GraphicsShape& shape) {
+    constexpr VkVertexInputRate kVertex = VK_VERTEX_INPUT_RATE_VERTEX;
+    shape.streams = {{0, sizeof(MovingVertex), kVertex}, {1, sizeof(FixedVertex), kVertex}};
+    shape.attributes = {{kRasterPosition, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(MovingVertex, position)},
+                        {kRasterNormal, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(MovingVertex, normal)},
+                        {kRasterUv, 1, VK_FORMAT_R32G32_SFLOAT, offsetof(FixedVertex, uv)},
+                        {kRasterColour, 1, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(FixedVertex, colour)}};
+    if (detail == SceneDetail::kBase) return;
+    shape.streams.push_back({2, sizeof(glm::vec4), kVertex});
+    shape.streams.push_back({3, sizeof(MapUvs), kVertex});
+    shape.attributes.push_back({kRasterTangent, 2, VK_FORMAT_R32G32B32A32_SFLOAT, 0});
+    shape.attributes.push_back({kRasterMapUvs, 3, VK_FORMAT_R32G32B32A32_SFLOAT, 0});
+    shape.attributes.push_back({kRasterMapUvs + 1, 3, VK_FORMAT_R32G32B32A32_SFLOAT, 2 * sizeof(glm::vec2)});
+}
+
+void bind_streams(Commands& commands, const SceneGeometry& geometry) {
+    const VkBuffer streams[] = {geometry.moving.buffer, geometry.fixed.buffer, geometry.tangents.buffer,
+                                geometry.map_uvs.buffer};
+    const VkDeviceSize offsets[] = {0, 0, 0, 0};
+    vkCmdBindVertexBuffers(commands.handle(), 0, geometry.detail == SceneDetail::kBase ? 2 : 4, streams, offsets);
+    vkCmdBindIndexBuffer(commands.handle(), geometry.indices.buffer, 0, VK_INDEX_TYPE_UINT32);
+}
+
+const GltfMaterial& material_at(const GltfScene& scene, int32_t index) {
+    static const GltfMaterial kDefault;
+    return index < 0 ? kDefault : scene.materials[static_cast<size_t>(index)];
+}
+
+namespace {
+
+VkSamplerAddressMode address_mode(GltfWrap wrap) {
+    switch (wrap) {
+        case GltfWrap::kRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+        case GltfWrap::kMirroredRepeat:
+            return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+        case GltfWrap::kClampToEdge:
+            return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    }
+    return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+SamplerShape sampler_shape(const GltfTexture& texture) {
+    SamplerShape shape;
+    shape.wrap_u = address_mode(texture.wrap_u);
+    shape.wrap_v = address_mode(texture.wrap_v);
+    shape.magnification = texture.nearest_magnification ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    shape.minification = texture.nearest_minification ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    shape.mipmaps = texture.mipmaps;
+    return shape;
+}
+
+DeviceImage make_texture(const Device& device, const std::string& name, const Image& image, bool srgb) {
+    const std::vector<std::vector<uint8_t>> levels = srgb ? mip_levels(image) : mip_levels_of_numbers(image);
+    DeviceImage texture(device, name,
+                        {image.width, image.height, srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_SAMPLE_COUNT_1_BIT,
+                         static_cast<uint32_t>(levels.size())});
+    upload_levels(device, texture, levels);
+    return texture;
+}
+
+}  // namespace
+
+SceneTextures make_textures(const Device& device) {
+    Image white(1, 1);
+    white.rgba.assign(4, 255);
+    SceneTextures textures;
+    const std::string name = "texture white";
+    textures.entries.push_back(
+        {-1, true, make_texture(device, name, white, true), Sampler(device, name, SamplerShape{})});
+    return textures;
+}
+
+size_t add_texture(const Device& device, const GltfScene& scene, SceneTextures& textures, int32_t texture, bool srgb) {
+    if (texture < 0) return 0;
+    for (size_t i = 1; i < textures.entries.size(); i++)
+        if (textures.entries[i].texture == texture && textures.entries[i].srgb == srgb) return i;
+    const GltfTexture& from = scene.textures[static_cast<size_t>(texture)];
+    const std::string name = fmt::format("texture {}{}", texture, srgb ? "" : " as numbers");
+    textures.entries.push_back({texture, srgb, make_texture(device, name, scene.images[from.image], srgb),
+                                Sampler(device, name, sampler_shape(from))});
+    return textures.entries.size() - 1;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,57 @@
+// The lights of a stage as shaders take them (shared/lights.h), and where their shadow maps look from.
+#pragma once
+
+#include <array>
+#include <span>
+#include <utility>
+
+#include "shared/lights.h"
+#include "stage/camera.h"
+
+namespace neuvv {
+
+enum class SetLightKind : uint32_t { kDirectional = kLightDirectional, kPoint = kLightPoint, kSpot = kLightSpot };
+
+// KHR_lights_punctual in world space.
+struct SetLight {
+    SetLightKind kind = SetLightKind::kPoint;
+    glm::dvec3 position{0};          // metres
+    glm::dvec3 direction{0, -1, 0};  // unit: the way the light goes
+    glm::dvec3 colour{1};            // linear × intensity: candela (point, spot), lux (directional)
+    double range_m = 0;              // 0: no end
+    double inner_cos = 1;            // of a spot's cone; outer < inner
+    double outer_cos = 0.7071067811865476;
+    bool casts_shadow = false;  // spots and directional lights; points cast none
+};
+
+// Light from around.
+struct SetAmbient {
+    glm::dvec3 light{0};               // linear, constant: a white diffuse surface returns just this
+    double environment_intensity = 1;  // factor of the environment's picture, where there is one
+    double environment_rotation = 0;   // radians about +Y
+    bool show_environment = false;     // and it is the background
+};
+
+// Which shadows there are; costs no pipeline and no new maps.
+struct SetShadows {
+    bool set = true;
+    bool performers = true;
+};
+
+// A light from around as a polynomial of the normal, in the order of ShaderLights::irradiance.
+using Irradiance = std::array<glm::dvec3, 9>;
+
+// The same light turned about +Y.
+Irradiance turned(const Irradiance& irradiance, double rotation);
+
+// The camera that sees what a spot lights, `side` pixels each way: set and performers are seen from it for their
+// shadows. Cones wider than 160° are cut to that.
+Camera shadow_camera(const SetLight& light, uint32_t side);
+// The same as the matrix of ShaderLight, of a spot; or of a directional light, around a box (world: low, high).
+glm::dmat4 shadow_matrix(const SetLight& light, const std::pair<glm::dvec3, glm::dvec3>& box);
+
+// The first kMaxSetLights lights; the first kMaxShadows of them that cast shadows and can get maps.
+ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows,
+                         const Irradiance& environment, const std::pair<glm::dvec3, glm::dvec3>& box);
+
+}  // namespace neuvv

@@ -1,0 +1,116 @@
+// The set of a stage: a glTF scene under its lights, as volume rays end at it and are composited over it.
+//
+//     pose, light ─► record_set_shadows ─► record_set ─► colour, depth ─► (volumes ─► volume_depth) ─►
+//     record_set_transparent
+//
+// A view's picture in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
+// pixel.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/environment.h"
+#include "render/scene_geometry.h"
+#include "render/set_lights.h"
+#include "shared/set.h"
+
+namespace neuvv {
+
+constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
+
+// Draws one scene for at most `views` views of width × height texels. What is made here is all that it ever makes:
+// posing, lighting and recording allocate nothing. pose() and light() write memory that draws read: nothing that was
+// recorded here may be under way.
+class SetRaster {
+  public:
+    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the picture around it need
+    // not (environment.h says what it is).
+    SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
+              const Image* environment = nullptr);
+    SetRaster(const SetRaster&) = delete;
+    SetRaster& operator=(const SetRaster&) = delete;
+
+    // The instant that is drawn; vertices that did not move are left alone.
+    void pose(const PosedScene& pose);
+    void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
+
+    // As shaders see them: .light[i].shadow is the i-th light's slot in both kinds of shadow map.
+    const ShaderLights& lights() const { return packed_; }
+    // Whether anything is blended: else record_set_transparent does nothing, and `front` stays 0.
+    bool has_transparent() const { return has_transparent_; }
+    // World, metres: the box of all that is posed.
+    std::pair<glm::dvec3, glm::dvec3> box() const;
+    uint32_t width() const { return width_; }
+    uint32_t height() const { return height_; }
+    uint32_t views() const { return static_cast<uint32_t>(colours_.size()); }
+
+    // Texel view · width · height + y · width + x:
+    Buffer colour;  // rgba16f, linear premultiplied light; alpha 0 where there is no set
+    Buffer front;   // the same of the blended pieces before the volumes
+    Buffer depth;   // r32f, metres along the camera's axis; infinity where there is no opaque or masked set
+    // r32f, metres along the axis at which a texel's volume is; infinity where there is none, and until somebody writes
+    // it.
+    Buffer volume_depth;
+
+    Buffer lights_buffer;      // a uniform ShaderLights
+    Buffer set_shadow_maps;    // r32f, kMaxShadows maps: shadow.glsl reads them
+    Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from the light; 0 until somebody writes it
+
+  private:
+    friend void record_set_shadows(Commands&, SetRaster&);
+    friend void record_set(Commands&, SetRaster&, std::span<const Camera>);
+    friend void record_set_transparent(Commands&, SetRaster&, std::span<const Camera>);
+    void make_buffers(const Device& device, uint32_t views);
+    void make_images(const Device& device, uint32_t views);
+    void make_materials(const Device& device);
+    void make_sets(const Device& device);
+    void upload_environment(const Device& device, const Image* picture);
+    void pack();
+    SetPush push_of(const Camera& camera, uint32_t view) const;
+    void record_view(Commands& commands, const Camera& camera, uint32_t view);
+    void record_blended_view(Commands& commands, const Camera& camera, uint32_t view);
+    void record_shadow(Commands& commands, const ShaderLight& light);
+    void draw_background(Commands& commands, const Camera& camera) const;
+    void draw_solid(Commands& commands, const SetPush& push) const;
+    void draw_blended(Commands& commands, const SetPush& push);
+    void draw_shadowing(Commands& commands, const SetPush& push) const;
+    void draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets, const SceneDraw& draw,
+              SetPush push) const;
+
+    const GltfScene& scene_;
+    uint32_t width_, height_;
+    SceneGeometry geometry_;
+    GraphicsPass solid_, blended_, shadow_, background_;
+    std::vector<DeviceImage> colours_, depths_;  // by view
+    DeviceImage metres_, front_, shadow_depth_;
+    SceneTextures textures_;
+    DeviceImage environment_;
+    Sampler environment_sampler_;
+    Irradiance irradiance_{};
+    float last_level_ = 0;
+    bool has_environment_ = false;
+    Buffer materials_;
+    std::vector<TextureSet> solid_sets_, blended_sets_, shadow_sets_;  // by material, the default one first
+    TextureSet background_set_;
+    std::vector<SetLight> given_lights_;
+    SetAmbient ambient_;
+    SetShadows shadows_;
+    ShaderLights packed_{};
+    std::vector<std::pair<float, uint32_t>> order_;  // of blended draws: distance, index
+    bool has_transparent_ = false;
+    bool shadows_old_ = true;
+};
+
+// Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
+void record_set_shadows(Commands& commands, SetRaster& set);
+
+// Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view.
+void record_set(Commands& commands, SetRaster& set, std::span<const Camera> cameras);
+
+// Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the
+// others → front. After record_set with the same cameras.
+void record_set_transparent(Commands& commands, SetRaster& set, std::span<const Camera> cameras);
+
+}  // namespace neuvv

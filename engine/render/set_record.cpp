@@ -1,0 +1,202 @@
+// The recording half of SetRaster.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "render/raster.h"
+#include "render/set_raster.h"
+
+namespace neuvv {
+
+namespace {
+
+VkRenderingAttachmentInfo attachment(const DeviceImage& image, VkImageLayout layout, bool keep,
+                                     const VkClearValue& clear = {}) {
+    VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    info.imageView = image.view;
+    info.imageLayout = layout;
+    info.loadOp = keep ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+    info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    info.clearValue = clear;
+    return info;
+}
+
+VkRenderingAttachmentInfo colour_attachment(const DeviceImage& image, bool keep, float red = 0) {
+    VkClearValue clear{};
+    clear.color.float32[0] = red;
+    return attachment(image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, keep, clear);
+}
+
+// Depth is cleared to 0: infinitely far.
+VkRenderingAttachmentInfo depth_attachment(const DeviceImage& image, bool keep) {
+    return attachment(image, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, keep);
+}
+
+VkRect2D whole(const DeviceImage& image) {
+    return {{0, 0}, {image.shape.width, image.shape.height}};
+}
+
+void begin(Commands& commands, std::span<const VkRenderingAttachmentInfo> colours,
+           const VkRenderingAttachmentInfo& depth, const VkRect2D& area) {
+    VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    info.renderArea = area;
+    info.layerCount = 1;
+    info.colorAttachmentCount = static_cast<uint32_t>(colours.size());
+    info.pColorAttachments = colours.data();
+    info.pDepthAttachment = &depth;
+    vkCmdBeginRendering(commands.handle(), &info);
+    const VkViewport viewport{0, 0, static_cast<float>(area.extent.width), static_cast<float>(area.extent.height),
+                              0, 1};
+    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
+    vkCmdSetScissor(commands.handle(), 0, 1, &area);
+}
+
+void to_attachment(Commands& commands, const DeviceImage& image, VkImageLayout from = VK_IMAGE_LAYOUT_UNDEFINED) {
+    move_layout(commands, image, from,
+                image.shape.format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL
+                                                           : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+}
+
+// An attachment that was drawn to → texels of `slot`, a picture of this size, in the buffer. The image is left in
+// layout TRANSFER_SRC.
+void store(Commands& commands, const DeviceImage& image, const Buffer& to, uint32_t slot) {
+    const bool depth = image.shape.format == VK_FORMAT_D32_SFLOAT;
+    move_layout(commands, image,
+                depth ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    const uint64_t bytes = image.shape.format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4;
+    copy(commands, image, whole(image), to, bytes * slot * image.shape.width * image.shape.height);
+}
+
+}  // namespace
+
+void record_set_shadows(Commands& commands, SetRaster& set) {
+    if (!set.shadows_old_) return;
+    set.shadows_old_ = false;
+    for (uint32_t i = 0; i < set.packed_.count; i++)
+        if (set.packed_.light[i].shadow != kNoShadow) set.record_shadow(commands, set.packed_.light[i]);
+    compute_barrier(commands);
+}
+
+void record_set(Commands& commands, SetRaster& set, std::span<const Camera> cameras) {
+    assert(cameras.size() <= set.views() && "one camera a view");
+    draw_barrier(commands);
+    for (uint32_t view = 0; view < cameras.size(); view++) set.record_view(commands, cameras[view], view);
+    compute_barrier(commands);
+}
+
+void record_set_transparent(Commands& commands, SetRaster& set, std::span<const Camera> cameras) {
+    if (!set.has_transparent_) return;
+    assert(cameras.size() <= set.views() && "one camera a view");
+    draw_barrier(commands);
+    for (uint32_t view = 0; view < cameras.size(); view++) set.record_blended_view(commands, cameras[view], view);
+    compute_barrier(commands);
+}
+
+void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t view) {
+    const PassScope scope(commands, "set");
+    for (const DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
+    const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
+    begin(commands, targets, depth_attachment(depths_[view], false), whole(metres_));
+    draw_solid(commands, push_of(camera, view));
+    if (has_environment_ && ambient_.show_environment) draw_background(commands, camera);
+    vkCmdEndRendering(commands.handle());
+    store(commands, colours_[view], colour, view);
+    store(commands, metres_, depth, view);
+}
+
+void SetRaster::record_blended_view(Commands& commands, const Camera& camera, uint32_t view) {
+    const PassScope scope(commands, "set transparent");
+    to_attachment(commands, colours_[view], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    to_attachment(commands, front_);
+    const std::array targets{colour_attachment(colours_[view], true), colour_attachment(front_, false)};
+    begin(commands, targets, depth_attachment(depths_[view], true), whole(front_));
+    draw_blended(commands, push_of(camera, view));
+    vkCmdEndRendering(commands.handle());
+    store(commands, colours_[view], colour, view);
+    store(commands, front_, front, view);
+}
+
+void SetRaster::record_shadow(Commands& commands, const ShaderLight& light) {
+    const PassScope scope(commands, "set shadow");
+    to_attachment(commands, shadow_depth_);
+    begin(commands, {}, depth_attachment(shadow_depth_, false), whole(shadow_depth_));
+    SetPush push{};
+    push.clip_from_world = light.clip_from_world;
+    draw_shadowing(commands, push);
+    vkCmdEndRendering(commands.handle());
+    store(commands, shadow_depth_, set_shadow_maps, light.shadow);
+}
+
+SetPush SetRaster::push_of(const Camera& camera, uint32_t view) const {
+    assert(camera.width == width_ && camera.height == height_ && "the size of the set's pictures");
+    SetPush push{};
+    push.clip_from_world = glm::mat4(clip_from_world(camera, kSetNear_m));
+    push.eye = glm::vec4(camera.world_from_camera[3]);
+    push.first_texel = view * width_ * height_;
+    push.width = width_;
+    return push;
+}
+
+void SetRaster::draw_background(Commands& commands, const Camera& camera) const {
+    SetPush push{};
+    push.clip_from_world = glm::mat4(glm::inverse(clip_from_world(camera, kSetNear_m)));
+    VkCommandBuffer to = commands.handle();
+    const VkDescriptorSet set = background_set_.handle();
+    vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.pipeline());
+    vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.layout(), 0, 1, &set, 0, nullptr);
+    vkCmdPushConstants(to, background_.layout(), kDrawStages, 0, background_.interface().push_bytes, &push);
+    vkCmdSetCullMode(to, VK_CULL_MODE_NONE);
+    vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdSetDepthWriteEnable(to, VK_FALSE);
+    vkCmdDraw(to, 3, 1, 0, 0);
+}
+
+void SetRaster::draw_solid(Commands& commands, const SetPush& push) const {
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, solid_.pipeline());
+    bind_streams(commands, geometry_);
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
+    for (const SceneDraw& one : geometry_.draws)
+        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend)
+            draw(commands, solid_, solid_sets_, one, push);
+}
+
+void SetRaster::draw_blended(Commands& commands, const SetPush& push) {
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, blended_.pipeline());
+    bind_streams(commands, geometry_);
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
+    order_.clear();
+    for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
+        const SceneDraw& one = geometry_.draws[i];
+        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend) continue;
+        order_.emplace_back(-glm::length(0.5f * (one.low + one.high) - glm::vec3(push.eye)), i);
+    }
+    std::sort(order_.begin(), order_.end());  // equal distances: in the file's order
+    for (const auto& [nearness, i] : order_) draw(commands, blended_, blended_sets_, geometry_.draws[i], push);
+}
+
+void SetRaster::draw_shadowing(Commands& commands, const SetPush& push) const {
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, shadow_.pipeline());
+    bind_streams(commands, geometry_);
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
+    for (const SceneDraw& one : geometry_.draws)
+        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend)
+            draw(commands, shadow_, shadow_sets_, one, push);
+}
+
+void SetRaster::draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets,
+                     const SceneDraw& draw, SetPush push) const {
+    VkCommandBuffer to = commands.handle();
+    const bool both_sides = material_at(scene_, draw.material).double_sided || &pass == &shadow_;
+    push.material = static_cast<uint32_t>(draw.material + 1);
+    const VkDescriptorSet set = sets[push.material].handle();
+    vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout(), 0, 1, &set, 0, nullptr);
+    vkCmdPushConstants(to, pass.layout(), kDrawStages, 0, pass.interface().push_bytes, &push);
+    vkCmdSetCullMode(to, both_sides ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
+    vkCmdSetFrontFace(to, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdDrawIndexed(to, static_cast<uint32_t>(draw.primitive->indices.size()), 1, draw.first_index,
+                     static_cast<int32_t>(draw.first_vertex), 0);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,56 @@
+// glTF 2.0's metallic-roughness material (specification, appendix B): what a surface sends to the eye of light from one
+// direction, and of light from around.
+#ifndef NEUVV_PBR_GLSL
+#define NEUVV_PBR_GLSL
+#include "shared/set.h"
+
+const float kPi = 3.14159265358979;
+
+struct Surface {
+    vec3 diffuse;     // reflectance
+    vec3 f0;          // specular reflectance seen from straight above
+    float roughness;  // perceptual: α is its square
+    vec3 normal;      // world, unit, towards the eye
+};
+
+Surface surface_of(vec3 base_colour, float metallic, float roughness, vec3 normal) {
+    return Surface(base_colour * (1.0 - metallic), mix(vec3(0.04), base_colour, metallic),
+                   max(roughness, kMinRoughness), normal);
+}
+
+// Light sent to the eye for each unit of light that falls on a surface facing `to_light`:
+//   ((1 − F) c_diff / π + F D V) · N·L,   F = f0 + (1 − f0)(1 − V·H)⁵
+//   D = α² / (π ((N·H)²(α² − 1) + 1)²)                                                        GGX
+//   V = 1 / (2 (N·L √((N·V)²(1 − α²) + α²) + N·V √((N·L)²(1 − α²) + α²)))                     Smith, height-correlated
+vec3 reflect_light(Surface s, vec3 to_eye, vec3 to_light) {
+    const float nl = dot(s.normal, to_light);
+    if (nl <= 0.0) return vec3(0.0);
+    const float nv = max(abs(dot(s.normal, to_eye)), 1e-4);
+    const vec3 middle = normalize(to_eye + to_light + 1e-7 * s.normal);
+    const float nh = clamp(dot(s.normal, middle), 0.0, 1.0), vh = clamp(dot(to_eye, middle), 0.0, 1.0);
+    const float alpha2 = s.roughness * s.roughness * s.roughness * s.roughness;
+    const float lobe = nh * nh * (alpha2 - 1.0) + 1.0;
+    const float d = alpha2 / (kPi * lobe * lobe);
+    const float v = 0.5 / (nl * sqrt(nv * nv * (1.0 - alpha2) + alpha2) + nv * sqrt(nl * nl * (1.0 - alpha2) + alpha2));
+    const float grazing = pow(1.0 - vh, 5.0);
+    const vec3 f = s.f0 + (1.0 - s.f0) * grazing;
+    return ((1.0 - f) * s.diffuse / kPi + f * (d * v)) * nl;
+}
+
+// What the surface reflects of a uniform light of 1 by its specular lobe: the split sum's second factor, in Karis' fit
+// (Physically Based Shading on Mobile, 2014).
+vec3 specular_albedo(Surface s, float nv) {
+    const vec4 r = s.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    const float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    const vec2 scale = vec2(-1.04, 1.04) * a + r.zw;
+    return clamp(s.f0 * scale.x + scale.y, vec3(0.0), vec3(1.0));
+}
+
+// Light from around: `irradiance` is what a white diffuse surface returns, `mirrored` what comes along the mirrored ray,
+// blurred by roughness. What is not mirrored is left to the diffuse part, so that white stays white.
+vec3 reflect_ambient(Surface s, vec3 to_eye, vec3 irradiance, vec3 mirrored) {
+    const vec3 albedo = specular_albedo(s, clamp(abs(dot(s.normal, to_eye)), 1e-4, 1.0));
+    return (1.0 - albedo) * s.diffuse * irradiance + albedo * mirrored;
+}
+
+#endif

@@ -1,0 +1,93 @@
+// What a fragment of the set sends to the eye: its glTF material under all lights, with the shadows of set and
+// performers. Declares the bindings that opaque and blended pieces share. Bound by texture and shadow-map fetches.
+#ifndef NEUVV_SET_SURFACE_GLSL
+#define NEUVV_SET_SURFACE_GLSL
+#include "shared/set.h"
+
+layout(location = 0) in vec3 shaded_position;
+layout(location = 1) in vec3 shaded_normal;
+layout(location = 2) in vec4 shaded_tangent;
+layout(location = 3) in vec4 shaded_colour;
+layout(location = 4) in vec2 shaded_uv;
+layout(location = 5) in vec4 shaded_map_uvs_a;
+layout(location = 6) in vec4 shaded_map_uvs_b;
+layout(binding = kSetBaseTexture) uniform sampler2D base_texture;
+layout(binding = kSetMapTextures) uniform sampler2D metallic_roughness_map;
+layout(binding = kSetMapTextures + 1u) uniform sampler2D normal_map;
+layout(binding = kSetMapTextures + 2u) uniform sampler2D occlusion_map;
+layout(binding = kSetMapTextures + 3u) uniform sampler2D emissive_map;
+layout(binding = kSetEnvironment) uniform sampler2D environment;
+layout(binding = kSetMaterials) uniform textureBuffer materials;
+layout(binding = kSetLights) uniform Lights { ShaderLights lights; };
+layout(binding = kSetShadowMaps) uniform textureBuffer set_shadow_maps;
+layout(binding = kSetPerformerShadows) uniform textureBuffer performer_shadows;
+layout(push_constant) uniform Push { SetPush push; };
+
+#include "environment.glsl"
+#include "lights.glsl"
+#include "pbr.glsl"
+#include "shadow.glsl"
+
+SetMaterial fetch_material(uint index) {
+    const int at = int(index * kSetMaterialTexels);
+    return SetMaterial(texelFetch(materials, at), texelFetch(materials, at + 1), texelFetch(materials, at + 2),
+                       texelFetch(materials, at + 3));
+}
+
+vec3 unit_or_up(vec3 v) {
+    const float square = dot(v, v);
+    return square > 1e-20 ? v * inversesqrt(square) : vec3(0.0, 1.0, 0.0);
+}
+
+// Of the geometry, on the side that is seen.
+vec3 facing_normal() {
+    const vec3 n = unit_or_up(shaded_normal);
+    return gl_FrontFacing ? n : -n;
+}
+
+// glTF 2.0, 3.9.3. Without a normal map the tangent's w is 0. Of a back face all three axes turn around.
+vec3 mapped_normal(vec3 geometric, float scale) {
+    if (shaded_tangent.w == 0.0) return geometric;
+    const vec3 along = shaded_tangent.xyz - dot(shaded_tangent.xyz, geometric) * geometric;
+    const float square = dot(along, along);
+    if (square < 1e-20) return geometric;
+    const float side = gl_FrontFacing ? 1.0 : -1.0;
+    const vec3 t = side * along * inversesqrt(square);
+    const vec3 b = cross(geometric, t) * (shaded_tangent.w < 0.0 ? -1.0 : 1.0) * side;
+    const vec3 local = (texture(normal_map, shaded_map_uvs_a.zw).xyz * 2.0 - 1.0) * vec3(scale, scale, 1.0);
+    const vec3 n = t * local.x + b * local.y + geometric * local.z;
+    return dot(n, n) > 1e-20 ? normalize(n) : geometric;
+}
+
+vec3 lit_surface(SetMaterial material, vec3 base_colour) {
+    const vec3 geometric = facing_normal(), to_eye = unit_or_up(push.eye.xyz - shaded_position);
+    const vec4 numbers = texture(metallic_roughness_map, shaded_map_uvs_a.xy);
+    const Surface surface =
+        surface_of(base_colour, clamp(material.surface.x * numbers.b, 0.0, 1.0),
+                   clamp(material.surface.y * numbers.g, 0.0, 1.0), mapped_normal(geometric, material.surface.z));
+    vec3 light = material.emissive.rgb * texture(emissive_map, shaded_map_uvs_b.zw).rgb;
+    for (uint i = 0u; i < lights.count; i++) {
+        vec3 to_light;
+        const vec3 arriving = light_at(lights.light[i], shaded_position, to_light);
+        const vec3 sent = arriving * reflect_light(surface, to_eye, to_light);
+        if (max(sent.r, max(sent.g, sent.b)) > 0.0)
+            light += sent * set_shadow(i, shaded_position, geometric) * performer_shadow(i, shaded_position);
+    }
+    const vec3 mirrored = reflect(-to_eye, surface.normal);
+    vec3 from_there = lights.ambient.rgb;
+    if (lights.environment.x > 0.0) from_there += environment_at(mirrored, surface.roughness);
+    const float open = 1.0 + material.surface.w * (texture(occlusion_map, shaded_map_uvs_b.xy).r - 1.0);
+    return light + open * reflect_ambient(surface, to_eye, ambient_at(lights.irradiance, surface.normal), from_there);
+}
+
+// Linear premultiplied. Ends the fragment below the alpha cutoff.
+vec4 shade_fragment() {
+    const SetMaterial material = fetch_material(push.material);
+    const vec4 base = material.base_colour * shaded_colour * texture(base_texture, shaded_uv);
+    if (base.a < material.alpha.x) discard;
+    const vec3 light = material.emissive.w > 0.0 ? base.rgb : lit_surface(material, base.rgb);
+    const float alpha = mix(clamp(base.a, 0.0, 1.0), 1.0, material.alpha.y);
+    return vec4(clamp(light, vec3(0.0), vec3(kBrightest)) * alpha, alpha);
+}
+
+#endif

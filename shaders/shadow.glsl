@@ -1,0 +1,74 @@
+// How much of a light reaches a place: the shadow maps of the set, and the soft ones of the performers. The includer
+// declares
+//   uniform Lights { ShaderLights lights; };
+//   uniform textureBuffer set_shadow_maps;    // r32f, kSetShadowSide² reversed depths a shadow, rows
+//   uniform textureBuffer performer_shadows;  // rg32f, kPerformerShadowSide² a shadow: alpha, metres from the light
+// `light` is an index of lights.light; lights without a shadow map are never shadowed (points cast none).
+#ifndef NEUVV_SHADOW_GLSL
+#define NEUVV_SHADOW_GLSL
+#include "shared/lights.h"
+
+// 1 where the map's texel has nothing before `depth`; what the map does not cover is lit.
+float shadow_texel(uint shadow, ivec2 texel, float depth) {
+    const int side = int(kSetShadowSide);
+    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(side)))) return 1.0;
+    const int at = (int(shadow) * side + texel.y) * side + texel.x;
+    return texelFetch(set_shadow_maps, at).x > depth ? 0.0 : 1.0;
+}
+
+// 1 lit, 0 in the set's shadow: 3×3 bilinear comparisons, which are 4×4 texels. `normal` is the surface's, unit, or 0 for
+// a place in a volume. The place is taken off its surface by what the filter's reach rises along it (slope-scaled), and
+// by a fraction of a texel towards the light.
+float set_shadow(uint light, vec3 world, vec3 normal) {
+    const ShaderLight from = lights.light[light];
+    if (from.shadow == kNoShadow || lights.set_shadows == 0u) return 1.0;
+    const vec3 to_light =
+        from.kind == kLightDirectional ? -from.direction.xyz : normalize(from.position.xyz - world);
+    const float w = (from.clip_from_world * vec4(world, 1.0)).w;
+    // Metres a texel at the place: clip x and y grow by `scale` a metre and span 2 w.
+    const float scale = length(vec3(from.clip_from_world[0].x, from.clip_from_world[1].x, from.clip_from_world[2].x));
+    const float texel = 2.0 * w / (scale * float(kSetShadowSide));
+    const float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
+    const vec3 lifted = world + normal * (3.0 * texel * sqrt(1.0 - cosine * cosine)) + to_light * (0.5 * texel + 1e-4);
+    const vec4 clip = from.clip_from_world * vec4(lifted, 1.0);
+    if (clip.w <= 0.0) return 1.0;
+    const vec3 seen = clip.xyz / clip.w;
+    const vec2 place = (0.5 * seen.xy + 0.5) * float(kSetShadowSide) - 1.5;
+    if (any(lessThan(place, vec2(-4.0))) || any(greaterThan(place, vec2(kSetShadowSide)))) return 1.0;
+    const ivec2 first = ivec2(floor(place));
+    const vec2 share = place - vec2(first);
+    float lit = 0.0;
+    for (int y = 0; y < 4; y++) {
+        const float weight_y = y == 0 ? 1.0 - share.y : y == 3 ? share.y : 1.0;
+        for (int x = 0; x < 4; x++) {
+            const float weight_x = x == 0 ? 1.0 - share.x : x == 3 ? share.x : 1.0;
+            lit += weight_x * weight_y * shadow_texel(from.shadow, first + ivec2(x, y), seen.z);
+        }
+    }
+    return lit / 9.0;
+}
+
+// 1 lit, down to 1 − alpha behind a performer as seen from a spot light, bilinear over four texels. Only spots have such
+// maps.
+float performer_shadow(uint light, vec3 world) {
+    const ShaderLight from = lights.light[light];
+    if (from.shadow == kNoShadow || lights.performer_shadows == 0u || from.kind != kLightSpot) return 1.0;
+    const vec4 clip = from.clip_from_world * vec4(world, 1.0);
+    if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 1.0;
+    const int side = int(kPerformerShadowSide);
+    const vec2 place = (0.5 * clip.xy / clip.w + 0.5) * float(side) - 0.5;
+    const ivec2 first = ivec2(floor(place));
+    const vec2 share = place - vec2(first);
+    const float metres = distance(from.position.xyz, world);
+    float shade = 0.0;
+    for (int i = 0; i < 4; i++) {
+        const ivec2 corner = ivec2(i & 1, i >> 1), texel = clamp(first + corner, ivec2(0), ivec2(side - 1));
+        const vec2 weights = mix(1.0 - share, share, vec2(corner));
+        const vec2 blocker = texelFetch(performer_shadows, (int(from.shadow) * side + texel.y) * side + texel.x).xy;
+        if (blocker.x > 0.0)  // the distance means something only there
+            shade += weights.x * weights.y * blocker.x * smoothstep(0.0, kPerformerShadowSoft, metres - blocker.y);
+    }
+    return 1.0 - shade;
+}
+
+#endif

@@ -1,0 +1,18 @@
+// The lights of a stage in double precision: KHR_lights_punctual, and light from around.
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+
+#include "render/set_lights.h"
+
+namespace neuvv::reference {
+
+// On a surface that faces the light, without shadows; `to_light` is unit.
+glm::dvec3 light_at(const SetLight& light, glm::dvec3 world, glm::dvec3& to_light);
+
+// What a white diffuse surface returns of light from around: ∫ L(d) max(n·d, 0) dω / π, by quadrature over `rows`
+// bands.
+glm::dvec3 irradiance(const std::function<glm::dvec3(glm::dvec3)>& light_from, glm::dvec3 normal, int rows);
+
+}  // namespace neuvv::reference

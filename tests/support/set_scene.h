@@ -1,0 +1,129 @@
+// Sets for tests, built in code, and what SetRaster makes of them.
+#pragma once
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/platform.h"
+#include "media/image.h"
+#include "render/set_raster.h"
+#include "tests/stage/glb_builder.h"
+#include "voctree/half.h"
+
+namespace neuvv::test {
+
+struct MeshData {
+    std::vector<float> positions, normals, uvs;
+    std::vector<uint32_t> indices;
+};
+
+// A rectangle from `corner` along u and v; seen from where u goes right and v up it is counter-clockwise, and (0, 0) of
+// its UVs is its upper left corner.
+inline MeshData rectangle(glm::vec3 corner, glm::vec3 u, glm::vec3 v) {
+    const glm::vec3 normal = glm::normalize(glm::cross(u, v));
+    MeshData mesh;
+    for (const glm::vec3& place : {corner, corner + u, corner + u + v, corner + v})
+        mesh.positions.insert(mesh.positions.end(), {place.x, place.y, place.z});
+    for (int i = 0; i < 4; i++) mesh.normals.insert(mesh.normals.end(), {normal.x, normal.y, normal.z});
+    mesh.uvs = {0, 1, 1, 1, 1, 0, 0, 0};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    return mesh;
+}
+
+inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
+    MeshData mesh;
+    const uint32_t columns = 2 * rows;
+    for (uint32_t row = 0; row <= rows; row++)
+        for (uint32_t column = 0; column <= columns; column++) {
+            const double theta = std::numbers::pi * row / rows, phi = 2 * std::numbers::pi * column / columns;
+            const glm::vec3 n(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
+            const glm::vec3 place = centre + radius * n;
+            mesh.positions.insert(mesh.positions.end(), {place.x, place.y, place.z});
+            mesh.normals.insert(mesh.normals.end(), {n.x, n.y, n.z});
+            mesh.uvs.insert(mesh.uvs.end(), {static_cast<float>(column) / static_cast<float>(columns),
+                                       static_cast<float>(row) / static_cast<float>(rows)});
+        }
+    for (uint32_t row = 0; row < rows; row++)
+        for (uint32_t column = 0; column < columns; column++) {
+            const uint32_t a = row * (columns + 1) + column, b = a + columns + 1;
+            mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+        }
+    return mesh;
+}
+
+// A mesh of one primitive with a material of its own on a node of its own; returns the node.
+inline json& add_mesh(GlbBuilder& glb, const MeshData& mesh, const json& material = json::object(),
+                      bool with_uvs = true) {
+    json attributes = {{"POSITION", glb.vec3(mesh.positions)}, {"NORMAL", glb.vec3(mesh.normals)}};
+    if (with_uvs) attributes["TEXCOORD_0"] = glb.floats(mesh.uvs, "VEC2", 2);
+    glb.root["materials"].push_back(material);
+    glb.root["meshes"].push_back({{"primitives",
+                                   {{{"attributes", attributes},
+                                     {"indices", glb.add(mesh.indices, kU32, "SCALAR", 1)},
+                                     {"material", glb.root["materials"].size() - 1}}}}});
+    glb.root["nodes"].push_back({{"mesh", glb.root["meshes"].size() - 1}});
+    return glb.root["nodes"].back();
+}
+
+// Returns the index of the texture.
+inline size_t add_texture(GlbBuilder& glb, const Image& image) {
+    const std::vector<uint8_t> png = encode_png(image);
+    glb.root["images"].push_back({{"bufferView", glb.add_view(png.data(), png.size())}, {"mimeType", "image/png"}});
+    glb.root["textures"].push_back({{"source", glb.root["images"].size() - 1}});
+    return glb.root["textures"].size() - 1;
+}
+
+inline Image one_colour(uint8_t r, uint8_t g, uint8_t b, uint8_t a = 255) {
+    Image image(4, 4);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        image.rgba[i] = r;
+        image.rgba[i + 1] = g;
+        image.rgba[i + 2] = b;
+        image.rgba[i + 3] = a;
+    }
+    return image;
+}
+
+inline json pbr_material(glm::vec4 base, double metallic, double roughness) {
+    return {{"pbrMetallicRoughness",
+             {{"baseColorFactor", {base.r, base.g, base.b, base.a}},
+              {"metallicFactor", metallic},
+              {"roughnessFactor", roughness}}}};
+}
+
+inline GltfScene scene_of(const GlbBuilder& glb) {
+    const TemporaryFolder folder;
+    return load_gltf(folder.write(glb.bytes()));
+}
+
+// Everything that the raster pass left, by texel of all views.
+struct SetPictures {
+    std::vector<glm::dvec4> colour, front;
+    std::vector<float> depth_m;
+};
+
+inline std::vector<glm::dvec4> download_colours(const Device& device, const Buffer& from) {
+    std::vector<uint16_t> halves(from.bytes / 2);
+    download(device, from, halves.data(), from.bytes);
+    std::vector<glm::dvec4> colours(halves.size() / 4);
+    for (size_t i = 0; i < halves.size(); i++) colours[i / 4][static_cast<int>(i % 4)] = float_from_half(halves[i]);
+    return colours;
+}
+
+inline SetPictures draw_set(const Device& device, SetRaster& set, const std::vector<Camera>& cameras) {
+    run_once(device, "set", [&](Commands& commands) {
+        record_set_shadows(commands, set);
+        record_set(commands, set, cameras);
+        record_set_transparent(commands, set, cameras);
+    });
+    SetPictures pictures{download_colours(device, set.colour), download_colours(device, set.front), {}};
+    pictures.depth_m.resize(set.depth.bytes / 4);
+    download(device, set.depth, pictures.depth_m.data(), set.depth.bytes);
+    return pictures;
+}
+
+}  // namespace neuvv::test
