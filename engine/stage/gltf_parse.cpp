@@ -8,14 +8,14 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "stage/gltf_container.h"
+#include "stage/stage_file.h"
 
 namespace neuvv {
 
 namespace {
 
 using nlohmann::json;
-
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 
 struct Source {
     std::string file;
@@ -25,38 +25,6 @@ struct Source {
     size_t json_begin = 0;
     size_t json_size = 0;
 };
-
-uint32_t word_at(const std::vector<uint8_t>& bytes, size_t offset) {
-    uint32_t word;
-    std::memcpy(&word, bytes.data() + offset, 4);
-    return word;
-}
-
-// The GLB container: header of 12 bytes, a JSON chunk, at most one BIN chunk that we look at; chunk headers are 8
-// bytes.
-void find_json(Source& source) {
-    const std::vector<uint8_t>& bytes = source.bytes;
-    source.binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
-    source.json_size = bytes.size();
-    if (!source.binary) return;
-    const auto fail = [&](const char* place, const std::string& problem) {
-        throw InputError(source.file, place, problem, "export the .glb again");
-    };
-    if (bytes.size() < 20) fail("header", fmt::format("has {} bytes, a .glb has at least 20", bytes.size()));
-    if (word_at(bytes, 4) != 2) fail("header", fmt::format("is glTF version {}, need 2", word_at(bytes, 4)));
-    const uint64_t length = word_at(bytes, 8);
-    if (length > bytes.size())
-        fail("header", fmt::format("says {} bytes, the file has {}: it is cut off", length, bytes.size()));
-    const uint64_t json_end = uint64_t{20} + word_at(bytes, 12);
-    if (word_at(bytes, 16) != 0x4E4F534A) fail("first chunk", "is not JSON");
-    if (json_end > length) fail("JSON chunk", "runs past the end of the file");
-    if (json_end < length) {
-        if (json_end + 8 > length) fail("second chunk", "runs past the end of the file");
-        if (json_end + 8 + word_at(bytes, json_end) > length) fail("BIN chunk", "runs past the end of the file");
-    }
-    source.json_begin = 20;
-    source.json_size = json_end - 20;
-}
 
 // tinygltf walks extras and extensions recursively: a deep file would overflow the stack.
 void check_depth(const Source& source) {
@@ -97,6 +65,7 @@ constexpr MemberRule kRules[] = {
     {"bufferViews", "byteStride", Member::kSize},
     {"images", "bufferView", Member::kIndex},
     {"meshes", "weights", Member::kNumbers},
+    {"nodes", "camera", Member::kIndex},
     {"nodes", "mesh", Member::kIndex},
     {"nodes", "skin", Member::kIndex},
     {"nodes", "children", Member::kNumbers},
@@ -122,8 +91,8 @@ std::string type_problem(const json& value, Member kind) {
             if (!is_unsigned || value.get<uint64_t>() > INT32_MAX) return "is not an index (a whole number from 0)";
             break;
         case Member::kSize:
-            if (!is_unsigned || value.get<uint64_t>() > kMaxFileBytes)
-                return fmt::format("is not a whole number from 0 to {}", kMaxFileBytes);
+            if (!is_unsigned || value.get<uint64_t>() > kMaxStageBytes)
+                return fmt::format("is not a whole number from 0 to {}", kMaxStageBytes);
             break;
         case Member::kNumber:
             if (!value.is_number()) return "is not a number";
@@ -159,21 +128,7 @@ void check_types(const Source& source, const json& root) {
     }
 }
 
-// Percent escapes decoded first, so that %2e%2e is seen for what it is.
-std::string decoded_uri(const std::string& uri) {
-    std::string decoded;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        unsigned value = 0;
-        if (uri[i] == '%' && i + 2 < uri.size() && std::sscanf(uri.c_str() + i + 1, "%2x", &value) == 1) {
-            decoded += static_cast<char>(value);
-            i += 2;
-        } else {
-            decoded += uri[i];
-        }
-    }
-    return decoded;
-}
-
+// Percent escapes decoded first (decoded_uri), so that %2e%2e is seen for what it is.
 bool leaves_folder(const std::string& relative) {
     const std::filesystem::path path(relative);
     if (relative.empty() || path.is_absolute() || relative.find('\0') != std::string::npos) return true;
@@ -232,7 +187,8 @@ void check_extensions(const Source& source, const json& root) {
         const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
         bool known = false;
         for (const char* ours : {"KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization",
-                                 "KHR_materials_emissive_strength"})
+                                 "KHR_materials_emissive_strength", "KHR_lights_punctual", "NEUVV_performer",
+                                 "NEUVV_stage"})
             known = known || name == ours;
         if (!known)
             throw InputError(source.file, "/extensionsRequired", fmt::format("needs {}, which is not supported", name),
@@ -272,7 +228,7 @@ tinygltf::FsCallbacks folder_access(Source& source) {
     };
     callbacks.ReadWholeFile = [](std::vector<unsigned char>* out, std::string* error, const std::string& path, void*) {
         try {
-            *out = read_file(path, kMaxFileBytes);
+            *out = read_file(path, kMaxStageBytes);
             return true;
         } catch (const InputError& bad) {
             if (error) *error = bad.what();
@@ -290,12 +246,15 @@ bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, 
 
 }  // namespace
 
-tinygltf::Model parse_gltf(const std::filesystem::path& path) {
+tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes) {
     Source source;
     source.file = path.string();
     source.folder = path.has_parent_path() ? path.parent_path().string() : ".";
-    source.bytes = read_file(path, kMaxFileBytes);
-    find_json(source);
+    source.bytes = std::move(bytes);
+    const GltfContainer container = find_gltf_json(source.bytes, source.file);
+    source.binary = container.binary;
+    source.json_begin = container.json_begin;
+    source.json_size = container.json_size;
     check_json(source);
 
     tinygltf::Model model;

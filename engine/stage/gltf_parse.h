@@ -23,7 +23,7 @@ namespace neuvv {
 // Promises beyond tinygltf's: the container is whole, JSON nests at most kMaxJsonDepth deep, integers and number lists
 // that we read are of that type, every buffer view lies inside its buffer, URIs stay in the file's folder. Images of
 // files and data URIs are left encoded in Image::image; those in buffer views are not copied.
-tinygltf::Model parse_gltf(const std::filesystem::path& path);
+tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
 
 constexpr int kMaxJsonDepth = 64;
 
@@ -63,5 +63,7 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
 void load_skins(GltfScene& scene, AccessorReader& reader);
 void load_nodes(GltfScene& scene, const tinygltf::Model& model);
 void load_animations(GltfScene& scene, AccessorReader& reader);
+void load_cameras(GltfScene& scene, const tinygltf::Model& model);
+void load_lights(GltfScene& scene, const tinygltf::Model& model);
 
 }  // namespace neuvv

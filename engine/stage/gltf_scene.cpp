@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "stage/gltf_parse.h"
+#include "stage/stage_file.h"
 
 namespace neuvv {
 
@@ -108,6 +110,7 @@ void mark_scene(GltfScene& scene, const tinygltf::Model& model) {
     const int index = model.defaultScene < 0 ? 0 : model.defaultScene;
     if (static_cast<size_t>(index) >= model.scenes.size())
         throw InputError(scene.file, "/scene", fmt::format("{} does not exist", index));
+    scene.root = index;
     for (const int root : model.scenes[static_cast<size_t>(index)].nodes) {
         if (root < 0 || static_cast<size_t>(root) >= scene.nodes.size())
             throw InputError(scene.file, fmt::format("/scenes/{}/nodes", index),
@@ -157,15 +160,21 @@ void load_skins(GltfScene& scene, AccessorReader& reader) {
 }
 
 GltfScene load_gltf(const std::filesystem::path& path) {
+    return load_gltf(path, read_file(path, kMaxStageBytes));
+}
+
+GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes) {
     GltfScene scene;
     scene.file = path.string();
-    const tinygltf::Model model = parse_gltf(path);
+    const tinygltf::Model model = parse_gltf(path, std::move(bytes));
     AccessorReader reader{scene.file, model};
     const std::vector<MaterialTransforms> transforms = load_materials(scene, model);
     load_meshes(scene, reader, transforms);
     load_skins(scene, reader);
     load_nodes(scene, model);
     load_animations(scene, reader);
+    load_cameras(scene, model);
+    load_lights(scene, model);
     load_images(scene, model);  // last: the costly part
     return scene;
 }

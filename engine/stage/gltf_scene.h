@@ -83,6 +83,25 @@ struct GltfMesh {
     std::vector<float> weights;             // default weight of each morph target
 };
 
+// Looks along its node's −Z. A node's scale does not count.
+struct GltfCamera {
+    std::string name;
+    bool orthographic = false;      // no picture of ours: kept so that it can be named
+    double vertical_angle_rad = 0;  // of view, 0 where orthographic
+};
+
+enum class GltfLightKind { kDirectional, kPoint, kSpot };
+
+// KHR_lights_punctual: shines along its node's −Z, from its origin. A node's scale does not count.
+struct GltfLight {
+    std::string name;
+    GltfLightKind kind = GltfLightKind::kPoint;
+    glm::dvec3 color{1};                            // linear RGB
+    double intensity = 1;                           // candela; lux where directional
+    double range_m = 0;                             // where the light ends; 0: nowhere
+    double inner_cone_rad = 0, outer_cone_rad = 0;  // half angles of a spot, inner < outer <= π/2
+};
+
 struct GltfNode {
     std::string name;
     int32_t parent = -1;
@@ -95,6 +114,8 @@ struct GltfNode {
     int32_t mesh = -1;
     int32_t skin = -1;           // only with a mesh whose primitives all have joints
     std::vector<float> weights;  // one a morph target of the mesh
+    int32_t camera = -1;         // index into GltfScene::cameras
+    int32_t light = -1;          // index into GltfScene::lights
     bool in_scene = false;       // reached from the default scene: only these are drawn
 };
 
@@ -132,12 +153,17 @@ struct GltfScene {
     std::vector<Image> images;  // empty where no material uses the image
     std::vector<GltfSkin> skins;
     std::vector<GltfAnimation> animations;
+    std::vector<GltfCamera> cameras;
+    std::vector<GltfLight> lights;
+    int32_t root = -1;  // the default scene's index, −1 where the file has none
 };
 
 // Reads .gltf (JSON, with buffers and images beside it or in data URIs) or .glb; told apart by content. Throws
 // InputError with file, JSON place, problem and mend for whatever breaks the promises above, for a required extension
 // it does not know, and for URIs that leave the file's folder.
 GltfScene load_gltf(const std::filesystem::path& path);
+// The same for a file's bytes that are not on the disk; what they name is read from beside `path`.
+GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
 
 // The animation of this name, or of this index in decimal. Throws InputError listing what there is.
 uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);

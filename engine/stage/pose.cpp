@@ -124,7 +124,10 @@ PosedScene pose_scene(const GltfScene& scene, int32_t animation, double time_s) 
         locals.push_back({node.translation, node.rotation, node.scale});
         pose.morph_weights.push_back(node.weights);
     }
-    if (animation != kNoAnimation) animate(scene.animations.at(static_cast<size_t>(animation)), time_s, locals, pose);
+    if (animation == kAllAnimations)
+        for (const GltfAnimation& each : scene.animations) animate(each, time_s, locals, pose);
+    else if (animation != kNoAnimation)
+        animate(scene.animations.at(static_cast<size_t>(animation)), time_s, locals, pose);
 
     pose.world_from_node.resize(scene.nodes.size());
     for (const uint32_t i : scene.order) {

@@ -10,7 +10,8 @@
 
 namespace neuvv {
 
-constexpr int32_t kNoAnimation = -1;  // the scene as its nodes say
+constexpr int32_t kNoAnimation = -1;    // the scene as its nodes say
+constexpr int32_t kAllAnimations = -2;  // all of the file at once, as on a stage; of two on one node the later counts
 
 struct PosedScene {
     std::vector<glm::dmat4> world_from_node;              // by node
@@ -18,7 +19,7 @@ struct PosedScene {
     std::vector<std::vector<float>> morph_weights;        // by node, one a morph target
 };
 
-// `animation` is an index or kNoAnimation; time_s is clamped to each channel's keys.
+// `animation` is an index, kNoAnimation or kAllAnimations; time_s is clamped to each channel's keys.
 PosedScene pose_scene(const GltfScene& scene, int32_t animation, double time_s);
 
 struct PosedVertices {

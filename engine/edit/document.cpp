@@ -1,0 +1,201 @@
+#include "edit/document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <set>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+std::string name_of(const ordered_json& node) {
+    return node.contains("name") && node["name"].is_string() ? node["name"].get<std::string>() : "";
+}
+
+bool holds_extension(const ordered_json& json, const char* name) {
+    if (json.is_object() && json.contains("extensions") && json["extensions"].is_object() &&
+        json["extensions"].contains(name))
+        return true;
+    return json.is_structured() &&
+           std::any_of(json.begin(), json.end(), [&](const ordered_json& part) { return holds_extension(part, name); });
+}
+
+glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& otherwise) {
+    if (!node.contains(name)) return otherwise;
+    return {node[name][0].get<double>(), node[name][1].get<double>(), node[name][2].get<double>()};
+}
+
+}  // namespace
+
+ordered_json& node_of(StageFile& file, uint32_t node) {
+    if (!file.json.contains("nodes") || node >= file.json["nodes"].size())
+        throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
+    return file.json["nodes"][node];
+}
+
+std::string title_of(const StageFile& file, uint32_t node) {
+    const std::string name = name_of(file.json["nodes"][node]);
+    return name.empty() ? fmt::format("node {}", node) : fmt::format("\"{}\" (node {})", name, node);
+}
+
+ordered_json* find_extension(ordered_json& owner, const char* name) {
+    if (!owner.contains("extensions") || !owner["extensions"].is_object()) return nullptr;
+    ordered_json& extensions = owner["extensions"];
+    return extensions.contains(name) && extensions[name].is_object() ? &extensions[name] : nullptr;
+}
+
+ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* name) {
+    ordered_json& used = list_in(file.json, "extensionsUsed");
+    if (std::find(used.begin(), used.end(), ordered_json(name)) == used.end()) used.push_back(name);
+    if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
+    if (!owner["extensions"].is_object())
+        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+    if (ordered_json* found = find_extension(owner, name)) return *found;
+    return owner["extensions"][name] = ordered_json::object();
+}
+
+void remove_extension(ordered_json& owner, const char* name) {
+    if (!owner.contains("extensions") || !owner["extensions"].is_object()) return;
+    owner["extensions"].erase(name);
+    if (owner["extensions"].empty()) owner.erase("extensions");
+}
+
+void forget_unused(StageFile& file, const char* name) {
+    if (holds_extension(file.json, name)) return;
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+        if (!file.json.contains(list) || !file.json[list].is_array()) continue;
+        ordered_json& names = file.json[list];
+        for (size_t i = names.size(); i-- > 0;)
+            if (names[i] == name) names.erase(i);
+        if (names.empty()) file.json.erase(list);
+    }
+}
+
+ordered_json& performer_of(StageFile& file, uint32_t node) {
+    ordered_json* performer = find_extension(node_of(file, node), "NEUVV_performer");
+    if (!performer)
+        throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
+                         fmt::format("{} is no performer", title_of(file, node)), "choose a node that plays a .nvv");
+    return *performer;
+}
+
+ordered_json& list_in(ordered_json& json, const char* name) {
+    if (!json.contains(name)) json[name] = ordered_json::array();
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    return json[name];
+}
+
+ordered_json& scene_of(StageFile& file) {
+    ordered_json& scenes = list_in(file.json, "scenes");
+    if (scenes.empty()) {
+        std::set<uint64_t> children;
+        ordered_json roots = ordered_json::array();
+        const size_t count = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
+        for (size_t i = 0; i < count; ++i)
+            for (const ordered_json& child : file.json["nodes"][i].value("children", ordered_json::array()))
+                children.insert(child.get<uint64_t>());
+        for (size_t i = 0; i < count; ++i)
+            if (!children.contains(i)) roots.push_back(i);
+        scenes.push_back(ordered_json::object());
+        if (!roots.empty()) scenes[0]["nodes"] = roots;
+        file.json["scene"] = 0;
+    }
+    const size_t scene = file.json.value("scene", size_t{0});
+    if (scene >= scenes.size()) throw InputError(file.path.string(), "/scene", fmt::format("{} does not exist", scene));
+    return scenes[scene];
+}
+
+uint32_t append_node(StageFile& file, ordered_json node) {
+    ordered_json& nodes = list_in(file.json, "nodes");
+    const auto index = static_cast<uint32_t>(nodes.size());
+    ordered_json& roots = list_in(scene_of(file), "nodes");
+    list_in(file.json, "nodes").push_back(std::move(node));
+    roots.push_back(index);
+    return index;
+}
+
+std::string free_name(const StageFile& file, const std::string& wanted) {
+    std::set<std::string> taken;
+    if (file.json.contains("nodes"))
+        for (const ordered_json& node : file.json["nodes"]) taken.insert(name_of(node));
+    std::string name = wanted;
+    for (size_t number = 2; taken.contains(name); ++number) name = fmt::format("{} {}", wanted, number);
+    return name;
+}
+
+LocalPlace local_place_of(const ordered_json& node) {
+    LocalPlace place;
+    place.has_matrix = node.contains("matrix");
+    for (int i = 0; i < 16 && place.has_matrix; ++i)
+        place.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
+    place.translation = vector_in(node, "translation", place.translation);
+    place.scale = vector_in(node, "scale", place.scale);
+    if (node.contains("rotation")) {
+        const ordered_json& q = node["rotation"];
+        place.rotation =
+            glm::normalize(glm::dquat(q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()));
+    }
+    return place;
+}
+
+void set_local_place(ordered_json& node, const LocalPlace& place) {
+    const LocalPlace before = local_place_of(node);
+    if (place.has_matrix) {
+        for (const char* name : {"translation", "rotation", "scale"}) node.erase(name);
+        if (before.has_matrix && before.matrix == place.matrix) return;
+        node["matrix"] = ordered_json::array();
+        for (int i = 0; i < 16; ++i) node["matrix"].push_back(place.matrix[i / 4][i % 4]);
+        return;
+    }
+    node.erase("matrix");
+    const glm::dquat& q = place.rotation;
+    if (place.translation != before.translation) node["translation"] = json_of(place.translation);
+    if (q != before.rotation) node["rotation"] = {q.x, q.y, q.z, q.w};
+    if (place.scale != before.scale) node["scale"] = json_of(place.scale);
+}
+
+glm::dquat looking(const glm::dvec3& direction) {
+    const glm::dvec3 back = -glm::normalize(direction);
+    const glm::dvec3 up = std::abs(back.y) < 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
+    const glm::dvec3 right = glm::normalize(glm::cross(up, back));
+    return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
+}
+
+LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle_rad) {
+    const glm::dquat turn = glm::angleAxis(angle_rad, glm::dvec3(0, 1, 0));
+    if (place.has_matrix) {
+        glm::dmat4 about = glm::translate(glm::dmat4(1), middle) * glm::mat4_cast(turn);
+        place.matrix = glm::translate(about, -middle) * place.matrix;
+    } else {
+        place.translation = middle + turn * (place.translation - middle);
+        place.rotation = turn * place.rotation;
+    }
+    return place;
+}
+
+glm::dvec3 place_of(const LocalPlace& place) {
+    return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
+}
+
+bool is_animated(const StageFile& file, uint32_t node) {
+    for (const ordered_json& animation : file.json.value("animations", ordered_json::array()))
+        for (const ordered_json& channel : animation.value("channels", ordered_json::array()))
+            if (channel.contains("target") && channel["target"].is_object() &&
+                channel["target"].value("node", ordered_json()) == node)
+                return true;
+    return false;
+}
+
+ordered_json json_of(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+std::string text_of(const glm::dvec3& v) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
+}
+
+}  // namespace neuvv

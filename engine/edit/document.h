@@ -1,0 +1,78 @@
+// Inside of this room only: finding one's way in a stage's JSON.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "stage/stage_file.h"
+
+namespace neuvv {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kLightsExtension = "KHR_lights_punctual";
+
+// What `edit` returns; where it throws, the document is as it was.
+template <typename Edit>
+std::string all_or_nothing(StageFile& file, const Edit& edit) {
+    ordered_json before = file.json;
+    try {
+        return edit();
+    } catch (...) {
+        file.json = std::move(before);
+        throw;
+    }
+}
+
+// nodes[node]; throws InputError where it does not exist.
+ordered_json& node_of(StageFile& file, uint32_t node);
+// "\"anna\" (node 3)".
+std::string title_of(const StageFile& file, uint32_t node);
+
+// owner.extensions[name], null where it is not there.
+ordered_json* find_extension(ordered_json& owner, const char* name);
+// The same, made where it is missing; the document then says that it uses it.
+ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* name);
+// Takes it away, and what is empty thereby.
+void remove_extension(ordered_json& owner, const char* name);
+// The document no longer says that it uses an extension that nothing has.
+void forget_unused(StageFile& file, const char* name);
+
+// The performer on a node; throws InputError where there is none.
+ordered_json& performer_of(StageFile& file, uint32_t node);
+// The list json[name], made where it is missing.
+ordered_json& list_in(ordered_json& json, const char* name);
+// The scene that a stage shows, made of all nodes that have no parent where the document has none.
+ordered_json& scene_of(StageFile& file);
+// A node at the end of the list and of the scene; returns its index.
+uint32_t append_node(StageFile& file, ordered_json node);
+
+// A name that no node has: the given one, or with a number behind it.
+std::string free_name(const StageFile& file, const std::string& wanted);
+
+// A node's own transform in two forms, whichever the document has.
+struct LocalPlace {
+    bool has_matrix = false;
+    glm::dmat4 matrix{1};
+    glm::dvec3 translation{0};
+    glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 scale{1};
+};
+LocalPlace local_place_of(const ordered_json& node);
+// Writes those members that differ from what the node says.
+void set_local_place(ordered_json& node, const LocalPlace& place);
+// The rotation whose −Z is `direction` and whose +Y is as upright as may be.
+glm::dquat looking(const glm::dvec3& direction);
+// Turned about a vertical axis through `middle`, counter-clockwise seen from above.
+LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle_rad);
+glm::dvec3 place_of(const LocalPlace& place);
+
+// Whether an animation moves the node itself.
+bool is_animated(const StageFile& file, uint32_t node);
+
+ordered_json json_of(const glm::dvec3& v);
+std::string text_of(const glm::dvec3& v);
+
+}  // namespace neuvv

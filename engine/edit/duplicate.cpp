@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <numbers>
+
+#include "base/error.h"
+#include "edit/document.h"
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+// The node and all below it, parents first.
+std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
+    std::vector<uint32_t> family = {node};
+    for (size_t next = 0; next < family.size(); ++next)
+        for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
+            family.push_back(child.get<uint32_t>());
+    return family;
+}
+
+// What cannot be copied without moving the original, too.
+void expect_copyable(const StageFile& file, const std::vector<uint32_t>& family) {
+    const std::string place = fmt::format("/nodes/{}", family[0]);
+    if (is_animated(file, family[0]))
+        throw InputError(
+            file.path.string(), place,
+            fmt::format("{} is animated: its copies would stand where it stands", title_of(file, family[0])),
+            "put it below a node that is not, and duplicate that");
+    for (const uint32_t node : family)
+        if (file.json["nodes"][node].contains("skin"))
+            throw InputError(file.path.string(), place,
+                             fmt::format("{} has a skin, which follows its joints alone", title_of(file, node)),
+                             "duplicate it where it was made");
+}
+
+// The list that holds the node: its parent's children, or the scene's roots; null where it is in neither.
+ordered_json* siblings_of(StageFile& file, uint32_t node) {
+    const auto holds = [&](ordered_json& owner, const char* name) {
+        if (!owner.contains(name) || !owner[name].is_array()) return false;
+        for (const ordered_json& index : owner[name])
+            if (index == node) return true;
+        return false;
+    };
+    for (ordered_json& parent : file.json["nodes"])
+        if (holds(parent, "children")) return &parent["children"];
+    ordered_json& scene = scene_of(file);
+    return holds(scene, "nodes") ? &scene["nodes"] : nullptr;
+}
+
+LocalPlace copy_place(const LocalPlace& first, const CopySettings& settings, uint32_t copy) {
+    if (settings.pattern == CopyPattern::kRow) {
+        LocalPlace place = first;
+        const glm::dvec3 step(settings.distance_m * copy, 0, 0);
+        place.translation += step;
+        place.matrix[3] += glm::dvec4(step, 0);
+        return place;
+    }
+    glm::dvec3 front = first.has_matrix ? glm::dvec3(first.matrix[2]) : first.rotation * glm::dvec3(0, 0, 1);
+    front.y = 0;
+    front = glm::length(front) > 1e-9 ? glm::normalize(front) : glm::dvec3(0, 0, 1);
+    const double angle_rad = settings.pattern == CopyPattern::kRing
+                                 ? 2 * std::numbers::pi * copy / (settings.count + 1.0)
+                                 : glm::radians(settings.arc_deg) * copy / settings.count;
+    return turned_about(first, place_of(first) - settings.distance_m * front, angle_rad);
+}
+
+// A performer's copy: later, and spinning faster.
+void stagger(ordered_json& performer, const CopySettings& settings, uint32_t copy) {
+    if (settings.stagger.value != 0) {
+        const ClipTime by{settings.stagger.value * copy, settings.stagger.frames};
+        list_in(performer, "time").push_back({{"operator", "offset"}, {"by", text_of(by)}});
+    }
+    if (settings.spin_step != 0) performer["spin"] = performer.value("spin", 0.0) + settings.spin_step * copy;
+}
+
+// Copies of the channels that move what is below the copied node.
+void copy_channels(StageFile& file, const std::map<uint32_t, uint32_t>& copies) {
+    if (!file.json.contains("animations")) return;
+    for (ordered_json& animation : file.json["animations"]) {
+        ordered_json added = ordered_json::array();
+        for (const ordered_json& channel : animation.value("channels", ordered_json::array())) {
+            if (!channel.contains("target") || !channel["target"].contains("node")) continue;
+            const ordered_json& target = channel["target"]["node"];
+            if (!target.is_number_unsigned() || !copies.contains(target.get<uint32_t>())) continue;
+            added.push_back(channel);
+            added.back()["target"]["node"] = copies.at(target.get<uint32_t>());
+        }
+        for (ordered_json& channel : added) animation["channels"].push_back(std::move(channel));
+    }
+}
+
+uint32_t copy_family(StageFile& file, const std::vector<uint32_t>& family) {
+    std::map<uint32_t, uint32_t> copies;
+    for (const uint32_t node : family) {
+        ordered_json copy = file.json["nodes"][node];
+        if (copy.contains("name") && copy["name"].is_string())
+            copy["name"] = free_name(file, copy["name"].get<std::string>());
+        copies[node] = static_cast<uint32_t>(file.json["nodes"].size());
+        file.json["nodes"].push_back(std::move(copy));
+    }
+    for (const auto& [node, copy] : copies) {
+        ordered_json& json = file.json["nodes"][copy];
+        if (!json.contains("children")) continue;
+        for (ordered_json& child : json["children"]) child = copies.at(child.get<uint32_t>());
+    }
+    copy_channels(file, copies);
+    return copies.at(family[0]);
+}
+
+std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settings) {
+    const std::string title = title_of(file, node);
+    const LocalPlace first = local_place_of(node_of(file, node));
+    const std::vector<uint32_t> family = family_of(file, node);
+    expect_copyable(file, family);
+    for (uint32_t copy = 1; copy <= settings.count; ++copy) {
+        const uint32_t index = copy_family(file, family);
+        set_local_place(node_of(file, index), copy_place(first, settings, copy));
+        if (ordered_json* performer = find_extension(node_of(file, index), kPerformerExtension))
+            stagger(*performer, settings, copy);
+        if (ordered_json* siblings = siblings_of(file, node)) siblings->push_back(index);
+    }
+    return fmt::format("{}: {} more, nodes {} to {}", title, settings.count,
+                       file.json["nodes"].size() - settings.count * family.size(), file.json["nodes"].size() - 1);
+}
+
+}  // namespace
+
+std::string duplicate_node(StageFile& file, uint32_t node, const CopySettings& settings) {
+    node_of(file, node);
+    if (settings.count == 0 || settings.count > kMaxCopies)
+        throw InputError(file.path.string(), "count", fmt::format("{} is no number of copies", settings.count),
+                         fmt::format("choose from 1 to {}", kMaxCopies));
+    if ((settings.stagger.value != 0 || settings.spin_step != 0) &&
+        !find_extension(node_of(file, node), kPerformerExtension))
+        throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
+                         fmt::format("{} is no performer: it has no time and no spin", title_of(file, node)),
+                         "leave them out");
+    return all_or_nothing(file, [&] { return duplicate(file, node, settings); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "edit/document.h"
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kDefaultCandela = 100;
+
+// lights[...] of a node; throws where it has none.
+ordered_json& light_of(StageFile& file, uint32_t node) {
+    ordered_json* held = find_extension(node_of(file, node), kLightsExtension);
+    ordered_json* lights = find_extension(file.json, kLightsExtension);
+    if (!held || !lights)
+        throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
+                         fmt::format("{} is no light", title_of(file, node)));
+    return (*lights)["lights"].at((*held)["light"].get<size_t>());
+}
+
+size_t users_of(StageFile& file, size_t light) {
+    size_t count = 0;
+    for (ordered_json& node : file.json["nodes"])
+        if (const ordered_json* held = find_extension(node, kLightsExtension)) count += (*held)["light"] == light;
+    return count;
+}
+
+void edit_light(ordered_json& light, const LightEdit& edit) {
+    if (edit.kind) light["type"] = *edit.kind;
+    if (edit.color) light["color"] = json_of(*edit.color);
+    if (edit.intensity) light["intensity"] = *edit.intensity;
+    if (edit.range_m) light["range"] = *edit.range_m;
+    if (light["type"] != "spot") {
+        light.erase("spot");
+        return;
+    }
+    ordered_json& spot = light["spot"];
+    if (!spot.is_object()) spot = ordered_json::object();
+    if (edit.inner_cone_deg) spot["innerConeAngle"] = glm::radians(*edit.inner_cone_deg);
+    if (edit.outer_cone_deg) spot["outerConeAngle"] = glm::radians(*edit.outer_cone_deg);
+}
+
+}  // namespace
+
+std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement) {
+    return all_or_nothing(file, [&] {
+        const uint32_t node = append_node(file, {{"name", free_name(file, name.empty() ? "light" : name)}});
+        ordered_json& lights = list_in(make_extension(file, file.json, kLightsExtension), "lights");
+        const size_t index = lights.size();
+        lights.push_back({{"type", "spot"}, {"intensity", kDefaultCandela}});
+        edit_light(lights[index], edit);
+        const std::string kind = lights[index]["type"].get<std::string>();
+        make_extension(file, node_of(file, node), kLightsExtension)["light"] = index;
+        return fmt::format("added {} light {}", kind, place_node(file, node, placement));
+    });
+}
+
+std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit) {
+    ordered_json changed = light_of(file, node);
+    edit_light(changed, edit);
+    ordered_json& held = *find_extension(node_of(file, node), kLightsExtension);
+    ordered_json& lights = (*find_extension(file.json, kLightsExtension))["lights"];
+    if (users_of(file, held["light"].get<size_t>()) > 1) {
+        held["light"] = lights.size();
+        lights.push_back(ordered_json());
+    }
+    lights[held["light"].get<size_t>()] = changed;
+    return fmt::format("{}: {}", title_of(file, node), changed.dump());
+}
+
+std::string remove_light(StageFile& file, uint32_t node) {
+    light_of(file, node);
+    return remove_node(file, node);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,93 @@
+#include <array>
+#include <cstring>
+#include <numbers>
+
+#include "edit/document.h"
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr float kFloorHalfSide = 5;  // metres
+const glm::dvec3 kCameraPlace(0, 1.6, 4), kLightPlace(1.5, 4, 2.5), kMiddle(0, 1, 0);
+constexpr double kCandela = 60;
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+    constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (size_t i = 0; i < bytes.size(); i += 3) {
+        uint32_t word = 0;
+        for (size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
+        for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[word >> (18 - 6 * k) & 63];
+    }
+    return text;
+}
+
+ordered_json rotation_json(const glm::dquat& q) {
+    return {q.x, q.y, q.z, q.w};
+}
+
+// Positions, normals and indices of a square, and the buffer that holds them.
+void add_floor(ordered_json& json) {
+    constexpr float h = kFloorHalfSide;
+    const std::array<float, 24> vertices = {-h, 0, h, h, 0, h, h, 0, -h, -h, 0, -h, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+    const std::array<uint16_t, 6> indices = {0, 1, 2, 0, 2, 3};
+    std::vector<uint8_t> bytes(sizeof(vertices) + sizeof(indices));
+    std::memcpy(bytes.data(), vertices.data(), sizeof(vertices));
+    std::memcpy(bytes.data() + sizeof(vertices), indices.data(), sizeof(indices));
+    json["materials"] = {
+        {{"name", "floor"},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {0.5, 0.5, 0.5, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}},
+         {"doubleSided", true}}};
+    json["meshes"] = {
+        {{"name", "floor"},
+         {"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}, {"indices", 2}, {"material", 0}}}}}};
+    json["accessors"] = {{{"bufferView", 0},
+                          {"componentType", 5126},
+                          {"count", 4},
+                          {"type", "VEC3"},
+                          {"min", {-h, 0, -h}},
+                          {"max", {h, 0, h}}},
+                         {{"bufferView", 1}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}},
+                         {{"bufferView", 2}, {"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}}};
+    json["bufferViews"] = {{{"buffer", 0}, {"byteLength", 48}},
+                           {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 48}},
+                           {{"buffer", 0}, {"byteOffset", 96}, {"byteLength", 12}}};
+    json["buffers"] = {
+        {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
+}
+
+}  // namespace
+
+StageFile new_stage(const std::filesystem::path& path) {
+    ordered_json json = {{"asset", {{"version", "2.0"}, {"generator", "neuvv"}}},
+                         {"extensionsUsed", {kLightsExtension, kStageExtension}},
+                         {"scene", 0}};
+    json["scenes"] = {
+        {{"name", "stage"}, {"nodes", {0, 1, 2}}, {"extensions", {{kStageExtension, {{"ambient", {0.3, 0.3, 0.3}}}}}}}};
+    json["nodes"] = {{{"name", "floor"}, {"mesh", 0}},
+                     {{"name", "camera"},
+                      {"camera", 0},
+                      {"translation", json_of(kCameraPlace)},
+                      {"rotation", rotation_json(looking(kMiddle - kCameraPlace))}},
+                     {{"name", "key"},
+                      {"translation", json_of(kLightPlace)},
+                      {"rotation", rotation_json(looking(kMiddle - kLightPlace))},
+                      {"extensions", {{kLightsExtension, {{"light", 0}}}}}}};
+    json["cameras"] = {{{"name", "camera"},
+                        {"type", "perspective"},
+                        {"perspective", {{"yfov", std::numbers::pi / 4}, {"znear", 0.05}}}}};
+    json["extensions"] = {
+        {kLightsExtension,
+         {{"lights",
+           {{{"name", "key"},
+             {"type", "spot"},
+             {"intensity", kCandela},
+             {"spot", {{"innerConeAngle", std::numbers::pi / 8}, {"outerConeAngle", std::numbers::pi / 5}}}}}}}}};
+    add_floor(json);
+    return make_stage_file(path, json.dump(2) + "\n");
+}
+
+}  // namespace neuvv

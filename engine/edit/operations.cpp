@@ -1,0 +1,188 @@
+#include "edit/operations.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/error.h"
+#include "edit/document.h"
+
+namespace neuvv {
+
+namespace {
+
+std::string with_commas(const std::vector<std::string>& parts) {
+    std::string text;
+    for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+    return text;
+}
+
+LocalPlace placed(LocalPlace place, const Placement& placement) {
+    if (placement.matrix) {
+        place.has_matrix = true;
+        place.matrix = *placement.matrix;
+    }
+    glm::dvec3 at = place_of(place);
+    if (placement.at) at = *placement.at;
+    if (placement.move) at += *placement.move;
+    glm::dquat turn(1, 0, 0, 0);
+    const glm::dvec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int axis = 0; axis < 3 && placement.turn_deg; ++axis)
+        turn = glm::angleAxis(glm::radians((*placement.turn_deg)[axis]), axes[axis]) * turn;
+    const glm::dvec3 scale = placement.scale.value_or(glm::dvec3(1));
+    if (place.has_matrix) {
+        if (placement.turn_deg) place.matrix = glm::mat4_cast(turn) * place.matrix;
+        for (int axis = 0; axis < 3; ++axis) place.matrix[axis] *= scale[axis];
+        place.matrix[3] = glm::dvec4(at, 1);
+    } else {
+        place.translation = at;
+        if (placement.turn_deg) place.rotation = turn * place.rotation;
+        place.scale *= scale;
+    }
+    return place;
+}
+
+void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdit& edit,
+                    std::vector<std::string>& changes) {
+    const auto put = [&](const char* name, const auto& value, const std::string& text) {
+        if (!value) return;
+        performer[name] = *value;
+        changes.push_back(fmt::format("{} {}", name, text));
+    };
+    if (edit.clip) {
+        performer["uri"] = uri_of_file(file, *edit.clip);
+        changes.push_back("plays " + performer["uri"].get<std::string>());
+    }
+    if (edit.time) {
+        if (edit.time->empty())
+            performer.erase("time");
+        else
+            performer["time"] = json_of(*edit.time);
+        changes.push_back("time " + (edit.time->empty() ? "as the clip's" : text_of(*edit.time)));
+    }
+    put("spin", edit.spin_deg_per_s, fmt::format("{}", edit.spin_deg_per_s.value_or(0)));
+    put("opacity", edit.opacity, fmt::format("{}", edit.opacity.value_or(0)));
+    put("visible", edit.visible, fmt::format("{}", edit.visible.value_or(false)));
+    put("castsShadow", edit.casts_shadow, fmt::format("{}", edit.casts_shadow.value_or(false)));
+    put("receivesShadow", edit.receives_shadow, fmt::format("{}", edit.receives_shadow.value_or(false)));
+}
+
+void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edit, std::vector<std::string>& changes) {
+    if (edit.environment && edit.environment->empty()) {
+        stage.erase("environment");
+        changes.push_back("no environment");
+        return;
+    }
+    if (!edit.environment && !edit.environment_intensity && !edit.environment_rotation_deg) return;
+    if (!edit.environment && !stage.contains("environment"))
+        throw InputError(file.path.string(), "environment", "there is none to change", "give it a picture");
+    ordered_json& environment = stage["environment"];
+    if (edit.environment) environment["uri"] = uri_of_file(file, *edit.environment);
+    if (edit.environment_intensity) environment["intensity"] = *edit.environment_intensity;
+    if (edit.environment_rotation_deg) environment["rotation"] = *edit.environment_rotation_deg;
+    changes.push_back("environment " + environment.dump());
+}
+
+std::string edit_stage(StageFile& file, const StageEdit& edit) {
+    ordered_json& stage = make_extension(file, scene_of(file), kStageExtension);
+    std::vector<std::string> changes;
+    const auto put = [&](const char* name, const auto& value) {
+        if (!value) return;
+        stage[name] = *value;
+        changes.push_back(fmt::format("{} {}", name, stage[name].dump()));
+    };
+    const auto put_color = [&](const char* name, const std::optional<glm::dvec3>& color) {
+        put(name, color ? std::optional<ordered_json>(json_of(*color)) : std::nullopt);
+    };
+    put("duration", edit.duration_s);
+    put("fps", edit.fps);
+    put_color("background", edit.background);
+    put_color("ambient", edit.ambient);
+    edit_environment(file, stage, edit, changes);
+    if (edit.blend) put("blend", std::optional<std::string>(kStageBlendNames[static_cast<size_t>(*edit.blend)]));
+    put("shadows", edit.shadows);
+    put("falloff", edit.falloff);
+    return "stage: " + (changes.empty() ? "as it was" : with_commas(changes));
+}
+
+}  // namespace
+
+uint32_t find_node(const StageFile& file, const std::string& name_or_index) {
+    const ordered_json none = ordered_json::array();
+    const ordered_json& nodes = file.json.contains("nodes") ? file.json["nodes"] : none;
+    std::vector<std::string> found, all;
+    uint32_t index = 0;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        const std::string name =
+            nodes[i].contains("name") && nodes[i]["name"].is_string() ? nodes[i]["name"].get<std::string>() : "";
+        all.push_back(fmt::format("{} \"{}\"", i, name));
+        if (name != name_or_index) continue;
+        found.push_back(std::to_string(i));
+        index = static_cast<uint32_t>(i);
+    }
+    if (found.size() > 1)
+        throw InputError(file.path.string(), "/nodes",
+                         fmt::format("{} nodes are named \"{}\"", found.size(), name_or_index),
+                         "choose by index: " + with_commas(found));
+    if (found.size() == 1) return index;
+    const char* end = name_or_index.data() + name_or_index.size();
+    const auto [stop, error] = std::from_chars(name_or_index.data(), end, index);
+    if (error == std::errc() && stop == end && index < nodes.size()) return index;
+    throw InputError(file.path.string(), "/nodes", fmt::format("there is no node \"{}\"", name_or_index),
+                     all.empty() ? "the stage has none" : "choose from " + with_commas(all));
+}
+
+std::string place_node(StageFile& file, uint32_t node, const Placement& placement) {
+    ordered_json& json = node_of(file, node);
+    if (placement.matrix && is_animated(file, node))
+        throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
+                         fmt::format("{} is animated, and cannot have a matrix", title_of(file, node)),
+                         "move, turn or scale it");
+    LocalPlace place = placed(local_place_of(json), placement);
+    if (placement.aim) {
+        const glm::dvec3 way = *placement.aim - place_of(place);
+        if (!(glm::length(way) > 1e-9))
+            throw InputError(file.path.string(), fmt::format("/nodes/{}", node), "it stands where it shall look");
+        if (place.has_matrix) {
+            const glm::dvec4 at = place.matrix[3];
+            place.matrix = glm::mat4_cast(looking(way));
+            place.matrix[3] = at;
+        } else {
+            place.rotation = looking(way);
+        }
+    }
+    set_local_place(json, place);
+    return fmt::format("{}: at {}{}", title_of(file, node), text_of(place_of(place)),
+                       is_animated(file, node) ? ", but an animation moves it" : "");
+}
+
+std::string rename_node(StageFile& file, uint32_t node, const std::string& name) {
+    const std::string before = title_of(file, node);
+    node_of(file, node)["name"] = name;
+    return fmt::format("{}: named \"{}\"", before, name);
+}
+
+std::string add_performer(StageFile& file, const std::string& name, const PerformerEdit& edit,
+                          const Placement& placement) {
+    if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
+    const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
+    return all_or_nothing(file, [&] {
+        const uint32_t node = append_node(file, {{"name", free_name(file, wanted)}});
+        std::vector<std::string> changes;
+        edit_performer(file, make_extension(file, node_of(file, node), kPerformerExtension), edit, changes);
+        return "added " + place_node(file, node, placement) + ", " + with_commas(changes);
+    });
+}
+
+std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& edit) {
+    std::vector<std::string> changes;
+    edit_performer(file, performer_of(file, node), edit, changes);
+    return title_of(file, node) + ": " + (changes.empty() ? "as it was" : with_commas(changes));
+}
+
+std::string set_stage(StageFile& file, const StageEdit& edit) {
+    return all_or_nothing(file, [&] { return edit_stage(file, edit); });
+}
+
+}  // namespace neuvv

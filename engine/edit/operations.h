@@ -1,0 +1,101 @@
+// What can be done to a stage: the same for mouse, controller and script.
+//
+// Each operation changes the JSON of a StageFile, nothing else, and says in a short line what changed. It expects a
+// sound document (expect_sound_document) and throws InputError, having changed nothing, where it cannot be done. What
+// numbers it is given is checked by whoever saves, with expect_sound_document again. Members that it does not know
+// stay.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "stage/performer_settings.h"
+#include "stage/stage_file.h"
+#include "stage/stage_settings.h"
+
+namespace neuvv {
+
+constexpr uint32_t kMaxCopies = 511;
+
+// The node of this name, else of this index in decimal. Throws where several bear the name.
+uint32_t find_node(const StageFile& file, const std::string& name_or_index);
+
+// A floor, a camera "camera", a spotlight "key" and a little ambient light; not on the disk yet.
+StageFile new_stage(const std::filesystem::path& path);
+
+// In the space of the node's parent, metres and degrees; in this order.
+struct Placement {
+    std::optional<glm::dmat4> matrix;  // instead of what there was
+    std::optional<glm::dvec3> at, move;
+    std::optional<glm::dvec3> turn_deg;  // about the parent's X, then Y, then Z, where the node stands
+    std::optional<glm::dvec3> scale;     // by these factors along its own axes
+    std::optional<glm::dvec3> aim;       // a point that its −Z shall look at
+};
+std::string place_node(StageFile& file, uint32_t node, const Placement& placement);
+std::string rename_node(StageFile& file, uint32_t node, const std::string& name);
+
+struct PerformerEdit {
+    std::optional<std::filesystem::path> clip;  // a .nvv
+    std::optional<TimeMap> time;
+    std::optional<double> spin_deg_per_s, opacity;
+    std::optional<bool> visible, casts_shadow, receives_shadow;
+};
+// A node of its own at the end of the scene. Without a name: the file's.
+std::string add_performer(StageFile& file, const std::string& name, const PerformerEdit& edit,
+                          const Placement& placement);
+std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& edit);
+
+struct StageEdit {
+    std::optional<double> duration_s, fps;
+    std::optional<glm::dvec3> background, ambient;
+    std::optional<std::filesystem::path> environment;  // empty: none any more
+    std::optional<double> environment_intensity, environment_rotation_deg;
+    std::optional<StageBlend> blend;
+    std::optional<bool> shadows, falloff;
+};
+std::string set_stage(StageFile& file, const StageEdit& edit);
+
+// Copies of a node and what hangs on it. The node itself stays where it is: the first of a row along +X, of a circle on
+// which everyone looks outward (the middle lies behind the node, whose front is +Z), or of an arc of such a circle,
+// whose last copy stands arc_deg further on, counter-clockwise seen from above. Copies share meshes, lights, clips.
+enum class CopyPattern { kRow, kRing, kFan };
+struct CopySettings {
+    uint32_t count = 1;  // of copies, 1..kMaxCopies
+    CopyPattern pattern = CopyPattern::kRow;
+    double distance_m = 1;  // between neighbours of a row; radius of ring and fan
+    double arc_deg = 90;    // of a fan
+    ClipTime stagger;       // each copy starts so much after the one before
+    double spin_step = 0;   // each spins so much faster, degrees per second
+};
+std::string duplicate_node(StageFile& file, uint32_t node, const CopySettings& settings);
+
+// The node, what hangs on it, and the meshes, skins, cameras, lights and animations that nothing else uses. All indices
+// that glTF and this project know are renumbered; where other extensions may hold some, the line says so.
+std::string remove_node(StageFile& file, uint32_t node);
+
+struct LightEdit {
+    std::optional<std::string> kind;                                // "spot", "point", "directional"
+    std::optional<glm::dvec3> color;                                // linear RGB
+    std::optional<double> intensity;                                // candela, lux
+    std::optional<double> range_m, inner_cone_deg, outer_cone_deg;  // half angles
+};
+std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement);
+// A light that other nodes share becomes the node's own first.
+std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit);
+std::string remove_light(StageFile& file, uint32_t node);
+
+struct PaintEdit {
+    std::optional<std::string> name;
+    std::optional<bool> visible;
+    std::optional<double> opacity;
+    std::optional<PaintBlend> blend;
+};
+// Layers of a performer's node count from 0, the lowest.
+std::string add_paint_layer(StageFile& file, uint32_t node, const std::filesystem::path& paint, const PaintEdit& edit);
+std::string set_paint_layer(StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit);
+std::string move_paint_layer(StageFile& file, uint32_t node, size_t from, size_t to);
+std::string remove_paint_layer(StageFile& file, uint32_t node, size_t layer);
+
+}  // namespace neuvv

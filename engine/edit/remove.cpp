@@ -1,0 +1,207 @@
+// Taking things out of lists that everything refers to by index.
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "edit/document.h"
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+using Indices = std::set<uint64_t>;
+
+// Extensions whose indices are known here, or that hold none of nodes, meshes, skins, cameras and lights.
+constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",    "KHR_materials_", "KHR_texture_",
+                                           "KHR_mesh_",           "EXT_mesh_", "EXT_texture_",   "KHR_draco_"};
+
+size_t size_of(const ordered_json& json, const char* list) {
+    return json.contains(list) ? json[list].size() : 0;
+}
+
+// Where each index goes; −1 for those that go.
+std::vector<int64_t> renumbering(size_t size, const Indices& gone) {
+    std::vector<int64_t> where(size);
+    int64_t next = 0;
+    for (size_t i = 0; i < size; ++i) where[i] = gone.contains(i) ? -1 : next++;
+    return where;
+}
+
+void erase_elements(ordered_json& owner, const char* list, const Indices& gone) {
+    for (auto index = gone.rbegin(); index != gone.rend(); ++index) owner[list].erase(*index);
+    if (!gone.empty() && owner[list].empty()) owner.erase(list);  // glTF knows no empty lists
+}
+
+// An index of a list that was renumbered; taken out of its owner where what it names is gone.
+void renumber_member(ordered_json& owner, const char* name, const std::vector<int64_t>& where) {
+    if (!owner.contains(name) || !owner[name].is_number_unsigned()) return;
+    const auto index = owner[name].get<uint64_t>();
+    if (index >= where.size()) return;
+    if (where[index] < 0)
+        owner.erase(name);
+    else if (where[index] != static_cast<int64_t>(index))
+        owner[name] = static_cast<uint64_t>(where[index]);
+}
+
+void renumber_list(ordered_json& owner, const char* name, const std::vector<int64_t>& where) {
+    if (!owner.contains(name) || !owner[name].is_array()) return;
+    Indices gone;
+    for (size_t i = 0; i < owner[name].size(); ++i) {
+        ordered_json& entry = owner[name][i];
+        if (!entry.is_number_unsigned() || entry.get<uint64_t>() >= where.size()) continue;
+        const int64_t to = where[entry.get<uint64_t>()];
+        if (to < 0)
+            gone.insert(i);
+        else if (entry != to)
+            entry = static_cast<uint64_t>(to);
+    }
+    erase_elements(owner, name, gone);
+}
+
+void for_each(ordered_json& json, const char* list, const std::function<void(ordered_json&)>& visit) {
+    if (json.contains(list) && json[list].is_array())
+        for (ordered_json& element : json[list])
+            if (element.is_object()) visit(element);
+}
+
+Indices family_of(const StageFile& file, uint32_t node) {
+    Indices family = {node};
+    std::vector<uint64_t> open = {node};
+    while (!open.empty()) {
+        const uint64_t next = open.back();
+        open.pop_back();
+        for (const ordered_json& child : file.json["nodes"][next].value("children", ordered_json::array()))
+            if (family.insert(child.get<uint64_t>()).second) open.push_back(child.get<uint64_t>());
+    }
+    return family;
+}
+
+// The index that a node holds: of its own member, or of its light.
+std::optional<uint64_t> held_index(ordered_json& node, const char* name) {
+    ordered_json* owner = name == std::string("light") ? find_extension(node, kLightsExtension) : &node;
+    if (!owner || !owner->contains(name) || !(*owner)[name].is_number_unsigned()) return {};
+    return (*owner)[name].get<uint64_t>();
+}
+
+// What nodes of the family hold and no other node.
+Indices only_used_by(StageFile& file, const Indices& family, const char* name) {
+    Indices inside, outside;
+    for (size_t i = 0; i < size_of(file.json, "nodes"); ++i)
+        if (const auto index = held_index(file.json["nodes"][i], name))
+            (family.contains(i) ? inside : outside).insert(*index);
+    for (const uint64_t index : outside) inside.erase(index);
+    return inside;
+}
+
+void expect_no_joint(const StageFile& file, const Indices& family, const Indices& skins) {
+    for (size_t s = 0; s < size_of(file.json, "skins"); ++s) {
+        if (skins.contains(s)) continue;
+        for (const ordered_json& joint : file.json["skins"][s].value("joints", ordered_json::array()))
+            if (joint.is_number_unsigned() && family.contains(joint.get<uint64_t>()))
+                throw InputError(
+                    file.path.string(), fmt::format("/skins/{}", s),
+                    fmt::format("node {} is a joint of it, and moves a mesh that stays", joint.get<uint64_t>()),
+                    "remove that mesh first");
+    }
+}
+
+// Channels of removed nodes, then the samplers that nothing uses any more; true where the animation does nothing now.
+bool prune_animation(ordered_json& animation, const std::vector<int64_t>& where) {
+    if (!animation.contains("channels") || !animation["channels"].is_array()) return false;
+    ordered_json& channels = animation["channels"];
+    Indices gone, used_before, used;
+    for (size_t i = 0; i < channels.size(); ++i) {
+        if (channels[i].contains("sampler") && channels[i]["sampler"].is_number_unsigned())
+            used_before.insert(channels[i]["sampler"].get<uint64_t>());
+        if (!channels[i].contains("target") || !channels[i]["target"].contains("node")) continue;
+        renumber_member(channels[i]["target"], "node", where);
+        if (!channels[i]["target"].contains("node")) gone.insert(i);
+    }
+    if (gone.empty()) return false;
+    erase_elements(animation, "channels", gone);
+    if (!animation.contains("channels")) return true;
+    for_each(animation, "channels", [&](ordered_json& channel) {
+        if (channel.contains("sampler") && channel["sampler"].is_number_unsigned())
+            used.insert(channel["sampler"].get<uint64_t>());
+    });
+    for (const uint64_t index : used) used_before.erase(index);
+    const std::vector<int64_t> samplers = renumbering(size_of(animation, "samplers"), used_before);
+    erase_elements(animation, "samplers", used_before);
+    for_each(animation, "channels", [&](ordered_json& channel) { renumber_member(channel, "sampler", samplers); });
+    return false;
+}
+
+void remove_nodes(ordered_json& json, const Indices& family) {
+    const std::vector<int64_t> where = renumbering(size_of(json, "nodes"), family);
+    erase_elements(json, "nodes", family);
+    for_each(json, "nodes", [&](ordered_json& node) { renumber_list(node, "children", where); });
+    for_each(json, "scenes", [&](ordered_json& scene) { renumber_list(scene, "nodes", where); });
+    for_each(json, "skins", [&](ordered_json& skin) {
+        renumber_list(skin, "joints", where);
+        renumber_member(skin, "skeleton", where);
+    });
+    Indices idle;
+    for (size_t i = 0; i < size_of(json, "animations"); ++i)
+        if (prune_animation(json["animations"][i], where)) idle.insert(i);
+    erase_elements(json, "animations", idle);
+}
+
+void remove_held(ordered_json& json, const char* list, const char* member, const Indices& gone) {
+    if (gone.empty()) return;
+    const std::vector<int64_t> where = renumbering(size_of(json, list), gone);
+    erase_elements(json, list, gone);
+    for_each(json, "nodes", [&](ordered_json& node) { renumber_member(node, member, where); });
+}
+
+void remove_lights(StageFile& file, const Indices& gone) {
+    ordered_json* lights = find_extension(file.json, kLightsExtension);
+    if (gone.empty() || !lights) return;
+    const std::vector<int64_t> where = renumbering(size_of(*lights, "lights"), gone);
+    erase_elements(*lights, "lights", gone);
+    for_each(file.json, "nodes", [&](ordered_json& node) {
+        if (ordered_json* light = find_extension(node, kLightsExtension)) renumber_member(*light, "light", where);
+    });
+    if (!lights->contains("lights")) remove_extension(file.json, kLightsExtension);
+}
+
+// Extensions that may hold indices which were renumbered.
+std::string doubtful_extensions(const StageFile& file) {
+    std::string names;
+    for (const ordered_json& used : file.json.value("extensionsUsed", ordered_json::array())) {
+        const std::string name = used.is_string() ? used.get<std::string>() : "?";
+        bool safe = false;
+        for (const char* known : kSafeExtensions) safe = safe || name.starts_with(known);
+        if (!safe) names += (names.empty() ? "" : ", ") + name;
+    }
+    return names;
+}
+
+}  // namespace
+
+std::string remove_node(StageFile& file, uint32_t node) {
+    node_of(file, node);
+    const std::string title = title_of(file, node);
+    const Indices family = family_of(file, node);
+    const Indices skins = only_used_by(file, family, "skin"), meshes = only_used_by(file, family, "mesh"),
+                  cameras = only_used_by(file, family, "camera"), lights = only_used_by(file, family, "light");
+    expect_no_joint(file, family, skins);
+    const bool renumbers = *family.begin() + family.size() < size_of(file.json, "nodes") || !skins.empty() ||
+                           !meshes.empty() || !cameras.empty() || !lights.empty();
+    const std::string doubtful = renumbers ? doubtful_extensions(file) : "";
+    remove_held(file.json, "skins", "skin", skins);
+    remove_held(file.json, "meshes", "mesh", meshes);
+    remove_held(file.json, "cameras", "camera", cameras);
+    remove_lights(file, lights);
+    remove_nodes(file.json, family);
+    for (const char* extension : {kPerformerExtension, kLightsExtension}) forget_unused(file, extension);
+    std::string text = fmt::format("removed {}", title);
+    if (family.size() > 1) text += fmt::format(" and {} below it", family.size() - 1);
+    if (!doubtful.empty()) text += fmt::format("; {} may name others by index: look at them", doubtful);
+    return text;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,317 @@
+#include "stage/json_splice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr size_t kMaxMatchedPairs = size_t{1} << 21;  // list elements compared with each other
+
+bool is_space(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+size_t skip_space(std::string_view text, size_t at) {
+    while (at < text.size() && is_space(text[at])) ++at;
+    return at;
+}
+
+// One past the end of the value that begins at `at`; the text is sound JSON.
+size_t value_end(std::string_view text, size_t at) {
+    int depth = 0;
+    do {
+        const char c = text[at];
+        if (c == '"') {
+            for (++at; text[at] != '"'; ++at)
+                if (text[at] == '\\') ++at;
+        } else if (c == '{' || c == '[') {
+            ++depth;
+        } else if (c == '}' || c == ']') {
+            --depth;
+        } else if (depth == 0) {  // a number or a word
+            while (at < text.size() && text[at] != ',' && text[at] != '}' && text[at] != ']' && !is_space(text[at]))
+                ++at;
+            return at;
+        }
+        ++at;
+    } while (depth > 0);
+    return at;
+}
+
+// A member or an element as it stands in the text; `begin` is its key's where it has one.
+struct Part {
+    size_t begin = 0, key_end = 0, value = 0, end = 0;
+};
+
+// The parts of the object or list that begins at `at`, and where its closing bracket stands.
+std::vector<Part> parts_of(std::string_view text, size_t at, size_t& close) {
+    const bool object = text[at] == '{';
+    std::vector<Part> parts;
+    at = skip_space(text, at + 1);
+    while (text[at] != '}' && text[at] != ']') {
+        Part part{at, at, at, at};
+        if (object) {
+            part.key_end = value_end(text, at);
+            part.value = skip_space(text, skip_space(text, part.key_end) + 1);
+        }
+        part.end = value_end(text, part.value);
+        parts.push_back(part);
+        at = skip_space(text, part.end);
+        if (text[at] == ',') at = skip_space(text, at + 1);
+    }
+    close = at;
+    return parts;
+}
+
+// White space that begins the line in which `at` stands.
+std::string indent_at(std::string_view text, size_t at) {
+    size_t line = text.rfind('\n', at);
+    line = line == std::string_view::npos ? 0 : line + 1;
+    size_t end = line;
+    while (end < at && (text[end] == ' ' || text[end] == '\t')) ++end;
+    return std::string(text.substr(line, end - line));
+}
+
+std::string after_last_newline(const std::string& space) {
+    const size_t newline = space.rfind('\n');
+    return newline == std::string::npos ? "" : space.substr(newline + 1);
+}
+
+// How the document is laid out, as its first member shows.
+struct Style {
+    bool lines = false;  // a member a line
+    std::string newline = "\n", unit = "  ", colon = ":";
+};
+
+Style style_of(std::string_view text, size_t root) {
+    Style style;
+    if (text[root] != '{' && text[root] != '[') return style;
+    size_t close = 0;
+    const std::vector<Part> parts = parts_of(text, root, close);
+    if (parts.empty()) return style;
+    const std::string lead(text.substr(root + 1, parts[0].begin - root - 1));
+    style.lines = lead.find('\n') != std::string::npos;
+    if (lead.find("\r\n") != std::string::npos) style.newline = "\r\n";
+    if (style.lines && !after_last_newline(lead).empty()) style.unit = after_last_newline(lead);
+    if (text[root] == '{') style.colon = std::string(text.substr(parts[0].key_end, parts[0].value - parts[0].key_end));
+    if (style.colon.find('\n') != std::string::npos) style.colon = ": ";
+    return style;
+}
+
+bool is_container(const ordered_json& value) {
+    return value.is_object() || value.is_array();
+}
+
+bool holds_containers(const ordered_json& value) {
+    return std::any_of(value.begin(), value.end(), [](const ordered_json& part) { return is_container(part); });
+}
+
+// A new value. Lists of plain values go into one line.
+std::string laid_out(const ordered_json& value, const Style& style, bool lines, const std::string& indent) {
+    if (!is_container(value) || value.empty()) return value.dump();
+    const bool broken = lines && (value.is_object() || holds_containers(value));
+    const std::string inner = indent + style.unit;
+    std::string text(1, value.is_object() ? '{' : '[');
+    bool first = true;
+    for (auto part = value.begin(); part != value.end(); ++part) {
+        if (!first) text += broken || !lines ? "," : ", ";
+        if (broken) text += style.newline + inner;
+        if (value.is_object()) text += ordered_json(part.key()).dump() + style.colon;
+        text += laid_out(*part, style, lines, inner);
+        first = false;
+    }
+    if (broken) text += style.newline + indent;
+    return text + (value.is_object() ? '}' : ']');
+}
+
+// What an edited part was in the text, kNew for none.
+constexpr size_t kNew = SIZE_MAX;
+
+// 0 for equal values, 2 for those that have nothing in common.
+double difference(const ordered_json& a, const ordered_json& b) {
+    if (a == b) return 0;
+    if (a.type() != b.type()) return a.is_number() && b.is_number() ? 1 : 2;
+    if (!a.is_object()) return 1;
+    size_t same = 0;
+    for (const auto& [key, value] : a.items()) same += b.contains(key) && b[key] == value;
+    return 0.5 + 1.5 * (1 - static_cast<double>(same) / static_cast<double>(std::max(a.size(), b.size())));
+}
+
+// For each element of `edited` the one of `original` that it was, ascending: the cheapest edit of one list to the
+// other, where leaving out and adding cost 1 each.
+std::vector<size_t> matched(const ordered_json& original, const ordered_json& edited) {
+    std::vector<size_t> was(edited.size(), kNew);
+    size_t head = 0, tail = 0;
+    const size_t least = std::min(original.size(), edited.size());
+    while (head < least && original[head] == edited[head]) ++head;
+    while (tail < least - head && original[original.size() - 1 - tail] == edited[edited.size() - 1 - tail]) ++tail;
+    for (size_t i = 0; i < head; ++i) was[i] = i;
+    for (size_t i = 1; i <= tail; ++i) was[edited.size() - i] = original.size() - i;
+    const size_t rows = original.size() - head - tail, columns = edited.size() - head - tail;
+    if ((rows + 1) * (columns + 1) > kMaxMatchedPairs || rows == columns) {
+        for (size_t i = 0; i < std::min(rows, columns); ++i) was[head + i] = head + i;
+        return was;
+    }
+    const size_t width = columns + 1;
+    std::vector<double> cost((rows + 1) * width), pair((rows + 1) * width);
+    for (size_t r = rows + 1; r-- > 0;)
+        for (size_t c = columns + 1; c-- > 0;) {
+            double& best = cost[r * width + c];
+            if (r == rows || c == columns) {
+                best = static_cast<double>(rows - r + columns - c);
+                continue;
+            }
+            pair[r * width + c] = difference(original[head + r], edited[head + c]) + cost[(r + 1) * width + c + 1];
+            best = std::min({pair[r * width + c], 1 + cost[(r + 1) * width + c], 1 + cost[r * width + c + 1]});
+        }
+    for (size_t r = 0, c = 0; r < rows && c < columns;) {
+        const double best = cost[r * width + c];
+        if (pair[r * width + c] <= best) {
+            was[head + c++] = head + r++;
+        } else if (1 + cost[(r + 1) * width + c] <= best) {
+            ++r;
+        } else {
+            ++c;
+        }
+    }
+    return was;
+}
+
+struct Splicer {
+    std::string_view text;
+    Style style;
+
+    std::string_view between(size_t begin, size_t end) const { return text.substr(begin, end - begin); }
+
+    // The value at `at`, edited; `indent` is that of a new value in its place.
+    std::string value(size_t at, const ordered_json& original, const ordered_json& edited, bool lines,
+                      const std::string& indent) const {
+        if (original == edited) return std::string(between(at, value_end(text, at)));
+        if (original.type() != edited.type() || !is_container(edited)) return laid_out(edited, style, lines, indent);
+        return container(at, original, edited);
+    }
+
+    // An object or list. Kept parts bring along what stood between them.
+    std::string container(size_t at, const ordered_json& original, const ordered_json& edited) const {
+        size_t close = 0;
+        const std::vector<Part> parts = parts_of(text, at, close);
+        const bool object = edited.is_object();
+        const std::string indent = indent_at(text, at);
+        const std::string lead = parts.empty() ? (style.lines ? style.newline + indent + style.unit : "")
+                                               : std::string(between(at + 1, parts[0].begin));
+        const bool lines = lead.find('\n') != std::string::npos;
+        const std::string inner = lines ? after_last_newline(lead) : indent;
+        const std::string separator =
+            parts.size() > 1 ? std::string(between(parts[parts.size() - 2].end, parts.back().begin)) : "," + lead;
+        if (edited.empty()) return object ? "{}" : "[]";
+
+        std::string out = text[at] + lead;
+        size_t before = kNew;  // the part last written
+        bool first = true;
+        const auto keep = [&](size_t i, const ordered_json& old_value, const ordered_json& new_value) {
+            if (!first) out += i > 0 && before != kNew ? between(parts[i - 1].end, parts[i].begin) : separator;
+            out += between(parts[i].begin, parts[i].value);
+            out += value(parts[i].value, old_value, new_value, lines, inner);
+            before = i;
+            first = false;
+        };
+        const auto add = [&](const std::string& part) {
+            out += (first ? "" : separator) + part;
+            before = kNew;
+            first = false;
+        };
+        if (object) {
+            size_t i = 0;
+            for (const auto& [key, old_value] : original.items()) {
+                if (edited.contains(key)) keep(i, old_value, edited[key]);
+                ++i;
+            }
+            for (const auto& [key, new_value] : edited.items())
+                if (!original.contains(key))
+                    add(ordered_json(key).dump() + style.colon + laid_out(new_value, style, lines, inner));
+        } else {
+            const std::vector<size_t> was = matched(original, edited);
+            for (size_t i = 0; i < was.size(); ++i)
+                if (was[i] != kNew)
+                    keep(was[i], original[was[i]], edited[i]);
+                else
+                    add(moved_or_new(parts, original, edited[i], lines, inner));
+        }
+        out += parts.empty() ? (lines ? style.newline + indent : "") : std::string(between(parts.back().end, close));
+        return out + text[close];
+    }
+
+    // An element that stood elsewhere in its list keeps its text.
+    std::string moved_or_new(const std::vector<Part>& parts, const ordered_json& original, const ordered_json& element,
+                             bool lines, const std::string& indent) const {
+        if (is_container(element) && parts.size() * original.size() <= kMaxMatchedPairs)
+            for (size_t i = 0; i < parts.size(); ++i)
+                if (original[i] == element) return std::string(between(parts[i].value, parts[i].end));
+        return laid_out(element, style, lines, indent);
+    }
+};
+
+size_t root_of(std::string_view text) {
+    return skip_space(text, text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+}
+
+// Before the parser, which is as deep as the text.
+void expect_shallow(std::string_view text, const std::string& file) {
+    int depth = 0;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '"') {
+            for (++i; i < text.size() && text[i] != '"'; ++i)
+                if (text[i] == '\\') ++i;
+        } else if (c == '[' || c == '{') {
+            if (++depth > kMaxJsonNesting)
+                throw InputError(file, "", fmt::format("JSON nests deeper than {} levels", kMaxJsonNesting));
+        } else if (c == ']' || c == '}') {
+            --depth;
+        }
+    }
+}
+
+}  // namespace
+
+ordered_json parse_document(std::string_view text, const std::string& file) {
+    expect_shallow(text, file);
+    std::vector<std::set<std::string>> keys(kMaxJsonNesting + 2);  // of the object at each depth
+    const auto check = [&](int depth, ordered_json::parse_event_t event, ordered_json& parsed) {
+        const auto level = static_cast<size_t>(depth);
+        if (event == ordered_json::parse_event_t::object_start) keys[level + 1].clear();
+        if (event != ordered_json::parse_event_t::key) return true;
+        const auto& key = parsed.get_ref<const std::string&>();
+        if (!keys[level].insert(key).second)
+            throw InputError(file, "", fmt::format("says the member \"{}\" of one object twice", key),
+                             "keep one of them");
+        if (keys[level].size() > kMaxJsonMembers)
+            throw InputError(file, "", fmt::format("has an object of more than {} members", kMaxJsonMembers));
+        return true;
+    };
+    try {
+        return ordered_json::parse(text, check);
+    } catch (const ordered_json::exception& error) {
+        throw InputError(file, "", fmt::format("JSON: {}", error.what()), "write it as JSON in UTF-8");
+    }
+}
+
+std::string spliced(std::string_view text, const ordered_json& original, const ordered_json& edited) {
+    if (original == edited) return std::string(text);
+    const size_t root = root_of(text);
+    const Splicer splicer{text, style_of(text, root)};
+    std::string out(text.substr(0, root));
+    out += splicer.value(root, original, edited, splicer.style.lines, "");
+    return out += text.substr(value_end(text, root));
+}
+
+}  // namespace neuvv

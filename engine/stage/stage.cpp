@@ -1,0 +1,161 @@
+#include "stage/stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "stage/pose.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kMinScale = 1e-6, kMaxScale = 1e6, kMinVolume = 1e-6, kMaxPlace = 1e9;
+
+// The extension of nodes[index] or scenes[index], null where it has none. The document is sound glTF.
+const ordered_json* extension_of(const ordered_json& json, const char* list, size_t index, const char* name) {
+    const auto objects = json.find(list);
+    if (objects == json.end() || index >= objects->size()) return nullptr;
+    const auto extensions = (*objects)[index].find("extensions");
+    if (extensions == (*objects)[index].end() || !extensions->is_object()) return nullptr;
+    const auto found = extensions->find(name);
+    return found == extensions->end() ? nullptr : &*found;
+}
+
+std::string extension_place(const char* list, size_t index, const char* name) {
+    return fmt::format("/{}/{}/extensions/{}", list, index, name);
+}
+
+bool is_near(const glm::dmat4& world_from_node) {
+    const glm::dvec3 place(world_from_node[3]);
+    return std::abs(place.x) <= kMaxPlace && std::abs(place.y) <= kMaxPlace && std::abs(place.z) <= kMaxPlace;
+}
+
+// Index into stage.clips; a new one is read.
+uint32_t clip_of(Stage& stage, const StagePerformer& performer, const std::string& place) {
+    std::error_code error;
+    const std::filesystem::path named = file_of_uri(stage.file, performer.settings.uri, place + "/uri");
+    const std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(named), error);
+    for (uint32_t i = 0; i < stage.clips.size(); ++i)
+        if (stage.clips[i].path == path) return i;
+    try {
+        const NvvHead head = summarise_nvv(error ? named : path).head;
+        if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
+        stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size});
+    } catch (const InputError& problem) {
+        throw InputError(stage.file.path.string(), fmt::format("{}/uri of \"{}\"", place, performer.name),
+                         problem.what(), "train it, put it there, or remove the performer");
+    }
+    return static_cast<uint32_t>(stage.clips.size() - 1);
+}
+
+void read_performers(Stage& stage, bool with_clips) {
+    const std::string file = stage.file.path.string();
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
+        const ordered_json* extension = extension_of(stage.file.json, "nodes", i, kPerformerExtension);
+        if (!extension) continue;
+        const std::string place = extension_place("nodes", i, kPerformerExtension);
+        StagePerformer performer;
+        performer.node = i;
+        performer.name = node_title(stage.scene, i);
+        performer.settings = performer_settings_of(*extension, file, place);
+        for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
+        if (!stage.scene.nodes[i].in_scene) continue;
+        uint32_t frames = 1;
+        double fps = 25;
+        if (with_clips) {
+            performer.clip = clip_of(stage, performer, place);
+            frames = stage.clips[performer.clip].frames;
+            fps = stage.clips[performer.clip].fps;
+        } else {
+            file_of_uri(stage.file, performer.settings.uri, place + "/uri");
+        }
+        performer.timeline = timeline_of(performer.settings.time, frames, fps, file, place + "/time");
+        stage.performers.push_back(std::move(performer));
+    }
+}
+
+// Of the nodes as they stand and as their animations begin.
+void expect_placeable(const Stage& stage) {
+    const std::string file = stage.file.path.string();
+    for (const int32_t animation : {kNoAnimation, kAllAnimations}) {
+        const PosedScene pose = pose_scene(stage.scene, animation, 0);
+        for (const StagePerformer& performer : stage.performers)
+            if (!is_placeable(pose.world_from_node[performer.node]))
+                throw InputError(file, fmt::format("/nodes/{}", performer.node),
+                                 fmt::format("the transform of \"{}\" is flat, too large or not finite, together with "
+                                             "those of the nodes above it",
+                                             performer.name),
+                                 "give it a scale that is not 0");
+        for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
+            if (stage.scene.nodes[i].in_scene && !is_near(pose.world_from_node[i]))
+                throw InputError(file, fmt::format("/nodes/{}", i),
+                                 fmt::format("\"{}\" stands farther than {} m from the origin, or nowhere",
+                                             node_title(stage.scene, i), kMaxPlace),
+                                 "look at its transform and those of the nodes above it");
+    }
+}
+
+void read_settings(Stage& stage) {
+    const int32_t root = stage.scene.root;
+    if (root >= 0)
+        if (const ordered_json* extension =
+                extension_of(stage.file.json, "scenes", static_cast<size_t>(root), kStageExtension)) {
+            const std::string place = extension_place("scenes", static_cast<size_t>(root), kStageExtension);
+            stage.settings = stage_settings_of(*extension, stage.file.path.string(), place);
+            if (stage.settings.environment)
+                file_of_uri(stage.file, stage.settings.environment->uri, place + "/environment/uri");
+        }
+    double longest_s = 0;
+    for (const StageClip& clip : stage.clips) longest_s = std::max(longest_s, clip.frames / clip.fps);
+    for (const GltfAnimation& animation : stage.scene.animations) longest_s = std::max(longest_s, animation.duration_s);
+    stage.duration_s = stage.settings.duration_s.value_or(std::min(longest_s, kMaxStageSeconds));
+    stage.fps = stage.settings.fps.value_or(
+        stage.clips.empty() ? 25 : std::clamp(stage.clips[0].fps, kMinStageFps, kMaxStageFps));
+    stage.ambient = stage.settings.ambient.value_or(glm::dvec3(stage.scene.lights.empty() ? 1 : 0));
+}
+
+Stage checked_stage(StageFile file, bool with_clips) {
+    Stage stage;
+    stage.scene = load_gltf(file.path, stage_bytes(file));
+    stage.file = std::move(file);
+    read_performers(stage, with_clips);
+    expect_placeable(stage);
+    read_settings(stage);
+    return stage;
+}
+
+}  // namespace
+
+bool is_placeable(const glm::dmat4& world_from_node) {
+    double volume = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double length = glm::length(glm::dvec3(world_from_node[axis]));
+        if (!(length >= kMinScale && length <= kMaxScale)) return false;
+        volume *= length;
+    }
+    return is_near(world_from_node) && std::abs(glm::determinant(glm::dmat3(world_from_node))) >= kMinVolume * volume;
+}
+
+std::string node_title(const GltfScene& scene, uint32_t node) {
+    return scene.nodes[node].name.empty() ? fmt::format("node {}", node) : scene.nodes[node].name;
+}
+
+Stage load_stage(const std::filesystem::path& path) {
+    return make_stage(read_stage_file(path));
+}
+
+Stage make_stage(StageFile file) {
+    return checked_stage(std::move(file), true);
+}
+
+void expect_sound_document(const StageFile& file) {
+    checked_stage(file, false);
+}
+
+}  // namespace neuvv

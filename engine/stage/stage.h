@@ -1,0 +1,60 @@
+// A stage: a glTF 2.0 scene with performers on its nodes, as plain, validated data. stage_instant.h evaluates it.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "stage/gltf_scene.h"
+#include "stage/performer_settings.h"
+#include "stage/stage_file.h"
+#include "stage/stage_settings.h"
+#include "stage/time_map.h"
+
+namespace neuvv {
+
+// A volumetric video, once, however many performers play it.
+struct StageClip {
+    std::filesystem::path path;  // absolute
+    uint32_t frames = 1;
+    double fps = 25;
+    glm::dvec3 box_min{0}, box_size{1};  // performer's space, metres
+};
+
+// A node of the default scene that has NEUVV_performer.
+struct StagePerformer {
+    uint32_t node = 0;  // index into GltfScene::nodes
+    std::string name;   // the node's, or "node 3"
+    uint32_t clip = 0;  // index into Stage::clips
+    PerformerSettings settings;
+    Timeline timeline;
+};
+
+struct Stage {
+    StageFile file;
+    GltfScene scene;
+    std::vector<StageClip> clips;  // distinct files
+    std::vector<StagePerformer> performers;
+    StageSettings settings;
+    // Of the settings, or what they leave to the stage.
+    double duration_s = 0, fps = 25;
+    glm::dvec3 ambient{0};
+};
+
+// Any glTF scene is a stage. Throws InputError for what load_gltf refuses, for wrong members of our extensions, for a
+// .nvv that is missing or damaged (its header is read, no more), and for performers whose transform cannot be inverted.
+Stage load_stage(const std::filesystem::path& path);
+// The same of a file with edits that are not saved.
+Stage make_stage(StageFile file);
+
+// Everything that make_stage checks but the clips: whether a file may be saved although a .nvv is not there yet.
+void expect_sound_document(const StageFile& file);
+
+// What people call a node: its name, or "node 3" where it has none.
+std::string node_title(const GltfScene& scene, uint32_t node);
+
+// Whether `world_from_node` can be a performer's: finite, and far enough from flat to be inverted in single precision.
+bool is_placeable(const glm::dmat4& world_from_node);
+
+}  // namespace neuvv

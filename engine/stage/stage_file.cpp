@@ -1,0 +1,212 @@
+#include "stage/stage_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "stage/gltf_container.h"
+#include "stage/json_splice.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string_view json_text(const StageFile::Saved& saved) {
+    return std::string_view(reinterpret_cast<const char*>(saved.bytes.data()), saved.bytes.size())
+        .substr(saved.json_begin, saved.json_size);
+}
+
+std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, const std::string& file) {
+    const auto saved = std::make_shared<StageFile::Saved>();
+    const GltfContainer container = find_gltf_json(bytes, file);
+    saved->bytes = std::move(bytes);
+    saved->binary = container.binary;
+    saved->json_begin = container.json_begin;
+    saved->json_size = container.json_size;
+    if (saved->json_size > kMaxStageJsonBytes)
+        throw InputError(
+            file, "",
+            fmt::format("has {} bytes of JSON, more than the {} of a stage", saved->json_size, kMaxStageJsonBytes));
+    saved->json = parse_document(json_text(*saved), file);
+    if (!saved->json.is_object())
+        throw InputError(file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    return saved;
+}
+
+bool is_named_binary(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending == ".glb";
+}
+
+// Calls edit(uri, place, below) for every URI of a file beside the stage; `below`: it must lie below the stage's
+// folder.
+template <typename Edit>
+void edit_uris(ordered_json& json, const Edit& edit) {
+    const auto visit = [&](ordered_json& owner, const std::string& place, bool below) {
+        if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) return;
+        if (!owner["uri"].get_ref<const std::string&>().starts_with("data:")) edit(owner["uri"], place + "/uri", below);
+    };
+    const auto list = [&](ordered_json& owner, const char* name, const auto& each) {
+        if (!owner.is_object() || !owner.contains(name) || !owner[name].is_array()) return;
+        for (size_t i = 0; i < owner[name].size(); ++i) each(owner[name][i], fmt::format("/{}/{}", name, i));
+    };
+    const auto extension = [](ordered_json& owner, const char* name) -> ordered_json* {
+        if (!owner.is_object() || !owner.contains("extensions")) return nullptr;
+        ordered_json& extensions = owner["extensions"];
+        return extensions.is_object() && extensions.contains(name) ? &extensions[name] : nullptr;
+    };
+    for (const char* name : {"buffers", "images"})
+        list(json, name, [&](ordered_json& owner, const std::string& place) { visit(owner, place, true); });
+    list(json, "nodes", [&](ordered_json& node, const std::string& place) {
+        ordered_json* performer = extension(node, "NEUVV_performer");
+        if (!performer) return;
+        visit(*performer, place + "/extensions/NEUVV_performer", false);
+        list(*performer, "paint", [&](ordered_json& layer, const std::string& at) { visit(layer, place + at, false); });
+    });
+    list(json, "scenes", [&](ordered_json& scene, const std::string& place) {
+        ordered_json* stage = extension(scene, "NEUVV_stage");
+        if (stage && stage->is_object() && stage->contains("environment"))
+            visit((*stage)["environment"], place + "/extensions/NEUVV_stage/environment", false);
+    });
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::path whole = std::filesystem::weakly_canonical(std::filesystem::absolute(file), error);
+    return (error ? std::filesystem::absolute(file).lexically_normal() : whole).parent_path();
+}
+
+// URIs of the stage as they must be in the folder of `path`.
+ordered_json rebased(const StageFile& file, const std::filesystem::path& path) {
+    ordered_json json = file.json;
+    StageFile there{path, {}, {}};
+    edit_uris(json, [&](ordered_json& uri, const std::string& place, bool below) {
+        const std::string moved = uri_of_file(there, file_of_uri(file, uri.get<std::string>(), place));
+        if (below && moved.starts_with("../"))
+            throw InputError(path.string(), place,
+                             fmt::format("\"{}\" would lie outside of the stage's folder", uri.get<std::string>()),
+                             "save beside it, or make a .glb of the stage, which holds its buffers and images");
+        uri = moved;
+    });
+    return json;
+}
+
+void append_word(std::vector<uint8_t>& bytes, size_t value) {
+    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
+}
+
+// A .glb with this JSON; what follows the old JSON chunk stays.
+std::vector<uint8_t> glb_of(const std::string& json, const StageFile::Saved* saved) {
+    const size_t padded = (json.size() + 3) / 4 * 4;
+    uint64_t tail_begin = 0, length = 0, after = 0;  // of the old chunks; what follows the container
+    if (saved) {
+        tail_begin = saved->json_begin + saved->json_size;
+        length = gltf_word_at(saved->bytes, 8);
+        after = saved->bytes.size() - length;
+    }
+    const uint64_t total = 20 + padded + (length - tail_begin);
+    if (total > UINT32_MAX) throw InputError("stage", "", "is too large for a .glb", "save it as a .gltf");
+    std::vector<uint8_t> bytes;
+    bytes.reserve(total + after);
+    append_word(bytes, 0x46546C67);
+    append_word(bytes, 2);
+    append_word(bytes, total);
+    append_word(bytes, padded);
+    append_word(bytes, 0x4E4F534A);
+    bytes.insert(bytes.end(), json.begin(), json.end());
+    bytes.resize(20 + padded, ' ');
+    if (saved) bytes.insert(bytes.end(), saved->bytes.begin() + static_cast<ptrdiff_t>(tail_begin), saved->bytes.end());
+    return bytes;
+}
+
+}  // namespace
+
+StageFile read_stage_file(const std::filesystem::path& path) {
+    StageFile file;
+    file.path = path;
+    file.saved = saved_of(read_file(path, kMaxStageBytes), path.string());
+    file.json = file.saved->json;
+    return file;
+}
+
+StageFile make_stage_file(const std::filesystem::path& path, const std::string& json_text) {
+    StageFile file;
+    file.path = path;
+    std::vector<uint8_t> bytes(json_text.begin(), json_text.end());
+    file.saved = saved_of(is_named_binary(path) ? glb_of(json_text, nullptr) : std::move(bytes), path.string());
+    file.json = file.saved->json;
+    return file;
+}
+
+std::vector<uint8_t> stage_bytes(const StageFile& file) {
+    const StageFile::Saved& saved = *file.saved;
+    if (file.json == saved.json) return saved.bytes;
+    std::string json = spliced(json_text(saved), saved.json, file.json);
+    if (!saved.binary) return {json.begin(), json.end()};
+    while (json.ends_with(' ')) json.pop_back();  // the chunk's padding
+    return glb_of(json, &saved);
+}
+
+void save_stage_file(StageFile& file, const std::filesystem::path& path) {
+    if (is_named_binary(path) != file.saved->binary)
+        throw InputError(path.string(), "", file.saved->binary ? "this stage is a .glb" : "this stage is a .gltf",
+                         "keep the ending");
+    StageFile moved = file;
+    if (folder_of(file.path) != folder_of(path)) moved.json = rebased(file, path);
+    moved.path = path;
+    std::vector<uint8_t> bytes = stage_bytes(moved);
+    auto saved = saved_of(bytes, path.string());
+    write_file_atomically(path, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
+    moved.saved = std::move(saved);
+    moved.json = moved.saved->json;
+    file = std::move(moved);
+}
+
+std::string decoded_uri(const std::string& uri) {
+    std::string decoded;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        unsigned value = 0;
+        if (uri[i] == '%' && i + 2 < uri.size() && std::sscanf(uri.c_str() + i + 1, "%2x", &value) == 1) {
+            decoded += static_cast<char>(value);
+            i += 2;
+        } else {
+            decoded += uri[i];
+        }
+    }
+    return decoded;
+}
+
+std::string encoded_uri(const std::string& path) {
+    std::string encoded;
+    for (const char c : path) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte <= ' ' || byte == 0x7f || std::strchr("%#?\"<>\\^`{|}:", c))
+            encoded += fmt::format("%{:02X}", byte);
+        else
+            encoded += c;
+    }
+    return encoded;
+}
+
+std::filesystem::path file_of_uri(const StageFile& file, const std::string& uri, const std::string& place) {
+    const std::string name = decoded_uri(uri);
+    // A colon that was escaped is part of a name; else it ends a scheme, or a drive.
+    if (uri.empty() || name[0] == '/' || uri.find(':') != std::string::npos || name.find('\\') != std::string::npos ||
+        name.find('\0') != std::string::npos)
+        throw InputError(file.path.string(), place, fmt::format("\"{}\" is no relative path of a file", uri),
+                         "name the file by its way from the stage's folder, as in ../captures/anna.nvv");
+    return file.path.parent_path() / name;
+}
+
+std::string uri_of_file(const StageFile& file, const std::filesystem::path& named) {
+    const std::filesystem::path whole = folder_of(named) / named.filename();
+    return encoded_uri(whole.lexically_relative(folder_of(file.path)).generic_string());
+}
+
+}  // namespace neuvv

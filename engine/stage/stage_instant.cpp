@@ -1,0 +1,139 @@
+#include "stage/stage_instant.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+// The node's rotation and place without its scale and shear: axes −Z and +Y are kept, as far as they are at right
+// angles.
+glm::dmat4 rigid(const glm::dmat4& world_from_node) {
+    const auto unit = [](const glm::dvec3& v, const glm::dvec3& otherwise) {
+        const double length = glm::length(v);
+        return length > 1e-12 && std::isfinite(length) ? v / length : otherwise;
+    };
+    const glm::dvec3 back = unit(glm::dvec3(world_from_node[2]), {0, 0, 1});
+    const glm::dvec3 aside = std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 up = unit(glm::dvec3(world_from_node[1]), aside);
+    const glm::dvec3 right = unit(glm::cross(up, back), unit(glm::cross(aside, back), {1, 0, 0}));
+    glm::dmat4 matrix(1);
+    matrix[0] = glm::dvec4(right, 0);
+    matrix[1] = glm::dvec4(glm::cross(back, right), 0);
+    matrix[2] = glm::dvec4(back, 0);
+    matrix[3] = glm::dvec4(glm::dvec3(world_from_node[3]), 1);
+    return matrix;
+}
+
+InstantPerformer performer_at(const Stage& stage, uint32_t index, const StageInstant& instant) {
+    const StagePerformer& source = stage.performers[index];
+    const PerformerSettings& settings = source.settings;
+    InstantPerformer performer;
+    performer.performer = index;
+    performer.clip = source.clip;
+    performer.frame = static_cast<float>(frame_at(source.timeline, instant.time_s));
+    const double turn_deg = std::fmod(settings.spin_deg_per_s * instant.time_s, 360);
+    const double turn_rad = std::isfinite(turn_deg) ? glm::radians(turn_deg) : 0;
+    const glm::dmat4& world_from_node = instant.pose.world_from_node[source.node];
+    performer.world_from_performer = glm::rotate(world_from_node, turn_rad, glm::dvec3(0, 1, 0));
+    performer.opacity = static_cast<float>(settings.opacity);
+    performer.visible = settings.visible && is_placeable(world_from_node);
+    performer.casts_shadow = settings.casts_shadow;
+    performer.receives_shadow = settings.receives_shadow;
+    return performer;
+}
+
+InstantLight light_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
+    const GltfLight& source = scene.lights[static_cast<size_t>(scene.nodes[node].light)];
+    const glm::dmat4 place = rigid(pose.world_from_node[node]);
+    InstantLight light;
+    light.node = node;
+    light.kind = source.kind;
+    light.position = glm::dvec3(place[3]);
+    light.direction = -glm::dvec3(place[2]);
+    light.intensity = source.color * source.intensity;
+    light.range_m = source.range_m;
+    light.cos_inner = std::cos(source.inner_cone_rad);
+    light.cos_outer = std::cos(source.outer_cone_rad);
+    return light;
+}
+
+InstantCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
+    const auto index = static_cast<size_t>(scene.nodes[node].camera);
+    const GltfCamera& source = scene.cameras[index];
+    InstantCamera camera;
+    camera.node = node;
+    camera.name = !scene.nodes[node].name.empty() ? scene.nodes[node].name
+                  : !source.name.empty()          ? source.name
+                                                  : fmt::format("camera {}", index);
+    camera.world_from_camera = rigid(pose.world_from_node[node]);
+    camera.vertical_angle_rad = source.vertical_angle_rad;
+    camera.orthographic = source.orthographic;
+    return camera;
+}
+
+[[noreturn]] void fail_camera(const Stage& stage, const StageInstant& instant, const std::string& problem) {
+    std::string names;
+    for (size_t i = 0; i < instant.cameras.size(); ++i)
+        names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, instant.cameras[i].name);
+    throw InputError(stage.file.path.string(), "cameras", problem,
+                     names.empty() ? "the stage has none: add one" : "choose from " + names);
+}
+
+const InstantCamera& find_camera(const Stage& stage, const std::string& name_or_index, const StageInstant& instant) {
+    const InstantCamera* found = nullptr;
+    for (const InstantCamera& camera : instant.cameras) {
+        if (name_or_index.empty() ? camera.orthographic : camera.name != name_or_index) continue;
+        if (name_or_index.empty()) return camera;
+        if (found) fail_camera(stage, instant, fmt::format("several are named \"{}\": give an index", name_or_index));
+        found = &camera;
+    }
+    if (found) return *found;
+    size_t index = 0;
+    const char* end = name_or_index.data() + name_or_index.size();
+    const auto [stop, error] = std::from_chars(name_or_index.data(), end, index);
+    if (!name_or_index.empty() && error == std::errc() && stop == end && index < instant.cameras.size())
+        return instant.cameras[index];
+    fail_camera(stage, instant,
+                name_or_index.empty() ? "there is no perspective one" : fmt::format("none is \"{}\"", name_or_index));
+}
+
+}  // namespace
+
+StageInstant stage_at(const Stage& stage, double stage_s) {
+    StageInstant instant;
+    instant.time_s = stage_s;
+    instant.pose = pose_scene(stage.scene, kAllAnimations, stage_s);
+    for (uint32_t i = 0; i < stage.performers.size(); ++i)
+        instant.performers.push_back(performer_at(stage, i, instant));
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
+        const GltfNode& node = stage.scene.nodes[i];
+        if (!node.in_scene) continue;
+        if (node.light >= 0) instant.lights.push_back(light_at(stage.scene, i, instant.pose));
+        if (node.camera >= 0) instant.cameras.push_back(camera_at(stage.scene, i, instant.pose));
+    }
+    return instant;
+}
+
+Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,
+                 uint32_t height) {
+    const InstantCamera& found = find_camera(stage, name_or_index, instant);
+    if (found.orthographic)
+        fail_camera(stage, instant, fmt::format("\"{}\" is orthographic, which is not drawn", found.name));
+    Camera camera;
+    camera.world_from_camera = found.world_from_camera;
+    camera.width = width;
+    camera.height = height;
+    camera.cx = 0.5 * width;
+    camera.cy = 0.5 * height;
+    camera.fx = camera.fy = 0.5 * height / std::tan(0.5 * found.vertical_angle_rad);
+    return camera;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,63 @@
+#include "stage/stage_settings.h"
+
+#include "base/error.h"
+#include "stage/json_members.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kMaxIntensity = 1e6, kMaxRotation = 1e6;
+
+ordered_json color_json(const glm::dvec3& color) {
+    return {color.r, color.g, color.b};
+}
+
+StageEnvironment environment_of(const ordered_json& json, const std::string& file, const std::string& place) {
+    const JsonMembers members(json, file, place);
+    StageEnvironment environment;
+    members.text("uri", environment.uri);
+    if (environment.uri.empty()) throw InputError(file, place, "names no file", "give it a \"uri\"");
+    members.number("intensity", 0, kMaxIntensity, environment.intensity);
+    members.number("rotation", -kMaxRotation, kMaxRotation, environment.rotation_deg);
+    return environment;
+}
+
+}  // namespace
+
+StageSettings stage_settings_of(const ordered_json& json, const std::string& file, const std::string& place) {
+    const JsonMembers members(json, file, place);
+    StageSettings settings;
+    if (members.find("duration")) members.number("duration", 0, kMaxStageSeconds, settings.duration_s.emplace());
+    if (members.find("fps")) members.number("fps", kMinStageFps, kMaxStageFps, settings.fps.emplace());
+    members.color("background", settings.background);
+    if (const ordered_json* environment = members.find("environment"))
+        settings.environment = environment_of(*environment, file, place + "/environment");
+    if (members.find("ambient")) members.color("ambient", settings.ambient.emplace());
+    members.choice("blend", kStageBlendNames, settings.blend);
+    members.boolean("shadows", settings.shadows);
+    members.boolean("falloff", settings.falloff);
+    return settings;
+}
+
+ordered_json json_of(const StageSettings& settings) {
+    ordered_json json = ordered_json::object();
+    if (settings.duration_s) json["duration"] = *settings.duration_s;
+    if (settings.fps) json["fps"] = *settings.fps;
+    if (settings.background != glm::dvec3(0)) json["background"] = color_json(settings.background);
+    if (settings.environment) {
+        json["environment"] = {{"uri", settings.environment->uri}};
+        if (settings.environment->intensity != 1) json["environment"]["intensity"] = settings.environment->intensity;
+        if (settings.environment->rotation_deg != 0)
+            json["environment"]["rotation"] = settings.environment->rotation_deg;
+    }
+    if (settings.ambient) json["ambient"] = color_json(*settings.ambient);
+    if (settings.blend != StageBlend::kExact) json["blend"] = kStageBlendNames[static_cast<size_t>(settings.blend)];
+    if (!settings.shadows) json["shadows"] = false;
+    if (!settings.falloff) json["falloff"] = false;
+    return json;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,129 @@
+#include "stage/time_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kMaxStageFrames = 1e15;  // beyond, the first or the last frame is as good an answer
+
+// To the whole frame that it stands for.
+double snapped(double frame) {
+    const double whole = std::round(frame);
+    return std::abs(frame - whole) <= kFrameTolerance ? whole : frame;
+}
+
+double in_frames(const ClipTime& time, double fps) {
+    return snapped(time.frames ? time.value : time.value * fps);
+}
+
+// t mod period, where what is just short of the period is its start.
+double wrapped(double t, double period) {
+    const double rest = std::fmod(t, period);
+    return rest > period - kFrameTolerance ? 0 : rest;
+}
+
+// The time before the operator that it shows at t, which is from 0 to the length after it.
+double shown_by(const Timeline::Step& step, double t) {
+    switch (step.verb) {
+        case TimeVerb::kOffset:
+            return t - step.a;
+        case TimeVerb::kSpeed:
+            return t * step.factor;
+        case TimeVerb::kPause:
+            return t <= step.a ? t : std::max(step.a, t - step.b);
+        case TimeVerb::kFreeze:
+            return step.a;
+        case TimeVerb::kClip:
+            return step.a + std::min(t, std::max(0.0, step.b - step.a - step.frame));
+        case TimeVerb::kReverse:
+            return step.length - step.frame - t;
+        case TimeVerb::kJump:
+            return t < step.a - kFrameTolerance ? t : t - step.a + step.b;
+        case TimeVerb::kLoop:
+            return step.a + std::min(wrapped(t, step.b - step.a), std::max(0.0, step.b - step.a - step.frame));
+        case TimeVerb::kPingPong: {
+            const double way = step.b - step.a - step.frame;
+            if (way <= kFrameTolerance) return step.a;
+            const double there_and_back = std::fmod(t, 2 * way);
+            return step.a + std::min(there_and_back, 2 * way - there_and_back);
+        }
+    }
+    return t;
+}
+
+bool has_own_part(const TimeOperator& op) {
+    return op.verb == TimeVerb::kClip ||
+           ((op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong) && op.has_part);
+}
+
+double length_after(const Timeline::Step& step) {
+    switch (step.verb) {
+        case TimeVerb::kOffset:
+            return std::max(0.0, step.length + step.a);
+        case TimeVerb::kSpeed:
+            return step.length / step.factor;
+        case TimeVerb::kPause:
+            return step.length + step.b;
+        case TimeVerb::kClip:
+            return step.b - step.a;
+        case TimeVerb::kJump:
+            return std::max(0.0, step.length - (step.b - step.a));
+        case TimeVerb::kLoop:
+        case TimeVerb::kPingPong:
+            return INFINITY;
+        default:
+            return step.length;
+    }
+}
+
+}  // namespace
+
+Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std::string& file,
+                     const std::string& place) {
+    Timeline timeline;
+    timeline.frames = std::max(frames, 1u);
+    timeline.fps = fps;
+    double length = timeline.frames, frame = 1;
+    for (size_t i = 0; i < map.size(); ++i) {
+        const TimeOperator& op = map[i];
+        Timeline::Step step{op.verb, in_frames(op.a, fps), in_frames(op.b, fps), op.factor, length, frame, 0};
+        const bool loops = op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong;
+        if ((loops && !op.has_part) || op.verb == TimeVerb::kReverse) {
+            if (!std::isfinite(length))
+                throw InputError(file, fmt::format("{}/{}", place, i), "needs an end, and what is before it is endless",
+                                 "put it before the loop, or give the loop a part: loop:0s:2s");
+            step.a = 0;
+            step.b = length;
+        }
+        if (has_own_part(op) && !(step.b - step.a >= kFrameTolerance))
+            throw InputError(file, fmt::format("{}/{}", place, i), "plays an empty part of the clip",
+                             "its second time is where the part ends");
+        if (loops) step.b = std::max(step.b, step.a + kFrameTolerance * 10);
+        if (op.verb == TimeVerb::kSpeed) frame /= op.factor;
+        step.length_after = length = length_after(step);
+        timeline.steps.push_back(step);
+    }
+    return timeline;
+}
+
+double frame_at(const Timeline& timeline, double stage_s) {
+    double t = snapped(std::clamp(stage_s * timeline.fps, -kMaxStageFrames, kMaxStageFrames));
+    for (size_t i = timeline.steps.size(); i-- > 0;) {
+        const Timeline::Step& step = timeline.steps[i];
+        t = snapped(shown_by(step, std::clamp(t, 0.0, step.length_after)));
+    }
+    return std::clamp(t, 0.0, timeline.frames - 1.0);
+}
+
+double length_s(const Timeline& timeline) {
+    return (timeline.steps.empty() ? timeline.frames : timeline.steps.back().length_after) / timeline.fps;
+}
+
+}  // namespace neuvv
