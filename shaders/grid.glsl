@@ -21,4 +21,11 @@ float ray_of_pixel(GridAxis axis, float pixel) {
                        : pixel <= k.w ? k.x + (pixel - k.z) / axis.slopes.y : k.y + (pixel - k.w) / axis.slopes.z;
 }
 
+// What a camera sees at a place of its picture; one metre long along its axis.
+vec3 camera_line(uint camera, vec2 at) {
+    const int first = int(kCameraTexels * camera);
+    return texelFetch(cameras, first + 3).xyz + at.x * texelFetch(cameras, first + 1).xyz +
+           at.y * texelFetch(cameras, first + 2).xyz;
+}
+
 #endif

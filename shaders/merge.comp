@@ -17,6 +17,7 @@ layout(binding = kMergeDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { MergePush push; };
 #include "composite.glsl"
 #include "layers.glsl"
+#include "light_bits.glsl"
 
 const float kEnd = 1e30;  // metres: no border follows
 
@@ -29,14 +30,15 @@ struct Stretch {
 
 // The segment after another one of the same list; 0: there is none.
 uint segment_after(uint at) {
-    const uvec4 header = pages[at - at % kPageWords];
-    if (at % kPageWords < header.z) return at + 1u;
-    return header.x == 0u ? 0u : header.x * kPageWords + 1u;
+    const uint next = pages[at - at % kPageWords].x;
+    if ((next & kLastPage) == 0u) return at % kPageWords < kPageSegments ? at + 1u : next * kPageWords + 1u;
+    return at % kPageWords < (next & ~kLastPage) ? at + 1u : 0u;
 }
 
 // Adds a list's part, and moves its cursor over what lies behind.
 void add_list(uint list, float begin, inout Stretch stretch) {
-    uint at = pages[list * kPageWords].w;
+    const uvec4 header = pages[list * kPageWords];
+    uint at = header.w;
     if (at == 0u) return;
     if (uintBitsToFloat(pages[at].y) <= begin) {
         at = segment_after(at);
@@ -52,7 +54,7 @@ void add_list(uint list, float begin, inout Stretch stretch) {
     const vec2 first = unpackHalf2x16(segment.z);
     stretch.end = min(stretch.end, uintBitsToFloat(segment.y));
     stretch.sigma += first.x;
-    stretch.light += first.x * vec3(first.y, unpackHalf2x16(segment.w));
+    stretch.light += first.x * light_of_bits(header.z) * vec3(first.y, unpackHalf2x16(segment.w));
 }
 
 void main() {

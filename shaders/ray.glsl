@@ -17,6 +17,7 @@ struct Ray {
     uint index;    // of the per-ray buffers
     uint in_tile;  // 0..63, row by row
     uint view;     // the tile's camera
+    vec2 at;       // in its picture
     vec3 origin;
     vec3 direction;      // unit
     vec2 range;          // metres of it to walk; none (x > y) where the pixel lies beyond the picture's edge
@@ -37,13 +38,6 @@ uvec2 tile_pixel(uint thread) {
     return uvec2((thread & 3u) | (thread & 8u) >> 1u, (thread & 4u) >> 2u | (thread & 48u) >> 3u);
 }
 
-// What a camera sees at a place of its picture.
-vec3 camera_line(uint camera, vec2 at) {
-    const int first = int(kCameraTexels * camera);
-    return texelFetch(cameras, first + 3).xyz + at.x * texelFetch(cameras, first + 1).xyz +
-           at.y * texelFetch(cameras, first + 2).xyz;
-}
-
 Ray tile_ray() {
     const uint group = tile_group();
     const uvec4 tile = texelFetch(tiles, int(group));
@@ -59,10 +53,10 @@ Ray tile_ray() {
     Ray ray;
     ray.in_tile = inner.y * kTile + inner.x;
     ray.view = tile.x;
+    ray.at = at;
     ray.index = group * kTilePixels + ray.in_tile;
     const bool in_picture = all(lessThan(vec2(cell), size));
     ray.range = in_picture ? tile_range(group) : vec2(kFar, 0.0);
-    // A camera's lines are one metre long along its axis.
     if (in_picture) ray.range.y = min(ray.range.y, set_end(tile.x, at) * length(line));
     ray.origin = texelFetch(cameras, first).xyz;
     ray.direction = normalize(line);

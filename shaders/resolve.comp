@@ -1,7 +1,9 @@
 // Resolve: traced rays to a picture. Colour over a background (blended in linear light), alpha, or depth.
-// A pixel is the mean of its samples × samples rays, colour and alpha premultiplied and linear, depth by alpha.
+// A pixel is the mean of its samples × samples rays, each with the set behind it, colour and alpha premultiplied and
+// linear, depth by alpha.
 // Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits a channel, in rows. One thread a pixel, one
-// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel. Pictures of several views stand behind each other,
+// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel, with a set 40
+// a ray. Pictures of several views stand behind each other,
 // each with all its tiles of rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -10,10 +12,15 @@
 
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const bool kListed = false;  // only some of the picture's tiles
+layout(constant_id = 1) const bool kSet = false;     // the set is behind and before the rays
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
 layout(binding = kResolvePicture, r32ui) writeonly uniform uimageBuffer picture;
 layout(binding = kResolveTiles) uniform utextureBuffer picture_tiles;
+layout(binding = kResolveCameras) uniform textureBuffer cameras;
+layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
+layout(binding = kResolveSetFront) uniform textureBuffer set_front;
+layout(binding = kResolveSetDepth) uniform textureBuffer set_depth;
 layout(push_constant) uniform Push { ResolvePush push; };
 
 #include "show.glsl"
@@ -23,14 +30,13 @@ void main() {
     uvec2 pixel;
     if (kListed) group = texelFetch(picture_tiles, int(group)).x;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
-    vec4 light = vec4(0.0);
-    float metres = 0.0;
+    Shown sum = Shown(vec4(0.0), 0.0, 0.0);
     for (uint i = 0u; i < push.samples * push.samples; i++) {
-        const int ray = ray_at(view, push.samples * pixel + uvec2(i % push.samples, i / push.samples));
-        const vec4 one = texelFetch(radiance, ray);
-        light += one;
-        if (one.a > 0.0) metres += one.a * texelFetch(depth, ray).x;
+        const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
+        const int ray = ray_at(view, texel);
+        const Shown one = with_set(view, texel, texelFetch(radiance, ray), texelFetch(depth, ray).x);
+        sum = Shown(sum.light + one.light, sum.metres + one.metres, sum.weight + one.weight);
     }
-    metres = light.a > 0.0 ? metres / light.a : uintBitsToFloat(0x7f800000u);
-    store_pixel(view, pixel, light / float(push.samples * push.samples), metres);
+    const float metres = sum.weight > 0.0 ? sum.metres / sum.weight : uintBitsToFloat(0x7f800000u);
+    store_pixel(view, pixel, sum.light / float(push.samples * push.samples), metres);
 }

@@ -71,7 +71,7 @@ vec3 lit_surface(SetMaterial material, vec3 base_colour) {
         const vec3 arriving = light_at(lights.light[i], shaded_position, to_light);
         const vec3 sent = arriving * reflect_light(surface, to_eye, to_light);
         if (max(sent.r, max(sent.g, sent.b)) > 0.0)
-            light += sent * set_shadow(i, shaded_position, geometric) * performer_shadow(i, shaded_position);
+            light += sent * set_shadow(i, shaded_position, geometric) * performer_shadow(i, shaded_position, 0.0);
     }
     const vec3 mirrored = reflect(-to_eye, surface.normal);
     vec3 from_there = lights.ambient.rgb;

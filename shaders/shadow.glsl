@@ -49,8 +49,8 @@ float set_shadow(uint light, vec3 world, vec3 normal) {
 }
 
 // 1 lit, down to 1 − alpha behind a performer as seen from a spot light, bilinear over four texels. Only spots have such
-// maps.
-float performer_shadow(uint light, vec3 world) {
+// maps. What lies less than `lift` metres behind it stays lit: on performers, whose own depth the coarse map has only so well.
+float performer_shadow(uint light, vec3 world, float lift) {
     const ShaderLight from = lights.light[light];
     if (from.shadow == kNoShadow || lights.performer_shadows == 0u || from.kind != kLightSpot) return 1.0;
     const vec4 clip = from.clip_from_world * vec4(world, 1.0);
@@ -66,7 +66,7 @@ float performer_shadow(uint light, vec3 world) {
         const vec2 weights = mix(1.0 - share, share, vec2(corner));
         const vec2 blocker = texelFetch(performer_shadows, (int(from.shadow) * side + texel.y) * side + texel.x).xy;
         if (blocker.x > 0.0)  // the distance means something only there
-            shade += weights.x * weights.y * blocker.x * smoothstep(0.0, kPerformerShadowSoft, metres - blocker.y);
+            shade += weights.x * weights.y * blocker.x * smoothstep(0.0, kPerformerShadowSoft, metres - lift - blocker.y);
     }
     return 1.0 - shade;
 }

@@ -1,7 +1,9 @@
-// What a pixel shows of the rays that it takes from, and where these stand. The includer pushes a ResolvePush, and binds
-// uimageBuffer `picture`.
+// What a pixel shows of the rays that it takes from and of the set, and where these stand. The includer pushes a
+// ResolvePush, says by kSet whether there is a set, and binds uimageBuffer `picture` and textureBuffers `cameras`,
+// `set_colour`, `set_front` and `set_depth`.
 #ifndef NEUVV_SHOW_GLSL
 #define NEUVV_SHOW_GLSL
+#include "grid.glsl"
 #include "srgb.glsl"
 
 vec4 show_colour(vec4 light) {
@@ -29,6 +31,27 @@ bool pixel_of_thread(uint group, out uint view, out uvec2 pixel) {
     view = group / (across * down);
     pixel = kTile * uvec2(tile % across, tile / across) + uvec2(lane % kTile, lane / kTile);
     return view < push.views && pixel.x < push.width && pixel.y < push.height;
+}
+
+// Light and depth as they are summed: premultiplied, linear; metres times their weight, and weights.
+struct Shown {
+    vec4 light;
+    float metres, weight;
+};
+
+// What is seen at a texel of the set's picture where `light` is before it, `metres` away.
+Shown with_set(uint view, uvec2 texel, vec4 light, float metres) {
+    Shown shown = Shown(light, light.a > 0.0 ? light.a * metres : 0.0, light.a);
+    if (!kSet) return shown;
+    const int at = int((view * push.samples * push.height + texel.y) * push.samples * push.width + texel.x);
+    const float set_metres = texelFetch(set_depth, at).x;
+    if (!isinf(set_metres)) {
+        shown.metres += (1.0 - light.a) * set_metres * length(camera_line(view, vec2(texel) + 0.5));
+        shown.weight += 1.0 - light.a;
+    }
+    const vec4 front = texelFetch(set_front, at);
+    shown.light = front + (1.0 - front.a) * (light + (1.0 - light.a) * texelFetch(set_colour, at));
+    return shown;
 }
 
 // Premultiplied linear light, and depth in metres.

@@ -3,6 +3,7 @@
 // each node, and one a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shared/lights.h"
 #include "shared/segments.h"
 #include "shared/slice_tree.h"
 
@@ -29,6 +30,9 @@ layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
 layout(binding = kTracePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
 layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
+layout(binding = kTraceLights, std140) uniform Lights { ShaderLights lights; };
+layout(binding = kTraceSetShadows) uniform textureBuffer set_shadow_maps;
+layout(binding = kTracePerformerShadows) uniform textureBuffer performer_shadows;
 layout(push_constant) uniform Push { TracePush push; };
 
 #include "listed_tiles.glsl"

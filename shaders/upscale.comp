@@ -1,20 +1,24 @@
 // Upscale: rays that are fewer than pixels (grid.glsl) to a picture. Catmull-Rom over 4×4 rays, rows first, each result held
 // between its two nearest, so that no edge gets a halo; where a ray stands at each pixel's centre it is that ray.
-// Reads radiance and depth in tile order; writes as resolve.comp does. One thread a pixel, one workgroup 8×8 pixels of the
-// listed tiles. Bound by its 20 fetches a pixel, most of them from cache.
+// Reads radiance and depth in tile order; writes as resolve.comp does. One thread a pixel, one workgroup 8×8 pixels,
+// of the listed tiles or with a set of all. Bound by its 20 fetches a pixel, most of them from cache.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/resolve.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
+layout(constant_id = 0) const bool kListed = true;
+layout(constant_id = 1) const bool kSet = false;
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
 layout(binding = kResolvePicture, r32ui) writeonly uniform uimageBuffer picture;
 layout(binding = kResolveTiles) uniform utextureBuffer picture_tiles;
 layout(binding = kResolveCameras) uniform textureBuffer cameras;
+layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
+layout(binding = kResolveSetFront) uniform textureBuffer set_front;
+layout(binding = kResolveSetDepth) uniform textureBuffer set_depth;
 layout(push_constant) uniform Push { ResolvePush push; };
-#include "grid.glsl"
 #include "show.glsl"
 
 // Of the rays at −1, 0, 1 and 2 for a place between those at 0 and 1.
@@ -56,8 +60,8 @@ Seen light_between(uint view, vec2 place, ivec2 last) {
 }
 
 void main() {
-    const uint group = texelFetch(picture_tiles, int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)).x;
-    uint view;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, view;
+    if (kListed) group = texelFetch(picture_tiles, int(group)).x;
     uvec2 pixel;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
     const int camera = int(kCameraTexels * view);
@@ -65,5 +69,7 @@ void main() {
     const vec2 place = vec2(ray_of_pixel(camera_axis(view, 0u), float(pixel.x) + 0.5),
                             ray_of_pixel(camera_axis(view, 1u), float(pixel.y) + 0.5));
     const Seen seen = light_between(view, place, last);
-    store_pixel(view, pixel, seen.light, seen.metres);
+    const Shown shown = with_set(view, pixel, seen.light, seen.metres);
+    store_pixel(view, pixel, shown.light,
+                shown.weight > 0.0 ? shown.metres / shown.weight : uintBitsToFloat(0x7f800000u));
 }

@@ -13,9 +13,10 @@ namespace neuvv {
 
 namespace {
 
-constexpr uint32_t kEyeTarget = 0;  // of each performer
+constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;  // of each performer
 
-constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 64;  // three of a slice, three of an instance, and the rest
+// Three of a slice, three of an instance seen by the eye and as many by the lights, and the rest.
+constexpr uint32_t kMaxScopes = 9 * kMaxInstances + 64;
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
 uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
@@ -54,6 +55,11 @@ bool is_reference(TraceMode mode) {
     return mode == TraceMode::kSlice || mode == TraceMode::kDirect || mode == TraceMode::kPaper;
 }
 
+Surroundings surroundings_of(const SetRaster* set) {
+    if (!set) return {};
+    return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
+}
+
 constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, times bands
 
 }  // namespace
@@ -85,6 +91,14 @@ void record_group(Commands& commands, FrameRenderer& r, std::span<const DrawnIns
     }
 }
 
+// The instances, near to far.
+void record_rays(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+    record_clear(commands, r.target_.rays, r.layout_.ray_tiles());
+    record_unseen(commands, r.target_.ranges);
+    for (const std::vector<DrawnInstance>& group : r.drawn_) record_group(commands, r, group, settings);
+}
+
+// Instances alone, over a background: only the tiles of the picture that see anything are worked on.
 void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     ViewLayout all_pixels = r.layout_;
     all_pixels.rays = {};
@@ -95,10 +109,8 @@ void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings&
         copy(commands, r.picture_, r.blank_, r.layout_.picture_bytes());
         r.blank_is_of_ = shown;
     }
-    record_clear(commands, r.target_.rays, r.layout_.ray_tiles());
     for (const auto& performer : r.performers_) record_slices(commands, *performer);
-    record_unseen(commands, r.target_.ranges);
-    for (const std::vector<DrawnInstance>& group : r.drawn_) record_group(commands, r, group, settings);
+    record_rays(commands, r, settings);
     record_picture_list(commands, r.lister_, r.layout_);
     {
         const PassScope scope(commands, "blank");
@@ -112,6 +124,25 @@ void record_instances(Commands& commands, FrameRenderer& r, const FrameSettings&
     for (const auto& performer : r.performers_) record_slices_ahead(commands, *performer, settings.parts_ahead);
 }
 
+// Instances on a set: what lights see of both, the set as far as it ends rays, the rays, and what is blended before and
+// behind them.
+void record_on_set(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+    for (const auto& performer : r.performers_) record_slices(commands, *performer);
+    record_performer_shadows(commands, *r.shadows_, r.performers_, kLightTarget);
+    record_set_shadows(commands, *r.set_);
+    record_set(commands, *r.set_, r.set_cameras_);
+    record_rays(commands, r, settings);
+    if (r.set_->has_transparent()) {
+        record_volume_depth(commands, *r.volume_depth_, r.layout_);
+        record_set_transparent(commands, *r.set_, r.set_cameras_);
+    }
+    if (r.layout_.upscaled())
+        record_upscale(commands, *r.upscaler_, r.layout_, settings.resolve);
+    else
+        record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
+    for (const auto& performer : r.performers_) record_slices_ahead(commands, *performer, settings.parts_ahead);
+}
+
 void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     const uint32_t tiles = r.layout_.ray_tiles();
     const float frame = settings.instances.empty() ? 0 : settings.instances[0].frame;  // a reference has only this one
@@ -119,7 +150,10 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
         case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            record_instances(commands, r, settings);
+            if (r.set_)
+                record_on_set(commands, r, settings);
+            else
+                record_instances(commands, r, settings);
             break;
         case TraceMode::kSlice:
             record_slice(commands, r.slots_->slicer, frame);
@@ -138,19 +172,27 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
     host_barrier(commands);
 }
 
-FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity)
+FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
+                             SetRaster* set)
     : device_(device),
       fields_(std::move(fields)),
       capacity_(capacity),
+      set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity),
-              largest(capacity).picture_tiles()),
+              largest(capacity).picture_tiles(), surroundings_of(set)),
       picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", largest(capacity).picture_bytes(), MemoryKind::kReadback),
-      blank_(device, "blank picture", largest(capacity).picture_bytes(), MemoryKind::kDevice),
+      blank_(device, "blank picture", set ? 4 : largest(capacity).picture_bytes(), MemoryKind::kDevice),
       lister_(device, target_.rays, target_.ranges),
-      resolver_(device, target_.rays, picture_),
+      resolver_(device, target_.rays, picture_, nullptr, set),
       listed_resolver_(device, target_.rays, picture_, &target_.ranges),
-      commands_(device, "frame", kMaxScopes) {}
+      commands_(device, "frame", kMaxScopes) {
+    if (!set) return;
+    assert(set->width() == capacity.samples * capacity.width && set->height() == capacity.samples * capacity.height);
+    assert(set->views() == capacity.views);
+    shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
+    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
+}
 
 void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
@@ -158,6 +200,11 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
         layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
+    if (set_ && (layout.samples * layout.width != set_->width() || layout.samples * layout.height != set_->height() ||
+                 layout.views != set_->views()))
+        throw RuntimeFailure(fmt::format("{} pictures of {}x{} pixels of {} rays on a set of {} of {}x{} texels",
+                                         layout.views, layout.width, layout.height, layout.samples * layout.samples,
+                                         set_->views(), set_->width(), set_->height()));
     if (settings.instances.size() > kMaxInstances)
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
@@ -188,26 +235,21 @@ void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
         grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
         layout_.rays = glm::max(layout_.rays, grids_.back().rays);
     }
-    if (!upscaler_) upscaler_ = std::make_unique<Upscaler>(device_, target_.rays, picture_, target_.ranges);
+    if (!upscaler_) upscaler_ = std::make_unique<Upscaler>(device_, target_.rays, picture_, target_.ranges, set_);
 }
 
-ShaderCamera FrameRenderer::shader_camera_of(const Camera& camera, uint32_t view) const {
-    return layout_.upscaled() ? shader_camera(camera, grids_[view])
-                              : shader_camera(enlarged(camera, layout_.samples), layout_.samples);
+TargetViews FrameRenderer::views_of(std::span<const Camera> cameras, const FrameSettings& settings) const {
+    return {target_, layout_, cameras, grids_, settings.scale};
 }
 
 // The cameras of the world, one a view, and their tiles.
 void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSettings& settings) {
     const ViewLayout last = layout_;
     place_grids(settings, static_cast<uint32_t>(cameras.size()));
-    for (uint32_t view = 0; view < layout_.views; view++)
-        target_.rays.cameras.as<ShaderCamera>()[view] = shader_camera_of(cameras[view], view);
-    if (layout_ == last) return;
-    Tile* to = target_.rays.tiles.as<Tile>();
-    for (uint32_t view = 0; view < layout_.views; view++) {
-        const std::vector<Tile> tiles = tiles_of_picture(view, layout_.rays_across(), layout_.rays_down());
-        to = std::copy(tiles.begin(), tiles.end(), to);
-    }
+    place_cameras(views_of(cameras, settings));
+    if (layout_ != last) place_tiles(views_of(cameras, settings));
+    set_cameras_.clear();
+    for (const Camera& camera : cameras) set_cameras_.push_back(enlarged(camera, layout_.samples));
 }
 
 // Near to far, so that rays that have met something solid need not look behind it.
@@ -237,49 +279,24 @@ void FrameRenderer::place_instances(std::span<const Camera> cameras, const Frame
     uint32_t placed = 0;
     for (const std::vector<uint32_t>& group : order_of(cameras, settings)) {
         std::vector<DrawnInstance> drawn;
-        for (const uint32_t i : group)
-            if (const auto instance = place_instance(cameras, settings, settings.instances[i], placed)) {
-                drawn.push_back(*instance);
-                placed++;
-            }
+        for (const uint32_t i : group) {
+            const Instance& instance = settings.instances[i];
+            auto one = place_instance(views_of(cameras, settings), *fields_[instance.field], instance, placed);
+            if (!one) continue;
+            if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
+            if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
+            one->into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
+            one->rays.stop = settings.stop;
+            if (set_) one->rays.set_size = {set_->width(), set_->height()};
+            if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
+            drawn.push_back(*one);
+            placed++;
+        }
         if (drawn.size() > 1)
             for (DrawnInstance& instance : drawn) instance.into = Into::kSegments;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
-}
-
-std::optional<DrawnInstance> FrameRenderer::place_instance(std::span<const Camera> cameras,
-                                                           const FrameSettings& settings, const Instance& instance,
-                                                           uint32_t place) {
-    const Field& field = *fields_[instance.field];
-    DrawnInstance drawn;
-    drawn.field = instance.field;
-    drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field.frames - 1));
-    drawn.shading = settings.mode == TraceMode::kTree ? Shading::kPerRay : Shading::kPerLeaf;
-    drawn.into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
-    drawn.rays.first_camera = layout_.views * (place + 1);
-    drawn.rays.opacity = instance.opacity;
-    drawn.rays.stop = settings.stop;
-    const double pixel_rays = settings.samples * settings.scale;  // along each side
-    bool seen_at_all = false;
-    for (uint32_t view = 0; view < layout_.views; view++) {
-        const Camera camera = in_performer(cameras[view], instance.world_from_performer);
-        const glm::vec3 eye(camera.world_from_camera[3]);
-        const ShaderCamera seen = shader_camera_of(camera, view);
-        const RangeView range = range_view(seen);
-        const glm::dvec2 picture = static_cast<double>(settings.samples) * glm::dvec2(camera.width, camera.height);
-        const double rays =
-            pixels_around(range, picture, field.leaves_min, field.leaves_max) * settings.scale * settings.scale;
-        target_.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = seen;
-        target_.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
-        const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));
-        drawn.range_level = std::max(drawn.range_level, level);
-        if (settings.mode == TraceMode::kPlay && play_shading(field, eye, rays) == Shading::kPerRay)
-            drawn.shading = Shading::kPerRay;
-        seen_at_all |= rays > 0;
-    }
-    if (!seen_at_all || instance.opacity <= 0) return std::nullopt;
-    return drawn;
+    if (shadows_) shadows_->place(fields_, settings.instances);
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
@@ -304,11 +321,17 @@ void FrameRenderer::prepare_performers(const FrameSettings& settings) {
         const uint64_t share = (capacity_.slice_budget + fields_.size() - 1) / fields_.size();
         performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], share));
         performers_.back()->add_target(target_, capacity_.views);
+        if (shadows_) performers_.back()->add_target(shadows_->target(), kMaxShadows);
     }
     std::vector<std::vector<float>> frames(fields_.size());
     for (const auto& group : drawn_)
         for (const DrawnInstance& instance : group) frames[instance.field].push_back(instance.frame);
+    if (shadows_)  // these last: a slice shows more where the eye sees it
+        for (const DrawnInstance& instance : shadows_->drawn()) frames[instance.field].push_back(instance.frame);
     for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(frames[i], settings.next_frames);
+    if (shadows_)
+        for (const DrawnInstance& instance : shadows_->drawn())
+            performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
     for (const auto& group : drawn_) {
         if (group.size() > 1 && !segments_) segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges);
         for (const DrawnInstance& instance : group)

@@ -6,10 +6,10 @@
 
 #include "media/image.h"
 #include "render/draw_order.h"
-#include "render/performer.h"
+#include "render/performer_shadows.h"
 #include "render/picture_list.h"
-#include "render/ray_grid.h"
 #include "render/upscale.h"
+#include "render/volume_depth.h"
 
 namespace neuvv {
 
@@ -39,6 +39,7 @@ struct FrameSettings {
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
+    bool lit = true;  // the set's lights shine on performers, who else show what was captured
     float stop = kStopTransmittance;
 };
 
@@ -71,7 +72,10 @@ struct DirectPath {
 // Everything a frame needs on the device, made once.
 class FrameRenderer {
   public:
-    FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity);
+    // `set`: what stands around the performers, of samples · width × samples · height texels and as many views, which
+    // all pictures then have; its owner poses and lights it before each.
+    FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
+                  SetRaster* set = nullptr);
     FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
         : FrameRenderer(device, std::vector{&field}, capacity) {}
 
@@ -104,22 +108,23 @@ class FrameRenderer {
   private:
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_instances(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_rays(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_on_set(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_group(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
                              const FrameSettings& settings);
     void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
     void place_grids(const FrameSettings& settings, uint32_t views);
-    ShaderCamera shader_camera_of(const Camera& camera, uint32_t view) const;
+    TargetViews views_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
     void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
     void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
     std::vector<std::vector<uint32_t>> order_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
-    std::optional<DrawnInstance> place_instance(std::span<const Camera> cameras, const FrameSettings& settings,
-                                                const Instance& instance, uint32_t place);
     void prepare(const FrameSettings& settings);
     void prepare_performers(const FrameSettings& settings);
     bool enlarge();
     const Device& device_;
     std::vector<const Field*> fields_;
     FrameCapacity capacity_;
+    SetRaster* set_;
     RayTarget target_;
     Buffer picture_, readback_;
     Buffer blank_;  // what pictures show where nothing is seen
@@ -129,8 +134,11 @@ class FrameRenderer {
     std::unique_ptr<SlotPath> slots_;
     std::unique_ptr<DirectPath> direct_;
     PictureLister lister_;
-    Resolver resolver_, listed_resolver_;            // of all tiles; of those where anything may be seen
-    std::unique_ptr<Upscaler> upscaler_;             // made when first asked for
+    Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
+    std::unique_ptr<Upscaler> upscaler_;         // made when first asked for
+    std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
+    std::unique_ptr<VolumeDepth> volume_depth_;
+    std::vector<Camera> set_cameras_;
     ViewLayout layout_;                              // of the last picture
     std::vector<RayGrid> grids_;                     // of its views, where they are upscaled
     std::vector<std::vector<DrawnInstance>> drawn_;  // of the last picture: those that may be seen, near to far

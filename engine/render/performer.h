@@ -17,6 +17,7 @@ struct Instance {
     glm::mat4 world_from_performer{1};  // affine and invertible
     uint32_t field = 0;                 // of the renderer's
     float opacity = 1;                  // below 1 it lets light through, however dense it is (store_instance.glsl)
+    bool casts_shadow = true, receives_shadow = true;
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's

@@ -1,22 +1,29 @@
-// Ray target: the rays of a frame's views, which of their tiles see what, and what ends them.
+// Ray target: the rays of a frame's views, which of their tiles see what, what ends them and what shines on them.
 #pragma once
 
 #include "render/tile_range.h"
+#include "shared/lights.h"
 
 namespace neuvv {
 
+// What a stage does to performers' rays. Null: nothing.
+struct Surroundings {
+    // Of the opaque set: metres along the camera's axis (R32_SFLOAT), infinity where there is none, in rows of samples
+    // · width texels, views behind each other.
+    const Buffer* set_depth = nullptr;
+    // As shadow.glsl reads them; all or none.
+    const Buffer *lights = nullptr, *set_shadows = nullptr, *performer_shadows = nullptr;
+};
+
 struct RayTarget {
     RayTarget(const Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
-              const Buffer* depth_of_set = nullptr)
-        : rays(device, cameras, ray_tiles),
-          ranges(device, rays.tile_capacity, picture_tiles, rays.camera_capacity),
-          set_depth(depth_of_set) {}
+              const Surroundings& around = {});
 
     RayBatch rays;
     TileRanges ranges;
-    // Of the opaque set: metres along the camera's axis (R32_SFLOAT), infinity where there is none, in rows of samples
-    // · width texels, views behind each other. Null: rays do not end.
-    const Buffer* set_depth;
+    Buffer no_lights;
+    Surroundings around;  // where there is nothing, what may be bound in its place
+    bool has_set;
 };
 
 }  // namespace neuvv

@@ -4,13 +4,19 @@
 
 namespace neuvv {
 
-Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only)
+// What is not there is bound to buffers of the same kinds.
+Resolver::Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only,
+                   const SetRaster* set)
     : only_(only),
-      pass_(device, "resolve", resolve_comp, {only ? 1u : 0u}),
+      pass_(device, "resolve", resolve_comp, {only ? 1u : 0u, set ? 1u : 0u}),
       set_(pass_, {{kResolveRadiance, &rays.radiance},
                    {kResolveDepth, &rays.depth},
                    {kResolvePicture, &picture},
-                   {kResolveTiles, only ? &only->picture_list : &rays.tiles}}) {}  // read only where there is a list
+                   {kResolveTiles, only ? &only->picture_list : &rays.tiles},
+                   {kResolveCameras, &rays.cameras},
+                   {kResolveSetColour, set ? &set->colour : &rays.radiance},
+                   {kResolveSetFront, set ? &set->front : &rays.radiance},
+                   {kResolveSetDepth, set ? &set->depth : &rays.depth}}) {}
 
 ResolvePush resolve_push(const ViewLayout& layout, const ResolveSettings& settings) {
     return {settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),

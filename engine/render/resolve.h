@@ -3,6 +3,7 @@
 
 #include "gpu/commands.h"
 #include "render/picture_list.h"
+#include "render/set_raster.h"
 #include "shared/resolve.h"
 
 namespace neuvv {
@@ -19,7 +20,9 @@ struct ResolveSettings {
 class Resolver {
   public:
     // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
-    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only = nullptr);
+    // `set`: behind and before the rays.
+    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only = nullptr,
+             const SetRaster* set = nullptr);
 
   private:
     friend void record_resolve(Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);

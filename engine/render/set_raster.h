@@ -36,6 +36,8 @@ class SetRaster {
     void pose(const PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
+    // As light() was given them.
+    std::span<const SetLight> given_lights() const { return given_lights_; }
     // As shaders see them: .light[i].shadow is the i-th light's slot in both kinds of shadow map.
     const ShaderLights& lights() const { return packed_; }
     // Whether anything is blended: else record_set_transparent does nothing, and `front` stays 0.

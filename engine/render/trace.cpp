@@ -67,6 +67,7 @@ TracePush instance_push(const Field& field, const InstanceRays& rays) {
     push.end_tile = rays.tiles.end;
     push.set_width = rays.set_size.x;
     push.set_texels = rays.set_size.x * rays.set_size.y;
+    push.lighting = rays.lighting;
     return push;
 }
 
@@ -94,6 +95,7 @@ void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, floa
 DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                            Walk walk)
     : field_(field),
+      no_lights_(device, "no lights", sizeof(ShaderLights), MemoryKind::kDevice),
       pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
              walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
@@ -110,6 +112,9 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTracePages, &rays.radiance},
                    {kTraceHeads, &rays.radiance},
                    {kTraceSetDepth, &rays.depth},
+                   {kTraceLights, &no_lights_},
+                   {kTraceSetShadows, &rays.depth},
+                   {kTracePerformerShadows, &rays.depth},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
 
@@ -131,7 +136,10 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTraceTileRanges, &target.ranges.ranges},
                    {kTracePages, segments ? &segments->pages() : &target.rays.radiance},
                    {kTraceHeads, segments ? &segments->heads() : &target.rays.radiance},
-                   {kTraceSetDepth, target.set_depth ? target.set_depth : &target.rays.depth},
+                   {kTraceSetDepth, target.around.set_depth},
+                   {kTraceLights, target.around.lights},
+                   {kTraceSetShadows, target.around.set_shadows},
+                   {kTracePerformerShadows, target.around.performer_shadows},
                    {kTraceRadiance, &target.rays.radiance},
                    {kTraceDepth, &target.rays.depth}}) {
     assert((into == Into::kSegments) == (segments != nullptr));

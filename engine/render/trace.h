@@ -73,7 +73,8 @@ struct InstanceRays {
     float opacity = 1;
     float stop = kStopTransmittance;
     TileSpan tiles;
-    glm::uvec2 set_size{0};  // texels of the target's set_depth in a view; 0: there is none
+    glm::uvec2 set_size{0};  // texels of the set's depth in a view; 0: there is no set
+    uint32_t lighting = 0;   // of kLit, kShadowed
 };
 
 struct RayTarget;
@@ -93,6 +94,7 @@ class DirectTracer {
     friend void record_direct_instance(Commands&, const DirectTracer&, const InstanceRays&);
     const Field& field_;
     const Buffer* tile_count_ = nullptr;
+    Buffer no_lights_;
     ComputePass pass_;
     BindingSet set_;
 };

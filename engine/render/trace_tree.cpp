@@ -25,7 +25,10 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
                    {kTraceTileRanges, &target.ranges.ranges},
                    {kTracePages, segments ? &segments->pages() : &target.rays.radiance},  // read only where there are
                    {kTraceHeads, segments ? &segments->heads() : &target.rays.radiance},
-                   {kTraceSetDepth, target.set_depth ? target.set_depth : &target.rays.depth},
+                   {kTraceSetDepth, target.around.set_depth},
+                   {kTraceLights, target.around.lights},
+                   {kTraceSetShadows, target.around.set_shadows},
+                   {kTracePerformerShadows, target.around.performer_shadows},
                    {kTraceRadiance, &target.rays.radiance},
                    {kTraceDepth, &target.rays.depth}}) {
     assert((into == Into::kSegments) == (segments != nullptr));

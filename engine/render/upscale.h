@@ -7,12 +7,14 @@ namespace neuvv {
 
 class Upscaler {
   public:
-    // `picture`: at least views·width·height R32_UINT texels, of which the listed tiles are written.
-    Upscaler(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges& only);
+    // `picture`: at least views·width·height R32_UINT texels, of which the listed tiles are written, and where there is
+    // a set all.
+    Upscaler(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges& ranges,
+             const SetRaster* set = nullptr);
 
   private:
     friend void record_upscale(Commands&, const Upscaler&, const ViewLayout&, const ResolveSettings&);
-    const TileRanges& only_;
+    const TileRanges* only_;
     ComputePass pass_;
     BindingSet set_;
 };

@@ -12,7 +12,11 @@ CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
 
 CONSTEXPR uint kResolveTiles = 3u;  // where only some are resolved: those, then kNoTile
 
-CONSTEXPR uint kResolveCameras = 4u;  // upscale.comp: as kTraceCameras
+CONSTEXPR uint kResolveCameras = 4u;  // as kTraceCameras
+// The set's pictures (render/set_raster.h): as many texels as rays a pixel, one a pixel where rays are fewer
+CONSTEXPR uint kResolveSetColour = 5u;
+CONSTEXPR uint kResolveSetFront = 6u;
+CONSTEXPR uint kResolveSetDepth = 7u;
 CONSTEXPR uint kUpscaleReach = 2u;    // rays that its filter takes on each side of a place
 
 CONSTEXPR uint kShowColour = 0u;

@@ -1,9 +1,9 @@
 // Segments of rays that several instances put there, to be blended together in depth order (merge.comp).
 //
-// A page is kPageWords texels: a header, then segments. Header: x the next page of the list, y the first page of the ray's
-// next list, z segments in this page, w where the merge has come to in the list (its first page's; 0 at its end). Segment: x, y where
-// it begins and ends along the ray (bits of floats, world metres), z σ (1/m of the world) | R << 16, w G | B << 16, fp16.
-// Page 0 is none.
+// A page is kPageWords texels: a header, then segments. Header: x the next page of the list, or kLastPage | the number of its
+// segments; of a list's first page y the first page of the ray's next list, z the light that shines on it as floats_of_light says, w
+// where the merge has come to in the list (0 at its end). Segment: x, y where it begins and ends along the ray (bits of
+// floats, world metres), z σ (1/m of the world) | R << 16, w G | B << 16, fp16. Page 0 is none.
 #ifndef NEUVV_SHARED_SEGMENTS_H
 #define NEUVV_SHARED_SEGMENTS_H
 #include "shared/types.h"
@@ -12,6 +12,8 @@ NEUVV_SHARED
 
 CONSTEXPR uint kPageWords = 8u;  // uvec4
 CONSTEXPR uint kPageSegments = kPageWords - 1u;
+
+CONSTEXPR uint kLastPage = 0x80000000u;
 
 // Heads: the pages that are taken, then per ray the first page of its first list.
 CONSTEXPR uint kFirstHead = 1u;

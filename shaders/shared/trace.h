@@ -31,6 +31,13 @@ CONSTEXPR uint kTraceTileRanges = 12u;
 CONSTEXPR uint kTracePages = 16u;  // shared/segments.h
 CONSTEXPR uint kTraceHeads = 17u;
 CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel of the set's picture each
+CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
+CONSTEXPR uint kTraceSetShadows = 20u;
+CONSTEXPR uint kTracePerformerShadows = 21u;
+
+// Whether the stage's lights shine on an instance, and whether shadows fall on it
+CONSTEXPR uint kLit = 1u;
+CONSTEXPR uint kShadowed = 2u;
 
 // What becomes of a ray's result (store_instance.glsl)
 CONSTEXPR uint kIntoRay = 0u;           // it alone
@@ -76,6 +83,7 @@ struct TracePush {
     uint end_tile;
     uint set_width;      // texels of the set's picture, in rows; 0: there is no set
     uint set_texels;     // of a view
+    uint lighting;       // of kLit, kShadowed
 };
 
 NEUVV_SHARED_END
@@ -83,6 +91,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 76);
+static_assert(sizeof(neuvv::TracePush) == 80);
 #endif
 #endif

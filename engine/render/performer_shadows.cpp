@@ -1,0 +1,75 @@
+#include "render/performer_shadows.h"
+
+#include "shared/shadow_blur.h"
+#include "spirv/shadow_blur.comp.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint32_t kSide = kPerformerShadowSide;
+constexpr uint32_t kMapTiles = (kSide / kTile) * (kSide / kTile);
+static_assert(kSide % kTile == 0);
+
+}  // namespace
+
+PerformerShadows::PerformerShadows(const Device& device, const SetRaster& set, uint32_t instances)
+    : set_(set),
+      target_(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
+      rows_(device, "shadow rows", uint64_t{8} * kSide * kSide, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
+      along_rows_(device, "shadow blur", shadow_blur_comp, {0}),
+      along_columns_(device, "shadow blur", shadow_blur_comp, {1}),
+      rows_set_(along_rows_, {{kBlurRadiance, &target_.rays.radiance},
+                              {kBlurDepth, &target_.rays.depth},
+                              {kBlurFrom, &set.performer_shadows},  // not read
+                              {kBlurTo, &rows_}}),
+      columns_set_(along_columns_, {{kBlurRadiance, &target_.rays.radiance},
+                                    {kBlurDepth, &target_.rays.depth},
+                                    {kBlurFrom, &rows_},
+                                    {kBlurTo, &set.performer_shadows}}) {}
+
+void PerformerShadows::place(std::span<const Field* const> fields, std::span<const Instance> instances) {
+    cameras_.clear();
+    maps_.clear();
+    drawn_.clear();
+    for (uint32_t i = 0; i < set_.lights().count; i++) {
+        const ShaderLight& packed = set_.lights().light[i];
+        if (packed.shadow == kNoShadow || packed.kind != kLightSpot || !set_.lights().performer_shadows) continue;
+        cameras_.push_back(shadow_camera(set_.given_lights()[i], kSide));
+        maps_.push_back(packed.shadow);
+    }
+    const ViewLayout layout{kSide, kSide, 1, static_cast<uint32_t>(cameras_.size())};
+    const TargetViews views{target_, layout, cameras_};
+    if (layout != layout_) place_tiles(views);
+    layout_ = layout;
+    if (cameras_.empty()) return;
+    place_cameras(views);
+    for (const Instance& instance : instances) {
+        if (!instance.casts_shadow) continue;
+        auto drawn = place_instance(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn_.size()));
+        if (!drawn) continue;
+        drawn->shading = Shading::kNone;
+        drawn->into = Into::kLayerByDepth;
+        drawn_.push_back(*drawn);
+    }
+}
+
+void record_performer_shadows(Commands& commands, PerformerShadows& shadows,
+                              std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
+    if (shadows.cameras_.empty()) return;
+    record_clear(commands, shadows.target_.rays, shadows.layout_.ray_tiles());
+    record_unseen(commands, shadows.target_.ranges);
+    for (const DrawnInstance& instance : shadows.drawn_)
+        record_instance(commands, *performers[instance.field], target, instance, shadows.layout_);
+    const PassScope scope(commands, "shadow blur");
+    constexpr uint32_t kGroups = (kSide * kSide + kTilePixels - 1) / kTilePixels;
+    for (uint32_t view = 0; view < shadows.maps_.size(); view++) {
+        dispatch(commands, shadows.along_rows_, shadows.rows_set_, kGroups, ShadowBlurPush{view, 0});
+        compute_barrier(commands);
+        dispatch(commands, shadows.along_columns_, shadows.columns_set_, kGroups,
+                 ShadowBlurPush{view, shadows.maps_[view] * kSide * kSide});
+        compute_barrier(commands);
+    }
+}
+
+}  // namespace neuvv

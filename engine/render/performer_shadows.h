@@ -1,0 +1,41 @@
+// Performers' shadows: alpha and depth of performers as spot lights see them, coarse and low-passed (errata 15).
+#pragma once
+
+#include <memory>
+
+#include "render/place.h"
+#include "render/set_lights.h"
+#include "render/set_raster.h"
+
+namespace neuvv {
+
+class PerformerShadows {
+  public:
+    // Into set.performer_shadows. Performers must be given the target (Performer::add_target, of kMaxShadows views).
+    PerformerShadows(const Device& device, const SetRaster& set, uint32_t instances);
+
+    const RayTarget& target() const { return target_; }
+
+    // Before a frame, after SetRaster::light: the instances that may cast shadows.
+    void place(std::span<const Field* const> fields, std::span<const Instance> instances);
+    std::span<const DrawnInstance> drawn() const { return drawn_; }
+
+  private:
+    friend void record_performer_shadows(Commands&, PerformerShadows&, std::span<const std::unique_ptr<Performer>>,
+                                         uint32_t);
+    const SetRaster& set_;
+    RayTarget target_;
+    Buffer rows_;
+    ComputePass along_rows_, along_columns_;
+    BindingSet rows_set_, columns_set_;
+    std::vector<Camera> cameras_;  // of the lights that see any performer's shadow
+    std::vector<uint32_t> maps_;   // of each, which map it fills
+    ViewLayout layout_;
+    std::vector<DrawnInstance> drawn_;
+};
+
+// `target`: the performers' number of the shadows' target. After the slices, before the set and the eye's rays.
+void record_performer_shadows(Commands& commands, PerformerShadows& shadows,
+                              std::span<const std::unique_ptr<Performer>> performers, uint32_t target);
+
+}  // namespace neuvv

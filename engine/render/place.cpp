@@ -1,0 +1,56 @@
+#include "render/place.h"
+
+#include <algorithm>
+
+namespace neuvv {
+
+ShaderCamera shader_camera_of(const TargetViews& views, const Camera& camera, uint32_t view) {
+    const uint32_t samples = views.layout.samples;
+    return views.layout.upscaled() ? shader_camera(camera, views.grids[view])
+                                   : shader_camera(enlarged(camera, samples), samples);
+}
+
+void place_cameras(const TargetViews& views) {
+    for (uint32_t view = 0; view < views.layout.views; view++)
+        views.target.rays.cameras.as<ShaderCamera>()[view] = shader_camera_of(views, views.cameras[view], view);
+}
+
+void place_tiles(const TargetViews& views) {
+    Tile* to = views.target.rays.tiles.as<Tile>();
+    for (uint32_t view = 0; view < views.layout.views; view++) {
+        const std::vector<Tile> tiles = tiles_of_picture(view, views.layout.rays_across(), views.layout.rays_down());
+        to = std::copy(tiles.begin(), tiles.end(), to);
+    }
+}
+
+std::optional<DrawnInstance> place_instance(const TargetViews& views, const Field& field, const Instance& instance,
+                                            uint32_t place) {
+    const ViewLayout& layout = views.layout;
+    DrawnInstance drawn;
+    drawn.field = instance.field;
+    drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field.frames - 1));
+    drawn.shading = Shading::kPerLeaf;
+    drawn.rays.first_camera = layout.views * (place + 1);
+    drawn.rays.opacity = instance.opacity;
+    const double pixel_rays = layout.samples * views.scale;  // along each side
+    bool seen_at_all = false;
+    for (uint32_t view = 0; view < layout.views; view++) {
+        const Camera camera = in_performer(views.cameras[view], instance.world_from_performer);
+        const glm::vec3 eye(camera.world_from_camera[3]);
+        const ShaderCamera seen = shader_camera_of(views, camera, view);
+        const RangeView range = range_view(seen);
+        const glm::dvec2 picture = static_cast<double>(layout.samples) * glm::dvec2(camera.width, camera.height);
+        const double rays =
+            pixels_around(range, picture, field.leaves_min, field.leaves_max) * views.scale * views.scale;
+        views.target.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = seen;
+        views.target.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
+        const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));
+        drawn.range_level = std::max(drawn.range_level, level);
+        if (play_shading(field, eye, rays) == Shading::kPerRay) drawn.shading = Shading::kPerRay;
+        seen_at_all |= rays > 0;
+    }
+    if (!seen_at_all || instance.opacity <= 0) return std::nullopt;
+    return drawn;
+}
+
+}  // namespace neuvv

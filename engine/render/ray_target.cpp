@@ -1,0 +1,18 @@
+#include "render/ray_target.h"
+
+namespace neuvv {
+
+RayTarget::RayTarget(const Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
+                     const Surroundings& given)
+    : rays(device, cameras, ray_tiles),
+      ranges(device, rays.tile_capacity, picture_tiles, rays.camera_capacity),
+      no_lights(device, "no lights", sizeof(ShaderLights), MemoryKind::kDevice),
+      around(given),
+      has_set(given.set_depth != nullptr) {
+    if (!around.set_depth) around.set_depth = &rays.depth;
+    if (!around.lights) around.lights = &no_lights;
+    if (!around.set_shadows) around.set_shadows = &rays.depth;
+    if (!around.performer_shadows) around.performer_shadows = &rays.depth;
+}
+
+}  // namespace neuvv

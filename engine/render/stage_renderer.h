@@ -1,0 +1,38 @@
+// Stage renderer: everything of a stage on the device, to be drawn at any instant from any cameras.
+#pragma once
+
+#include <functional>
+
+#include "render/frame.h"
+#include "stage/stage_instant.h"
+
+namespace neuvv {
+
+class StageRenderer {
+  public:
+    // Reads the clips and the environment; calls `loaded` with what has been read of how many files. The stage must outlive it. Throws
+    // InputError for files that cannot be read and RuntimeFailure where the device has no room.
+    StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
+                  const std::function<void(size_t, size_t)>& loaded = {});
+
+    // Puts set and lights to an instant of the stage.
+    void show(const StageInstant& instant);
+    // What a frame of that instant draws: visible performers, blending, lights and background as the stage has them.
+    FrameSettings settings_at(const StageInstant& instant) const;
+
+    FrameRenderer& frames() { return *frames_; }
+    const SetRaster& set() const { return *set_; }
+    std::span<const Field> fields() const { return fields_; }  // as Stage::clips
+
+  private:
+    const Stage& stage_;
+    FrameCapacity capacity_;
+    std::vector<Field> fields_;
+    std::unique_ptr<SetRaster> set_;
+    std::unique_ptr<FrameRenderer> frames_;
+};
+
+// The stage's light as raster and rays take it.
+SetLight set_light(const InstantLight& light);
+
+}  // namespace neuvv

@@ -1,0 +1,25 @@
+#include "render/volume_depth.h"
+
+#include "shared/volume_depth.h"
+#include "spirv/volume_depth.comp.h"
+
+namespace neuvv {
+
+VolumeDepth::VolumeDepth(const Device& device, const RayBatch& rays, const SetRaster& set)
+    : pass_(device, "volume depth", volume_depth_comp),
+      set_(pass_, {{kVolumeRadiance, &rays.radiance},
+                   {kVolumeDepth, &rays.depth},
+                   {kVolumeCameras, &rays.cameras},
+                   {kVolumeOut, &set.volume_depth}}),
+      width_(set.width()),
+      height_(set.height()) {}
+
+void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout) {
+    const PassScope scope(commands, "volume depth");
+    const uint64_t texels = uint64_t{layout.views} * pass.width_ * pass.height_;
+    dispatch(commands, pass.pass_, pass.set_, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
+             VolumeDepthPush{pass.width_, pass.height_, layout.views, layout.tiles_across(), layout.tiles_down()});
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

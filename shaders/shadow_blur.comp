@@ -1,0 +1,45 @@
+// Shadow blur: what a light sees of the performers, low-passed by a Gaussian, first along rows, then along columns (errata
+// 15): coarse maps show no steps then, and shadows have a penumbra.
+// Reads alpha and metres of rays, or of the first pass alpha and alpha · metres; writes these, then alpha and metres. One thread
+// a texel. Bound by its 11 fetches; trivial work.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/shadow_blur.h"
+#include "shared/trace.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(constant_id = 0) const bool kSecond = false;
+layout(binding = kBlurRadiance) uniform textureBuffer radiance;
+layout(binding = kBlurDepth) uniform textureBuffer depth;
+layout(binding = kBlurFrom) uniform textureBuffer rows;
+layout(binding = kBlurTo, rg32f) writeonly uniform imageBuffer map;
+layout(push_constant) uniform Push { ShadowBlurPush push; };
+
+const int kSide = int(kPerformerShadowSide);
+
+// Alpha, and alpha · metres. Beyond the edge nothing is seen.
+vec2 seen_at(ivec2 texel) {
+    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(kSide)))) return vec2(0.0);
+    if (kSecond) return texelFetch(rows, texel.y * kSide + texel.x).xy;
+    const uvec2 tile = uvec2(texel) / kTile, inner = uvec2(texel) % kTile;
+    const uint tiles = kPerformerShadowSide / kTile;
+    const int ray = int(((push.view * tiles + tile.y) * tiles + tile.x) * kTilePixels + inner.y * kTile + inner.x);
+    const float alpha = texelFetch(radiance, ray).a;
+    return alpha > 0.0 ? vec2(alpha, alpha * texelFetch(depth, ray).x) : vec2(0.0);
+}
+
+void main() {
+    const int thread = int(gl_WorkGroupID.x * kTilePixels + gl_LocalInvocationID.x);
+    if (thread >= kSide * kSide) return;
+    const ivec2 texel = ivec2(thread % kSide, thread / kSide), step = kSecond ? ivec2(0, 1) : ivec2(1, 0);
+    vec2 sum = vec2(0.0);
+    float weights = 0.0;
+    for (int i = -int(kBlurReach); i <= int(kBlurReach); i++) {
+        const float weight = exp(-0.5 * float(i * i) / (kBlurSigma * kBlurSigma));
+        sum += weight * seen_at(texel + i * step);
+        weights += weight;
+    }
+    sum /= weights;
+    if (kSecond) sum.y = sum.x > 0.0 ? sum.y / sum.x : 0.0;
+    imageStore(map, int(push.first_out) + thread, vec4(sum, 0.0, 0.0));
+}

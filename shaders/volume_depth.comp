@@ -1,0 +1,30 @@
+// Volume depth: expected termination depth of the rays (errata 12) as metres along the camera's axis, at each texel of the
+// set's picture; infinity where they see nothing.
+// Reads radiance and depth in tile order; writes rows. One thread a texel of all views. Bound by memory, 24 bytes a texel.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/trace.h"
+#include "shared/volume_depth.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kVolumeRadiance) uniform textureBuffer radiance;
+layout(binding = kVolumeDepth) uniform textureBuffer depth;
+layout(binding = kVolumeCameras) uniform textureBuffer cameras;
+layout(binding = kVolumeOut, r32f) writeonly uniform imageBuffer volume_depth;
+layout(push_constant) uniform Push { VolumeDepthPush push; };
+#include "grid.glsl"
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint thread = group * kTilePixels + gl_LocalInvocationID.x, texels = push.width * push.height;
+    const uint view = thread / texels;
+    if (view >= push.views) return;
+    const vec2 at = vec2(thread % texels % push.width, thread % texels / push.width) + 0.5;
+    const vec2 place = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
+    const uvec2 cell = uvec2(min(place, vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
+    const uvec2 tile = cell / kTile, inner = cell % kTile;
+    const int ray = int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
+    float metres = uintBitsToFloat(0x7f800000u);
+    if (texelFetch(radiance, ray).a > 0.0) metres = texelFetch(depth, ray).x / length(camera_line(view, at));
+    imageStore(volume_depth, int(thread), vec4(metres));
+}
