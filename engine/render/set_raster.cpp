@@ -210,7 +210,7 @@ void SetRaster::pack() {
     packed_ = pack_lights(given_lights_, ambient_, shadows_, irradiance_, box());
     if (!has_environment_) packed_.environment.x = 0;
     packed_.environment.y = last_level_;
-    for (uint32_t i = 0; i < kMaxSetLights; i++)
+    for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow)
             shadows_old_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
                             packed_.light[i].clip_from_world != before.light[i].clip_from_world;
