@@ -1,4 +1,4 @@
-// Set: opaque and masked pieces. Reads the material's textures, lights, shadow maps; writes linear premultiplied light and
+// Set: opaque pieces, hidden ones not shaded. Reads the material's textures, lights, shadow maps; writes linear premultiplied light and
 // metres along the camera's axis. One invocation a texel and triangle; bound by fetches (set_surface.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -8,6 +8,7 @@ layout(location = 0) out vec4 light;
 layout(location = 1) out float metres;
 
 void main() {
-    light = shade_fragment();
+    const SetMaterial material = fetch_material(push.material);
+    light = shade_fragment(material, base_colour(material));
     metres = 1.0 / gl_FragCoord.w;  // clip w is the distance along the axis
 }

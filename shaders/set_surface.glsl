@@ -80,11 +80,12 @@ vec3 lit_surface(SetMaterial material, vec3 base_colour) {
     return light + open * reflect_ambient(surface, to_eye, ambient_at(lights.irradiance, surface.normal), from_there);
 }
 
-// Linear premultiplied. Ends the fragment below the alpha cutoff.
-vec4 shade_fragment() {
-    const SetMaterial material = fetch_material(push.material);
-    const vec4 base = material.base_colour * shaded_colour * texture(base_texture, shaded_uv);
-    if (base.a < material.alpha.x) discard;
+vec4 base_colour(SetMaterial material) {
+    return material.base_colour * shaded_colour * texture(base_texture, shaded_uv);
+}
+
+// Linear premultiplied.
+vec4 shade_fragment(SetMaterial material, vec4 base) {
     const vec3 light = material.emissive.w > 0.0 ? base.rgb : lit_surface(material, base.rgb);
     const float alpha = mix(clamp(base.a, 0.0, 1.0), 1.0, material.alpha.y);
     return vec4(clamp(light, vec3(0.0), vec3(kBrightest)) * alpha, alpha);

@@ -10,7 +10,8 @@ layout(location = 0) out vec4 behind;
 layout(location = 1) out vec4 front;
 
 void main() {
-    const vec4 light = shade_fragment();
+    const SetMaterial material = fetch_material(push.material);
+    const vec4 light = shade_fragment(material, base_colour(material));
     const uvec2 texel = uvec2(gl_FragCoord.xy);
     const float volume = texelFetch(volume_depth, int(push.first_texel + texel.y * push.width + texel.x)).x;
     const bool before = 1.0 / gl_FragCoord.w < volume && !isinf(volume);

@@ -12,7 +12,7 @@ namespace neuvv {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kMaxAcross = 1024, kLeastDown = 8, kSamples = 64;
+constexpr uint32_t kMaxAcross = 1024, kLeastDown = 8;
 constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small pictures count their texels in parts
 
 struct Level {
@@ -89,22 +89,22 @@ double radical_inverse(uint32_t i) {
 
 // What a surface of this roughness mirrors, seen from straight above: GGX by importance, each sample as wide as it
 // stands for (Křivánek and Colbert 2008).
-glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double roughness) {
+glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double roughness, uint32_t samples) {
     const double alpha2 = std::pow(roughness, 4);
     const glm::dvec3 aside = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     const glm::dvec3 t = glm::normalize(glm::cross(aside, n)), b = glm::cross(n, t);
     const double texel = 4 * kPi / (double{1} * pyramid[0].width * pyramid[0].height);
     glm::dvec3 sum(0);
     double weights = 0;
-    for (uint32_t i = 0; i < kSamples; i++) {
-        const double u = (i + 0.5) / kSamples, phi = 2 * kPi * radical_inverse(i);
+    for (uint32_t i = 0; i < samples; i++) {
+        const double u = (i + 0.5) / samples, phi = 2 * kPi * radical_inverse(i);
         const double cos2 = (1 - u) / (1 + (alpha2 - 1) * u), cosine = std::sqrt(cos2), sine = std::sqrt(1 - cos2);
         const glm::dvec3 half = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * n;
         const glm::dvec3 dir = 2 * cosine * half - n;
         const double nl = glm::dot(n, dir);
         if (nl <= 0) continue;
         const double lobe = cos2 * (alpha2 - 1) + 1, density = alpha2 / (kPi * lobe * lobe) / 4;
-        const double lod = 0.5 * std::log2(1 / (kSamples * density * texel)) + 1;
+        const double lod = 0.5 * std::log2(1 / (samples * density * texel));
         const auto level =
             static_cast<size_t>(std::clamp(std::round(lod), 0.0, static_cast<double>(pyramid.size() - 1)));
         sum += nl * glm::dvec3(bilinear(pyramid[level], glm::normalize(dir)));
@@ -144,7 +144,8 @@ Environment make_environment(const Image& picture) {
                 const double u = (static_cast<double>(texel % shape.width) + 0.5) / shape.width;
                 const double v = (static_cast<double>(texel / shape.width) + 0.5) / shape.height;
                 store(level, texel,
-                      i == 0 ? shape.texels[texel] : blurred(pyramid, environment_direction(u, v), roughness));
+                      i == 0 ? shape.texels[texel]
+                             : blurred(pyramid, environment_direction(u, v), roughness, 16u << std::min<size_t>(i, 4)));
             }
         });
     }

@@ -9,6 +9,7 @@
 #include "spirv/set.vert.h"
 #include "spirv/set_background.frag.h"
 #include "spirv/set_background.vert.h"
+#include "spirv/set_masked.frag.h"
 #include "spirv/set_shadow.frag.h"
 #include "spirv/set_shadow.vert.h"
 #include "spirv/set_transparent.frag.h"
@@ -74,6 +75,7 @@ SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t widt
       height_(height),
       geometry_(device, scene, SceneDetail::kSurface),
       solid_(device, "set", surface_shape(set_frag, {kColour, kMetres}, false)),
+      masked_(device, "set masked", surface_shape(set_masked_frag, {kColour, kMetres}, false)),
       blended_(device, "set transparent", surface_shape(set_transparent_frag, {kColour, kColour}, true)),
       shadow_(device, "set shadow", shadow_shape()),
       background_(device, "set background", background_shape()) {
@@ -172,7 +174,8 @@ void SetRaster::make_sets(const Device& device) {
         std::vector<Texture> bound{texture(material.texture, true)};
         for (size_t map = 0; map < kGltfMaps; map++) bound.push_back(texture(material.maps[map], is_srgb(map)));
         bound.push_back(around);
-        for (const auto& [pass, sets] : {std::pair{&solid_, &solid_sets_}, std::pair{&blended_, &blended_sets_}})
+        for (const auto& [pass, sets] : {std::pair{&solid_, &solid_sets_}, std::pair{&masked_, &masked_sets_},
+                                         std::pair{&blended_, &blended_sets_}})
             sets->emplace_back(
                 *pass, bound,
                 std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &materials_},
@@ -210,7 +213,7 @@ void SetRaster::pack() {
     packed_ = pack_lights(given_lights_, ambient_, shadows_, irradiance_, box());
     if (!has_environment_) packed_.environment.x = 0;
     packed_.environment.y = last_level_;
-    for (uint32_t i = 0; i < kMaxSetLights; i++)
+    for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow)
             shadows_old_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
                             packed_.light[i].clip_from_world != before.light[i].clip_from_world;

@@ -75,7 +75,8 @@ class SetRaster {
     void record_blended_view(Commands& commands, const Camera& camera, uint32_t view);
     void record_shadow(Commands& commands, const ShaderLight& light);
     void draw_background(Commands& commands, const Camera& camera) const;
-    void draw_solid(Commands& commands, const SetPush& push) const;
+    void sort_far_to_near(const glm::vec3& eye);
+    void draw_solid(Commands& commands, const SetPush& push);
     void draw_blended(Commands& commands, const SetPush& push);
     void draw_shadowing(Commands& commands, const SetPush& push) const;
     void draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets, const SceneDraw& draw,
@@ -84,7 +85,7 @@ class SetRaster {
     const GltfScene& scene_;
     uint32_t width_, height_;
     SceneGeometry geometry_;
-    GraphicsPass solid_, blended_, shadow_, background_;
+    GraphicsPass solid_, masked_, blended_, shadow_, background_;
     std::vector<DeviceImage> colours_, depths_;  // by view
     DeviceImage metres_, front_, shadow_depth_;
     SceneTextures textures_;
@@ -94,13 +95,14 @@ class SetRaster {
     float last_level_ = 0;
     bool has_environment_ = false;
     Buffer materials_;
-    std::vector<TextureSet> solid_sets_, blended_sets_, shadow_sets_;  // by material, the default one first
+    std::vector<TextureSet> solid_sets_, masked_sets_, blended_sets_,
+        shadow_sets_;  // by material, the default one first
     TextureSet background_set_;
     std::vector<SetLight> given_lights_;
     SetAmbient ambient_;
     SetShadows shadows_;
     ShaderLights packed_{};
-    std::vector<std::pair<float, uint32_t>> order_;  // of blended draws: distance, index
+    std::vector<std::pair<float, uint32_t>> order_;  // of all draws, far to near: −distance, index
     bool has_transparent_ = false;
     bool shadows_old_ = true;
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <tuple>
 
 #include "render/raster.h"
 #include "render/set_raster.h"
@@ -153,27 +154,41 @@ void SetRaster::draw_background(Commands& commands, const Camera& camera) const 
     vkCmdDraw(to, 3, 1, 0, 0);
 }
 
-void SetRaster::draw_solid(Commands& commands, const SetPush& push) const {
-    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, solid_.pipeline());
-    bind_streams(commands, geometry_);
-    vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
-    for (const SceneDraw& one : geometry_.draws)
-        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend)
-            draw(commands, solid_, solid_sets_, one, push);
-}
-
-void SetRaster::draw_blended(Commands& commands, const SetPush& push) {
-    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, blended_.pipeline());
-    bind_streams(commands, geometry_);
-    vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
+// By the middles of the primitives' boxes; at equal distances in the file's order.
+void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
     for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
         const SceneDraw& one = geometry_.draws[i];
-        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend) continue;
-        order_.emplace_back(-glm::length(0.5f * (one.low + one.high) - glm::vec3(push.eye)), i);
+        order_.emplace_back(-glm::length(0.5f * (one.low + one.high) - eye), i);
     }
-    std::sort(order_.begin(), order_.end());  // equal distances: in the file's order
-    for (const auto& [nearness, i] : order_) draw(commands, blended_, blended_sets_, geometry_.draws[i], push);
+    std::sort(order_.begin(), order_.end());
+}
+
+// Near to far, so that little is shaded that is hidden in the end; masked pieces last.
+void SetRaster::draw_solid(Commands& commands, const SetPush& push) {
+    sort_far_to_near(glm::vec3(push.eye));
+    bind_streams(commands, geometry_);
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
+    for (const auto& [alpha, pass, sets] : {std::tuple{GltfAlpha::kOpaque, &solid_, &solid_sets_},
+                                            std::tuple{GltfAlpha::kMask, &masked_, &masked_sets_}}) {
+        vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline());
+        for (auto next = order_.rbegin(); next != order_.rend(); ++next) {
+            const SceneDraw& one = geometry_.draws[next->second];
+            if (material_at(scene_, one.material).alpha == alpha) draw(commands, *pass, *sets, one, push);
+        }
+    }
+}
+
+void SetRaster::draw_blended(Commands& commands, const SetPush& push) {
+    sort_far_to_near(glm::vec3(push.eye));
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, blended_.pipeline());
+    bind_streams(commands, geometry_);
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
+    for (const auto& [nearness, i] : order_) {
+        const SceneDraw& one = geometry_.draws[i];
+        if (material_at(scene_, one.material).alpha == GltfAlpha::kBlend)
+            draw(commands, blended_, blended_sets_, one, push);
+    }
 }
 
 void SetRaster::draw_shadowing(Commands& commands, const SetPush& push) const {

@@ -128,6 +128,41 @@ void check_types(const Source& source, const json& root) {
     }
 }
 
+// The same for the members of materials' textures and factors, a level further down.
+void check_materials(const Source& source, const json& root) {
+    const json none = json::array();
+    const json& materials = root.contains("materials") ? root["materials"] : none;
+    const auto expect = [&](const json& object, const std::string& place, const char* name, Member kind) {
+        const auto member = object.find(name);
+        if (member == object.end()) return;
+        const std::string problem = type_problem(*member, kind);
+        if (!problem.empty()) throw InputError(source.file, fmt::format("{}/{}", place, name), problem);
+    };
+    const auto textures = [&](const json& object, const std::string& place, std::initializer_list<const char*> names) {
+        for (const char* name : names) {
+            if (!object.contains(name)) continue;
+            const std::string at = fmt::format("{}/{}", place, name);
+            if (!object[name].is_object()) throw InputError(source.file, at, "is not an object");
+            for (const char* index : {"index", "texCoord"}) expect(object[name], at, index, Member::kIndex);
+            for (const char* number : {"scale", "strength"}) expect(object[name], at, number, Member::kNumber);
+        }
+    };
+    for (size_t i = 0; i < materials.size(); ++i) {
+        const json& material = materials[i];
+        const std::string place = fmt::format("/materials/{}", i);
+        if (!material.is_object()) throw InputError(source.file, place, "is not an object");
+        textures(material, place, {"normalTexture", "occlusionTexture", "emissiveTexture"});
+        expect(material, place, "emissiveFactor", Member::kNumbers);
+        if (!material.contains("pbrMetallicRoughness")) continue;
+        const json& pbr = material["pbrMetallicRoughness"];
+        const std::string in_pbr = place + "/pbrMetallicRoughness";
+        if (!pbr.is_object()) throw InputError(source.file, in_pbr, "is not an object");
+        textures(pbr, in_pbr, {"baseColorTexture", "metallicRoughnessTexture"});
+        expect(pbr, in_pbr, "baseColorFactor", Member::kNumbers);
+        for (const char* factor : {"metallicFactor", "roughnessFactor"}) expect(pbr, in_pbr, factor, Member::kNumber);
+    }
+}
+
 // Percent escapes decoded first (decoded_uri), so that %2e%2e is seen for what it is.
 bool leaves_folder(const std::string& relative) {
     const std::filesystem::path path(relative);
@@ -208,6 +243,7 @@ void check_json(const Source& source) {
     if (!root.is_object())
         throw InputError(source.file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
     check_types(source, root);
+    check_materials(source, root);
     check_extensions(source, root);
     check_uris(source, root);
     check_views(source, root);

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 
 #include "golden/scenes.h"
+#include "golden/set_scenes.h"
 #include "support/gpu_test.h"
 #include "support/temporary_folder.h"
 
@@ -22,6 +24,11 @@ TEST_F(GoldenTest, PicturesAreAsAccepted) {
         const std::string problem = check_golden(scene.name, render_scene(device(), scene));
         EXPECT_TRUE(problem.empty()) << scene.name << ": " << problem;
         known |= accept && scene.name == accept;
+    }
+    for (const GoldenSet& set : golden_sets()) {
+        const std::string problem = check_golden(set.name, render_set(device(), set));
+        EXPECT_TRUE(problem.empty()) << set.name << ": " << problem;
+        known |= accept && set.name == accept;
     }
     EXPECT_TRUE(known) << "no golden picture has the name " << accept;
 }
@@ -66,6 +73,29 @@ TEST_F(GoldenComparison, NoticesWrongPictures) {
         earlier.settings.instances[0].frame -= 0.25f;
         EXPECT_FALSE(compare_with_golden(render_scene(device(), earlier), truth).passes());
         EXPECT_FALSE(compare_with_golden(Image(truth.width, truth.height - 1), truth).passes());
+    }
+}
+
+TEST_F(GoldenComparison, NoticesWrongSets) {
+    for (const GoldenSet& set : golden_sets()) {
+        SCOPED_TRACE(set.name);
+        const Image truth = render_set(device(), set);
+        const auto passes = [&](const std::function<void(GoldenSet&)>& change) {
+            GoldenSet other = set;
+            change(other);
+            return compare_with_golden(render_set(device(), other), truth).passes();
+        };
+        EXPECT_TRUE(passes([](GoldenSet&) {}));
+        EXPECT_FALSE(passes([](GoldenSet& s) { s.lights[0].position.x -= 0.5; }));
+        EXPECT_FALSE(passes([](GoldenSet& s) { s.ambient = {}; }));
+        EXPECT_FALSE(passes([](GoldenSet& s) {
+            for (GltfMaterial& material : s.scene.materials) material.roughness = 1;
+        }));
+        if (set.volume_depth_m > 0) {
+            EXPECT_FALSE(passes([](GoldenSet& s) { s.volume_depth_m = 1; })) << "all panes behind the volume";
+        } else {
+            EXPECT_FALSE(passes([](GoldenSet& s) { s.lights[0].casts_shadow = false; }));
+        }
     }
 }
 

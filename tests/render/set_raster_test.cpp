@@ -1,157 +1,13 @@
-// The raster of the set against double precision: lights, materials, depth, alpha, poses.
+// The raster of the set against double precision: lights, depth, alpha, poses.
 #include "render/set_raster.h"
 
-#include <gtest/gtest.h>
-
-#include <optional>
-
-#include "reference/camera.h"
-#include "reference/lights.h"
-#include "reference/pbr.h"
+#include "render/set_truth.h"
 #include "support/gpu_test.h"
-#include "support/look_at.h"
-#include "support/set_scene.h"
 
 namespace neuvv::test {
 namespace {
 
 using SetRasterTest = GpuTest;
-using reference::PbrMaterial;
-
-constexpr uint32_t kSide = 48;
-
-// Where a pixel's ray meets a surface, and the surface's normal there.
-struct Hit {
-    glm::dvec3 place, normal;
-};
-using Surface = std::function<std::optional<Hit>(const reference::Ray&)>;
-
-// The floor y = 0 for |x|, |z| < half.
-Surface floor_of(double half) {
-    return [half](const reference::Ray& ray) -> std::optional<Hit> {
-        const double t = -ray.origin.y / ray.direction.y;
-        const glm::dvec3 place = ray.origin + t * ray.direction;
-        if (t <= 0 || std::max(std::abs(place.x), std::abs(place.z)) >= half) return std::nullopt;
-        return Hit{place, {0, 1, 0}};
-    };
-}
-
-Surface ball_of(glm::dvec3 centre, double radius) {
-    return [=](const reference::Ray& ray) -> std::optional<Hit> {
-        const glm::dvec3 to = centre - ray.origin;
-        const double along = glm::dot(to, ray.direction), inside = along * along - glm::dot(to, to) + radius * radius;
-        if (inside < 0) return std::nullopt;
-        const glm::dvec3 place = ray.origin + (along - std::sqrt(inside)) * ray.direction;
-        return Hit{place, (place - centre) / radius};
-    };
-}
-
-MeshData floor_mesh(float half = 1.5f) {
-    return rectangle({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half});
-}
-
-Camera camera_above() {
-    return look_at({0.4, 1.3, 2.2}, {0, 0, 0}, kSide, kSide, 1.1);
-}
-
-struct Lighting {
-    std::vector<SetLight> lights;
-    SetAmbient ambient;
-};
-
-glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const PbrMaterial& material,
-                          const Lighting& lighting) {
-    glm::dvec3 sum =
-        reference::reflect_ambient(material, hit.normal, to_eye, lighting.ambient.light, lighting.ambient.light);
-    for (const SetLight& light : lighting.lights) {
-        glm::dvec3 to_light;
-        const glm::dvec3 arriving = reference::light_at(light, hit.place, to_light);
-        sum += arriving * reference::brdf(material, hit.normal, to_eye, to_light) *
-               std::max(glm::dot(hit.normal, to_light), 0.0);
-    }
-    return sum;
-}
-
-struct Agreement {
-    double worst = 0;  // of the colour: off by this much of itself and of 0.01
-    double depth = 0;  // relative
-    size_t covered = 0;
-    size_t wrong_cover = 0;  // texels that are covered in one alone
-};
-
-// Texels whose neighbours' rays do not all hit, or all miss, are left out: the edge.
-bool at_edge(const Surface& surface, const Camera& camera, uint32_t x, uint32_t y) {
-    const bool hit = surface(reference::camera_ray(camera, x, y)).has_value();
-    for (const double dx : {-0.6, 0.6})
-        for (const double dy : {-0.6, 0.6})
-            if (surface(reference::camera_ray(camera, x + dx, y + dy)).has_value() != hit) return true;
-    return false;
-}
-
-Agreement compare(const SetPictures& pictures, const Camera& camera, const Surface& surface,
-                  const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
-    Agreement agreement;
-    const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
-            if (at_edge(surface, camera, x, y)) continue;
-            const size_t texel = first_texel + size_t{y} * camera.width + x;
-            const auto hit = surface(reference::camera_ray(camera, x, y));
-            const glm::dvec4 drawn = pictures.colour[texel];
-            const float metres = pictures.depth_m[texel];
-            agreement.wrong_cover +=
-                hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
-            if (!hit) continue;
-            agreement.covered++;
-            const glm::dvec3 truth = expected_light(*hit, glm::normalize(eye - hit->place), material, lighting);
-            for (int c = 0; c < 3; c++) {
-                const double error = std::abs(drawn[c] - truth[c]) / (truth[c] + 0.01);
-                agreement.worst = std::isnan(error) ? INFINITY : std::max(agreement.worst, error);
-            }
-            const double along = glm::dot(hit->place - eye, forward);
-            agreement.depth = std::max(agreement.depth, std::abs(metres - along) / along);
-        }
-    return agreement;
-}
-
-// fp16 has steps of 1/2048 of a value, of which rounding is half; the rest is single precision in sharp highlights.
-constexpr double kColourTolerance = 2e-3;
-constexpr double kDepthTolerance = 2e-6;
-
-SetPictures draw(const Device& device, const GlbBuilder& glb, const Camera& camera, const Lighting& lighting) {
-    const GltfScene scene = scene_of(glb);
-    SetRaster set(device, scene, camera.width, camera.height, 1);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
-    set.light(lighting.lights, lighting.ambient);
-    return draw_set(device, set, {camera});
-}
-
-SetLight directional() {
-    SetLight light;
-    light.kind = SetLightKind::kDirectional;
-    light.direction = glm::normalize(glm::dvec3(0.4, -1, -0.3));
-    light.colour = {2, 1.5, 1};
-    return light;
-}
-
-SetLight point() {
-    SetLight light;
-    light.kind = SetLightKind::kPoint;
-    light.position = {-0.7, 0.9, 0.5};
-    light.colour = {1, 2, 3};
-    return light;
-}
-
-SetLight spot() {
-    SetLight light;
-    light.kind = SetLightKind::kSpot;
-    light.position = {0.8, 1.6, 0.6};
-    light.direction = glm::normalize(glm::dvec3(-0.6, -1.5, -0.5));
-    light.colour = {5, 4, 3};
-    light.inner_cos = std::cos(0.2);
-    light.outer_cos = std::cos(0.5);
-    return light;
-}
 
 TEST_F(SetRasterTest, APlaneUnderEachKindOfLight) {
     SetLight ranged = point();
@@ -249,6 +105,167 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
             }
             EXPECT_GT(covered, 400u);
         }
+}
+
+// The texel at a place of the world.
+size_t texel_of(const Camera& camera, const glm::dvec3& place) {
+    const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(place, 1));
+    return static_cast<size_t>(camera.cy + camera.fy * p.y / p.z) * camera.width +
+           static_cast<size_t>(camera.cx - camera.fx * p.x / p.z);
+}
+
+json unlit(glm::vec4 base, const std::string& alpha_mode = "OPAQUE") {
+    json material = pbr_material(base, 0, 1);
+    material["extensions"] = {{"KHR_materials_unlit", json::object()}};
+    material["alphaMode"] = alpha_mode;
+    return material;
+}
+
+void expect_colour(const glm::dvec4& drawn, const glm::dvec4& wanted, const std::string& what = "") {
+    for (int c = 0; c < 4; c++) EXPECT_NEAR(drawn[c], wanted[c], 1e-3) << what << ", channel " << c;
+}
+
+TEST_F(SetRasterTest, AlphaModesAndSides) {
+    const Camera camera = camera_above();
+    const size_t middle = texel_of(camera, {0, 0, 0});
+    const auto shows = [&](const json& material, bool turned_away = false) {
+        GlbBuilder glb;
+        json& node = add_mesh(glb, floor_mesh(), material);
+        if (turned_away) node["rotation"] = {1, 0, 0, 0};
+        return draw(device(), glb, camera, {}).colour[middle];
+    };
+    expect_colour(shows(unlit({0.5f, 0.25f, 1, 0.25f})), {0.5, 0.25, 1, 1}, "opaque");
+    expect_colour(shows(unlit({0.5f, 0.25f, 1, 0.25f}, "BLEND")), {0.125, 0.0625, 0.25, 0.25}, "blend");
+    json masked = unlit({0.5f, 0.25f, 1, 0.25f}, "MASK");
+    expect_colour(shows(masked), glm::dvec4(0), "below the cutoff");
+    masked["alphaCutoff"] = 0.2;
+    expect_colour(shows(masked), {0.5, 0.25, 1, 1}, "above the cutoff");
+    json sides = unlit({0.5f, 0.25f, 1, 1});
+    expect_colour(shows(sides, true), glm::dvec4(0), "a back");
+    sides["doubleSided"] = true;
+    expect_colour(shows(sides, true), {0.5, 0.25, 1, 1}, "a back of both sides");
+}
+
+TEST_F(SetRasterTest, BacksAndMirrorsAreLitFromTheirSide) {
+    const PbrMaterial material{{0.8, 0.5, 0.2}, 0.3, 0.6};
+    const Lighting lighting{{spot(), point()}, {}};
+    for (const bool mirrored : {false, true}) {
+        GlbBuilder glb;
+        json pbr = pbr_material({0.8f, 0.5f, 0.2f, 1}, 0.3, 0.6);
+        pbr["doubleSided"] = !mirrored;
+        json& node = add_mesh(glb, floor_mesh(), pbr);
+        if (mirrored) {
+            node["scale"] = {-1, 1, 1};
+        } else {
+            node["rotation"] = {1, 0, 0, 0};
+        }
+        const Agreement agreement =
+            compare(draw(device(), glb, camera_above(), lighting), camera_above(), floor_of(1.5), material, lighting);
+        EXPECT_LT(agreement.worst, kColourTolerance) << mirrored;
+        EXPECT_EQ(agreement.wrong_cover, 0u) << mirrored;
+    }
+}
+
+// A floor that a morph target lifts by a metre and a joint by its own height; both by half a metre in the end.
+TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
+    for (const bool skinned : {false, true}) {
+        GlbBuilder glb;
+        MeshData mesh = floor_mesh();
+        json& node = add_mesh(glb, mesh, pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.7));
+        node["translation"] = {0, skinned ? 7 : -0.5, 0};  // a skinned mesh's node does not count
+        json& primitive = glb.root["meshes"][0]["primitives"][0];
+        if (skinned) {
+            primitive["attributes"]["JOINTS_0"] = glb.add(std::vector<uint8_t>(16, 0), kU8, "VEC4", 4);
+            std::vector<float> weights(16, 0);
+            for (size_t i = 0; i < 16; i += 4) weights[i] = 1;
+            primitive["attributes"]["WEIGHTS_0"] = glb.vec4(weights);
+            glb.root["nodes"].push_back({{"translation", {0, 0, 0}}});
+            glb.root["skins"] = {
+                {{"joints", {1}},
+                 {"inverseBindMatrices", glb.floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "MAT4", 16)}}};
+            glb.root["nodes"][0]["skin"] = 0;
+        } else {
+            primitive["targets"] = {{{"POSITION", glb.vec3({0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0})}}};
+            glb.root["nodes"][0]["weights"] = {0.0};
+        }
+        const GltfScene scene = scene_of(glb);
+        SetRaster set(device(), scene, kSide, kSide, 1);
+        PosedScene pose = pose_scene(scene, kNoAnimation, 0);
+        if (!skinned) pose.morph_weights[0][0] = 0.5f;
+        set.pose(pose);
+        const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
+        const Lighting lighting{{spot()}, {}};
+        set.light(lighting.lights, lighting.ambient);
+        const Agreement still =
+            compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), material, lighting);
+        EXPECT_LT(still.worst, kColourTolerance) << skinned;
+        EXPECT_EQ(still.wrong_cover, 0u) << skinned;
+        if (skinned) {
+            pose.joint_matrices[0][0][3].y = 0.3;
+        } else {
+            pose.morph_weights[0][0] = 0.8f;
+        }
+        set.pose(pose);
+        const SetPictures moved = draw_set(device(), set, {camera_above()});
+        const Surface lifted = [](const reference::Ray& ray) -> std::optional<Hit> {
+            reference::Ray lower = ray;
+            lower.origin.y -= 0.3;
+            auto hit = floor_of(1.5)(lower);
+            if (hit) hit->place.y += 0.3;
+            return hit;
+        };
+        const Agreement after = compare(moved, camera_above(), lifted, material, lighting);
+        EXPECT_LT(after.worst, kColourTolerance) << skinned;
+        EXPECT_LT(after.depth, kDepthTolerance) << skinned;
+        EXPECT_EQ(after.wrong_cover, 0u) << skinned;
+    }
+}
+
+TEST_F(SetRasterTest, NearerHides) {
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), unlit({1, 0, 0, 1}));
+    add_mesh(glb, sphere({0, 0, 0}, 0.5f, 32), unlit({0, 1, 0, 1}));
+    const Camera camera = camera_above();
+    const SetPictures drawn = draw(device(), glb, camera, {});
+    expect_colour(drawn.colour[texel_of(camera, {0, 0.3, 0})], {0, 1, 0, 1}, "the ball before the floor");
+    expect_colour(drawn.colour[texel_of(camera, {-0.9, 0, 0.5})], {1, 0, 0, 1}, "the floor beside it");
+}
+
+// Panes of half alpha at z = 0.3 (red), 0 (green) and −0.3 (blue) before a white wall, not in this order in the file.
+TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
+    GlbBuilder glb;
+    const auto pane = [&](float z, glm::vec3 colour) {
+        add_mesh(glb, rectangle({-2, -2, z}, {4, 0, 0}, {0, 4, 0}), unlit(glm::vec4(colour, 0.5f), "BLEND"));
+    };
+    pane(0, {0, 1, 0});
+    pane(0.3f, {1, 0, 0});
+    pane(-1.5f, {1, 0, 1});  // behind the wall
+    pane(-0.3f, {0, 0, 1});
+    add_mesh(glb, rectangle({-4, -4, -1}, {8, 0, 0}, {0, 8, 0}), unlit(glm::vec4(1)));
+    const GltfScene scene = scene_of(glb);
+    const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, kSide, kSide, 1);
+    SetRaster set(device(), scene, kSide, kSide, 1);
+    EXPECT_TRUE(set.has_transparent());
+    set.pose(pose_scene(scene, kNoAnimation, 0));
+    // Left: no volume. Right: a volume between red and green.
+    std::vector<float> volume(kSide * kSide, INFINITY);
+    for (size_t i = 0; i < volume.size(); i++)
+        if (i % kSide >= kSide / 2) volume[i] = 1.85f;
+    upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
+    const SetPictures drawn = draw_set(device(), set, {camera});
+    const glm::dvec4 blue = 0.5 * glm::dvec4(0, 0, 1, 1) + 0.5 * glm::dvec4(1);
+    const glm::dvec4 green = 0.5 * glm::dvec4(0, 1, 0, 1) + 0.5 * blue;
+    const glm::dvec4 red = 0.5 * glm::dvec4(1, 0, 0, 1);
+    for (size_t i = 0; i < volume.size(); i++) {
+        const bool left = i % kSide < kSide / 2;
+        expect_colour(drawn.colour[i], left ? red + 0.5 * green : green, "over the wall");
+        expect_colour(drawn.front[i], left ? glm::dvec4(0) : red, "before the volume");
+        ASSERT_NEAR(drawn.depth_m[i], 3, 1e-5) << "panes leave no depth";
+        if (HasFailure()) return;
+    }
+    // Seen from behind through both sides? Panes have one: only the wall's back is there, and it is culled.
+    const SetPictures behind = draw_set(device(), set, {look_at({0, 0, -4}, {0, 0, 0}, kSide, kSide, 1)});
+    expect_colour(behind.colour[kSide * 10 + 10], glm::dvec4(0), "from behind");
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
             mesh.positions.insert(mesh.positions.end(), {place.x, place.y, place.z});
             mesh.normals.insert(mesh.normals.end(), {n.x, n.y, n.z});
             mesh.uvs.insert(mesh.uvs.end(), {static_cast<float>(column) / static_cast<float>(columns),
-                                       static_cast<float>(row) / static_cast<float>(rows)});
+                                             static_cast<float>(row) / static_cast<float>(rows)});
         }
     for (uint32_t row = 0; row < rows; row++)
         for (uint32_t column = 0; column < columns; column++) {

@@ -1,0 +1,26 @@
+// The sets of the golden pictures, built in code.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/set_raster.h"
+#include "stage/gltf_scene.h"
+
+namespace neuvv::test {
+
+struct GoldenSet {
+    std::string name;
+    GltfScene scene;
+    Image environment;  // empty: none
+    Camera camera;
+    std::vector<SetLight> lights;
+    SetAmbient ambient;
+    float volume_depth_m = 0;  // of a made-up volume over the right half of the picture; 0: none
+};
+
+std::vector<GoldenSet> golden_sets();
+// Four texels a pixel; front over colour.
+Image render_set(const Device& device, const GoldenSet& set);
+
+}  // namespace neuvv::test

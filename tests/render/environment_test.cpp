@@ -1,0 +1,148 @@
+// The picture around a stage: irradiance and blurred levels against quadrature, its place behind the set.
+#include "render/environment.h"
+
+#include "render/set_truth.h"
+#include "support/gpu_test.h"
+
+namespace neuvv::test {
+namespace {
+
+using EnvironmentTest = GpuTest;
+
+// A smooth light: polynomials of degree 2, which nine SH functions hold without loss.
+glm::dvec3 smooth_light(glm::dvec3 d) {
+    return {0.4 + 0.3 * d.y, 0.35 + 0.2 * d.x - 0.1 * d.z, 0.3 + 0.2 * d.x * d.z + 0.15 * d.y * d.y};
+}
+
+Image smooth_picture(uint32_t height) {
+    Image picture(2 * height, height);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < 2 * height; x++) {
+            const glm::dvec3 light =
+                smooth_light(environment_direction((x + 0.5) / (2.0 * height), (y + 0.5) / height));
+            for (int c = 0; c < 3; c++) picture.at(x, y)[c] = srgb_byte_from_linear(static_cast<float>(light[c]));
+            picture.at(x, y)[3] = 255;
+        }
+    return picture;
+}
+
+glm::dvec3 value_of(const Irradiance& irradiance, glm::dvec3 n) {
+    const double basis[9] = {
+        1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < 9; i++) sum += basis[i] * irradiance[i];
+    return sum;
+}
+
+std::vector<glm::dvec3> some_directions() {
+    std::vector<glm::dvec3> directions;
+    for (int i = 0; i < 24; i++)
+        directions.push_back(glm::normalize(glm::dvec3(std::sin(i * 1.7), std::cos(i * 2.3), std::sin(i * 0.9 + 1))));
+    return directions;
+}
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
+    for (int c = 0; c < 3; c++) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
+}
+
+TEST(EnvironmentLight, IrradianceIsTheIntegral) {
+    const Environment environment = make_environment(smooth_picture(128));
+    for (const glm::dvec3& n : some_directions())
+        // 8 bits of sRGB are 0.002 of light at most, and average out.
+        expect_near(value_of(environment.irradiance, n), reference::irradiance(smooth_light, n, 256), 5e-4);
+    EXPECT_GT(std::abs(value_of(environment.irradiance, {0, 1, 0}).r - value_of(environment.irradiance, {0, -1, 0}).r),
+              0.3);
+}
+
+TEST(EnvironmentLight, TurnsWithItsPicture) {
+    const Environment environment = make_environment(smooth_picture(64));
+    const double angle = 0.7;
+    const Irradiance by_angle = turned(environment.irradiance, angle);
+    const glm::dmat3 back(std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle));
+    for (const glm::dvec3& n : some_directions())
+        expect_near(value_of(by_angle, n), value_of(environment.irradiance, back * n), 1e-12);
+}
+
+// ∫ L(l) N·L p(l) dl / ∫ N·L p(l) dl with N = V and p of GGX, as the mip levels hold it.
+glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
+    const double alpha2 = std::pow(roughness, 4);
+    glm::dvec3 sum(0);
+    double weights = 0;
+    constexpr int kRows = 400;
+    for (int row = 0; row < kRows; row++)
+        for (int column = 0; column < 2 * kRows; column++) {
+            const double v = (row + 0.5) / kRows;
+            const glm::dvec3 d = environment_direction((column + 0.5) / (2.0 * kRows), v);
+            const double nl = glm::dot(n, d);
+            if (nl <= 0) continue;
+            const double nh = glm::dot(n, glm::normalize(n + d)), lobe = nh * nh * (alpha2 - 1) + 1;
+            const double weight = nl / (lobe * lobe) * std::sin(std::numbers::pi * v);
+            sum += weight * smooth_light(d);
+            weights += weight;
+        }
+    return sum / weights;
+}
+
+TEST(EnvironmentLight, LevelsAreBlurredAsRoughSurfacesMirror) {
+    const Environment environment = make_environment(smooth_picture(128));
+    ASSERT_EQ(environment.levels.size(), 5u);
+    for (size_t level = 1; level < environment.levels.size(); level++) {
+        const uint32_t width = environment.width >> level, height = environment.height >> level;
+        for (const auto& [x, y] : {std::pair{3u, 2u}, {width / 2, height / 2}, {width - 1, height - 2}}) {
+            const uint16_t* texel = &environment.levels[level][4 * (size_t{y} * width + x)];
+            const glm::dvec3 n = environment_direction((x + 0.5) / width, (y + 0.5) / height);
+            // The light differs by 0.6 over the sphere, and a sample is as wide as its texel of a coarse level.
+            expect_near({float_from_half(texel[0]), float_from_half(texel[1]), float_from_half(texel[2])},
+                        mirrored(n, static_cast<double>(level) / 4), 0.012);
+        }
+    }
+}
+
+TEST(EnvironmentLight, TheFitOfTheSplitSumIsNearTheIntegral) {
+    for (const double roughness : {0.05, 0.1, 0.3, 0.5, 0.7, 1.0})
+        for (const double nv : {0.05, 0.2, 0.5, 0.8, 1.0}) {
+            const glm::dvec2 exact = reference::specular_albedo(roughness, nv, 200);
+            const glm::dvec3 eye(std::sqrt(1 - nv * nv), 0, nv), normal(0, 0, 1), black(0), white(1);
+            for (const double f0 : {0.04, 0.5, 1.0}) {
+                const PbrMaterial metal{glm::dvec3(f0), 1, roughness};
+                EXPECT_NEAR(reference::reflect_ambient(metal, normal, eye, black, white).r, f0 * exact.x + exact.y,
+                            0.045)
+                    << "roughness " << roughness << ", cosine " << nv << ", f0 " << f0;
+            }
+        }
+}
+
+TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
+    GlbBuilder glb;
+    add_mesh(glb, rectangle({-0.2f, -0.2f, 0}, {0.4f, 0, 0}, {0, 0.4f, 0}), pbr_material(glm::vec4(1), 0, 1));
+    const GltfScene scene = scene_of(glb);
+    const Image picture = smooth_picture(128);
+    SetRaster set(device(), scene, kSide, kSide, 1, &picture);
+    set.pose(pose_scene(scene, kNoAnimation, 0));
+    const Camera camera = look_at({0.3, 0.8, 1.6}, {0, 0, 0}, kSide, kSide, 0.5);
+    SetAmbient ambient;
+    ambient.environment_intensity = 2;
+    ambient.environment_rotation = 0.9;
+    set.light({}, ambient);
+    EXPECT_EQ(draw_set(device(), set, {camera}).colour[0].a, 0) << "not asked for";
+    ambient.show_environment = true;
+    set.light({}, ambient);
+    const SetPictures drawn = draw_set(device(), set, {camera});
+    const double c = std::cos(0.9), s = std::sin(0.9);
+    const glm::dmat3 back(c, 0, s, 0, 1, 0, -s, 0, c);
+    size_t around = 0;
+    for (uint32_t y = 0; y < kSide; y++)
+        for (uint32_t x = 0; x < kSide; x++) {
+            const size_t texel = y * kSide + x;
+            ASSERT_EQ(drawn.colour[texel].a, 1);
+            if (drawn.depth_m[texel] != INFINITY) continue;
+            around++;
+            expect_near(glm::dvec3(drawn.colour[texel]),
+                        2.0 * smooth_light(back * reference::camera_ray(camera, x, y).direction), 0.012);
+        }
+    EXPECT_GT(around, 2000u);
+    EXPECT_LT(around, 2300u) << "the rectangle stands before it";
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,259 @@
+// Shadows of the set and of performers against what analytic rays to the lights meet.
+#include "gpu/commands.h"
+#include "render/light_probe.h"
+#include "render/set_raster.h"
+#include "render/set_truth.h"
+#include "spirv/light_probe.comp.h"
+#include "support/gpu_test.h"
+
+namespace neuvv::test {
+namespace {
+
+using SetShadowTest = GpuTest;
+
+const PbrMaterial kMaterial{{0.8, 0.5, 0.2}, 0, 0.8};
+constexpr float kHeight = 0.5f, kHalf = 0.3f;  // of the plate over the floor
+constexpr double kPenumbra = 0.03;             // metres on the plate's plane about its edge that are not compared
+
+// A floor, and above it a plate that faces up.
+GlbBuilder plate_over_floor(const json& plate_material) {
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8));
+    add_mesh(glb, rectangle({-kHalf, kHeight, kHalf}, {2 * kHalf, 0, 0}, {0, 0, -2 * kHalf}), plate_material);
+    return glb;
+}
+
+SetLight spot_above() {
+    SetLight light = spot();
+    light.position = {0.3, 2, 0.2};
+    light.direction = glm::normalize(glm::dvec3(0, 0, 0) - light.position);
+    light.inner_cos = std::cos(0.4);
+    light.outer_cos = std::cos(0.6);
+    light.colour = {20, 16, 12};
+    light.casts_shadow = true;
+    return light;
+}
+
+SetLight sun() {
+    SetLight light = directional();
+    light.casts_shadow = true;
+    return light;
+}
+
+double plate_visible(const SetLight& light, glm::dvec3 place) {
+    if (light.kind == SetLightKind::kPoint) return 1;
+    const glm::dvec3 to =
+        light.kind == SetLightKind::kDirectional ? -light.direction : glm::normalize(light.position - place);
+    const glm::dvec3 there = place + to * (static_cast<double>(kHeight) - place.y) / to.y;
+    const double outside = std::max(std::abs(there.x), std::abs(there.z)) - static_cast<double>(kHalf);
+    return std::abs(outside) < kPenumbra ? -1 : outside > 0 ? 1 : 0;
+}
+
+// The floor where the plate does not hide it.
+Surface floor_beside_plate() {
+    return [](const reference::Ray& ray) -> std::optional<Hit> {
+        const auto hit = floor_of(1.5)(ray);
+        const double t = (static_cast<double>(kHeight) - ray.origin.y) / ray.direction.y;
+        const glm::dvec3 there = ray.origin + t * ray.direction;
+        const bool hidden = t > 0 && std::max(std::abs(there.x), std::abs(there.z)) < static_cast<double>(kHalf) + 0.05;
+        return hidden ? std::nullopt : hit;
+    };
+}
+
+// Of the texels of the floor alone: the plate's own are not compared.
+Agreement floor_agreement(const SetPictures& drawn, const Lighting& lighting) {
+    Agreement agreement = compare(drawn, camera_above(), floor_beside_plate(), kMaterial, lighting);
+    EXPECT_GT(agreement.covered, 500u);
+    return agreement;
+}
+
+Lighting plate_lighting(const std::vector<SetLight>& lights) {
+    Lighting lighting{lights, {}};
+    lighting.ambient.light = glm::dvec3(0.05);
+    lighting.visible = plate_visible;
+    return lighting;
+}
+
+TEST_F(SetShadowTest, APlateShadowsTheFloor) {
+    SetLight lamp = point();
+    lamp.casts_shadow = true;  // asked for, but points have no map
+    const std::pair<const char*, std::vector<SetLight>> cases[] = {
+        {"spot", {spot_above()}}, {"sun", {sun()}}, {"both and a lamp", {spot_above(), lamp, sun()}}};
+    for (const auto& [name, lights] : cases) {
+        const GlbBuilder glb = plate_over_floor(pbr_material(glm::vec4(1), 0, 1));
+        const Lighting lighting = plate_lighting(lights);
+        const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+        EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << name;
+        Lighting unshadowed = lighting;
+        unshadowed.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+        EXPECT_GT(floor_agreement(drawn, unshadowed).worst, 0.5) << name << ": there is a shadow";
+    }
+}
+
+TEST_F(SetShadowTest, BlendedAndCutOutPiecesCastNone) {
+    for (const char* mode : {"BLEND", "MASK"}) {
+        json material = pbr_material({1, 1, 1, 0.2f}, 0, 1);
+        material["alphaMode"] = mode;
+        Lighting lighting = plate_lighting({spot_above()});
+        lighting.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+        const SetPictures drawn = draw(device(), plate_over_floor(material), camera_above(), lighting);
+        EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << mode;
+    }
+}
+
+TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
+    const GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
+    SetRaster set(device(), scene, kSide, kSide, 1);
+    const PosedScene pose = pose_scene(scene, kNoAnimation, 0);
+    const Lighting lighting = plate_lighting({spot_above()});
+    set.pose(pose);
+    set.light(lighting.lights, lighting.ambient);
+    const auto maps_drawn = [&] {
+        Commands commands(device());
+        commands.begin();
+        record_set_shadows(commands, set);
+        commands.submit();
+        commands.wait();
+        return commands.pass_times().size();
+    };
+    EXPECT_EQ(maps_drawn(), 1u);
+    set.pose(pose);
+    set.light(lighting.lights, lighting.ambient);
+    EXPECT_EQ(maps_drawn(), 0u) << "nothing moved";
+    Lighting unshadowed = lighting;
+    unshadowed.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+    set.light(lighting.lights, lighting.ambient, {.set = false});
+    EXPECT_EQ(maps_drawn(), 0u);
+    EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), unshadowed).worst, kColourTolerance);
+    set.light(lighting.lights, lighting.ambient);
+    EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), lighting).worst, kColourTolerance);
+    PosedScene moved = pose;
+    moved.world_from_node[1][3].x = 0.4;
+    set.pose(moved);
+    EXPECT_EQ(maps_drawn(), 1u);
+    SetLight other = spot_above();
+    other.position.y += 0.1;
+    set.light(std::span(&other, 1), lighting.ambient);
+    EXPECT_EQ(maps_drawn(), 1u);
+    const std::vector<SetLight> many(40, other);
+    set.light(many, lighting.ambient);
+    EXPECT_EQ(set.lights().count, kMaxSetLights);
+    EXPECT_EQ(maps_drawn(), kMaxShadows);
+}
+
+// No light leaks through the foot of a wall, and no wall shadows itself: a box of five faces over the floor.
+TEST_F(SetShadowTest, AWallMeetsItsShadow) {
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8));
+    json material = pbr_material(glm::vec4(1), 0, 1);
+    material["doubleSided"] = true;
+    add_mesh(glb, rectangle({0.2f, 0, 1}, {0, 0, -2}, {0, 1, 0}), material);  // x = 0.2
+    SetLight light = sun();
+    light.direction = glm::normalize(glm::dvec3(-1, -1, 0));
+    Lighting lighting{{light}, {}};
+    // Behind the wall as the light goes: 0.2 − 1 < x < 0.2. A filter's reach is 3 texels of 3 m / 1024 and as much
+    // again of bias.
+    lighting.visible = [](const SetLight&, glm::dvec3 p) {
+        if (std::abs(p.z) > 0.9) return -1.0;
+        if (p.x > 0.2) return 1.0;
+        return p.x > 0.2 - 0.02 || std::abs(p.x + 0.8) < 0.03 ? -1.0 : p.x > -0.8 ? 0.0 : 1.0;
+    };
+    const Camera camera = look_at({-2, 1.6, 0.3}, {-0.4, 0, 0}, kSide, kSide, 1.2);
+    const Surface floor_before_wall = [](const reference::Ray& ray) -> std::optional<Hit> {
+        const auto hit = floor_of(1.5)(ray);
+        return hit && hit->place.x < 0.19 ? hit : std::nullopt;
+    };
+    const SetPictures drawn = draw(device(), glb, camera, lighting);
+    const Agreement agreement = compare(drawn, camera, floor_before_wall, kMaterial, lighting);
+    EXPECT_LT(agreement.worst, kColourTolerance);
+    EXPECT_GT(agreement.covered, 500u);
+}
+
+TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8));
+    const GltfScene scene = scene_of(glb);
+    SetRaster set(device(), scene, kSide, kSide, 1);
+    set.pose(pose_scene(scene, kNoAnimation, 0));
+    Lighting lighting{{sun(), spot_above()}, {}};
+    set.light(lighting.lights, lighting.ambient);
+    ASSERT_EQ(set.lights().light[1].shadow, 1u);
+    // The right half of the spot's picture, 1 m from it.
+    const uint32_t side = kPerformerShadowSide;
+    std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
+    for (size_t i = 0; i < side * side; i++)
+        if (i % side >= side / 2) maps[side * side + i] = {0.75f, 1};
+    upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+    const Camera seen = shadow_camera(lighting.lights[1], side);
+    const auto column_of = [&](glm::dvec3 place) {
+        const glm::dvec3 p(glm::inverse(seen.world_from_camera) * glm::dvec4(place, 1));
+        return seen.cx - seen.fx * p.x / p.z;
+    };
+    const auto visible = [&](const SetLight& light, glm::dvec3 place) {
+        if (light.kind != SetLightKind::kSpot) return 1.0;
+        const double column = column_of(place) - side / 2.0;
+        return std::abs(column) < 1 ? -1 : column < 0 ? 1 : 0.25;
+    };
+    lighting.visible = visible;
+    const auto worst = [&](const Lighting& wanted) {
+        return compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), kMaterial, wanted)
+            .worst;
+    };
+    EXPECT_LT(worst(lighting), kColourTolerance);
+    Lighting unshadowed{lighting.lights, {}};
+    set.light(lighting.lights, lighting.ambient, {.performers = false});
+    EXPECT_LT(worst(unshadowed), kColourTolerance);
+    set.light(lighting.lights, lighting.ambient);
+    for (glm::vec2& texel : maps) texel.y = 9;  // behind the floor
+    upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+    EXPECT_LT(worst(unshadowed), kColourTolerance);
+}
+
+TEST_F(SetShadowTest, ComputeShadersLightAlike) {
+    const GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
+    SetRaster set(device(), scene, kSide, kSide, 1);
+    set.pose(pose_scene(scene, kNoAnimation, 0));
+    const std::vector<SetLight> lights{sun(), point(), spot_above()};
+    set.light(lights, {});
+    std::vector<glm::vec4> places;
+    for (int i = 0; i < 500; i++)
+        places.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02, 0.003 * (i * 71 % 331) - 0.5,
+                            0);
+    const auto bytes = places.size() * sizeof(glm::vec4);
+    const Buffer in(device(), "places", bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
+    const Buffer out(device(), "results", 6 * bytes, MemoryKind::kReadback, VK_FORMAT_R32G32B32A32_SFLOAT);
+    upload(device(), in, places.data(), bytes);
+    const ComputePass pass(device(), "light probe", light_probe_comp);
+    const BindingSet bindings(pass, {{kProbePlaces, &in},
+                                     {kProbeLights, &set.lights_buffer},
+                                     {kProbeSetShadows, &set.set_shadow_maps},
+                                     {kProbePerformerShadows, &set.performer_shadows},
+                                     {kProbeOut, &out}});
+    run_once(device(), "light probe", [&](Commands& commands) {
+        record_set_shadows(commands, set);
+        const LightProbePush push{static_cast<uint32_t>(places.size())};
+        dispatch(commands, pass, bindings, static_cast<uint32_t>(places.size() + 63) / 64, push);
+    });
+    int lit = 0, dark = 0;
+    for (size_t p = 0; p < places.size(); p++)
+        for (size_t i = 0; i < lights.size(); i++) {
+            const glm::vec4* result = out.as<glm::vec4>() + 2 * (p * lights.size() + i);
+            glm::dvec3 to_light;
+            const glm::dvec3 light = reference::light_at(lights[i], glm::dvec3(places[p]), to_light);
+            for (int c = 0; c < 3; c++) {
+                EXPECT_NEAR(result[0][c], light[c], 1e-4 * (1 + light[c]));
+                EXPECT_NEAR(result[1][c], to_light[c], 1e-5);
+            }
+            EXPECT_EQ(result[1].w, 1) << "no performer is there";
+            const double visible = plate_visible(lights[i], glm::dvec3(places[p]));
+            if (visible < 0) continue;
+            EXPECT_NEAR(result[0].w, visible, 1e-3) << "light " << i;
+            (visible > 0 ? lit : dark)++;
+            if (HasFailure()) return;
+        }
+    EXPECT_GT(lit, 400);
+    EXPECT_GT(dark, 50);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,165 @@
+// What the raster of the set should show: surfaces that rays meet, lit in double precision.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+
+#include "reference/camera.h"
+#include "reference/lights.h"
+#include "reference/pbr.h"
+#include "support/look_at.h"
+#include "support/set_scene.h"
+
+namespace neuvv::test {
+
+using reference::PbrMaterial;
+
+constexpr uint32_t kSide = 48;
+
+// Where a pixel's ray meets a surface, and the surface's normal there.
+struct Hit {
+    glm::dvec3 place, normal;
+};
+using Surface = std::function<std::optional<Hit>(const reference::Ray&)>;
+
+// The floor y = 0 for |x|, |z| < half; `normal` is the one it is shaded with.
+inline Surface floor_of(double half, glm::dvec3 normal = {0, 1, 0}) {
+    return [half, normal](const reference::Ray& ray) -> std::optional<Hit> {
+        const double t = -ray.origin.y / ray.direction.y;
+        const glm::dvec3 place = ray.origin + t * ray.direction;
+        if (t <= 0 || std::max(std::abs(place.x), std::abs(place.z)) >= half) return std::nullopt;
+        return Hit{place, normal};
+    };
+}
+
+inline Surface ball_of(glm::dvec3 centre, double radius) {
+    return [=](const reference::Ray& ray) -> std::optional<Hit> {
+        const glm::dvec3 to = centre - ray.origin;
+        const double along = glm::dot(to, ray.direction), inside = along * along - glm::dot(to, to) + radius * radius;
+        if (inside < 0) return std::nullopt;
+        const glm::dvec3 place = ray.origin + (along - std::sqrt(inside)) * ray.direction;
+        return Hit{place, (place - centre) / radius};
+    };
+}
+
+inline MeshData floor_mesh(float half = 1.5f) {
+    return rectangle({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half});
+}
+
+inline Camera camera_above() {
+    return look_at({0.4, 1.3, 2.2}, {0, 0, 0}, kSide, kSide, 1.1);
+}
+
+struct Lighting {
+    std::vector<SetLight> lights;
+    SetAmbient ambient;
+    glm::dvec3 emitted{0};
+    double occlusion = 1;  // share of the light from around that arrives
+    // How much of a light arrives at a place; negative: not to be compared.
+    std::function<double(const SetLight&, glm::dvec3)> visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+};
+
+inline glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const PbrMaterial& material,
+                                 const Lighting& lighting) {
+    const glm::dvec3 around = lighting.ambient.light;
+    glm::dvec3 sum = lighting.emitted +
+                     lighting.occlusion * reference::reflect_ambient(material, hit.normal, to_eye, around, around);
+    for (const SetLight& light : lighting.lights) {
+        glm::dvec3 to_light;
+        const glm::dvec3 arriving = reference::light_at(light, hit.place, to_light);
+        sum += lighting.visible(light, hit.place) * arriving * reference::brdf(material, hit.normal, to_eye, to_light) *
+               std::max(glm::dot(hit.normal, to_light), 0.0);
+    }
+    return sum;
+}
+
+inline bool is_compared(const Hit& hit, const Lighting& lighting) {
+    for (const SetLight& light : lighting.lights)
+        if (lighting.visible(light, hit.place) < 0) return false;
+    return true;
+}
+
+struct Agreement {
+    double worst = 0;  // of the colour: off by this much of itself and of 0.01
+    double depth = 0;  // relative
+    size_t covered = 0;
+    size_t wrong_cover = 0;  // texels that are covered in one alone
+};
+
+// Texels whose neighbours' rays do not all hit, or all miss, are left out: the edge.
+inline bool at_edge(const Surface& surface, const Camera& camera, uint32_t x, uint32_t y) {
+    const bool hit = surface(reference::camera_ray(camera, x, y)).has_value();
+    for (const double dx : {-0.6, 0.6})
+        for (const double dy : {-0.6, 0.6})
+            if (surface(reference::camera_ray(camera, x + dx, y + dy)).has_value() != hit) return true;
+    return false;
+}
+
+inline Agreement compare(const SetPictures& pictures, const Camera& camera, const Surface& surface,
+                         const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
+    Agreement agreement;
+    const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            if (at_edge(surface, camera, x, y)) continue;
+            const size_t texel = first_texel + size_t{y} * camera.width + x;
+            const auto hit = surface(reference::camera_ray(camera, x, y));
+            const glm::dvec4 drawn = pictures.colour[texel];
+            const float metres = pictures.depth_m[texel];
+            agreement.wrong_cover +=
+                hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
+            if (!hit || !is_compared(*hit, lighting)) continue;
+            agreement.covered++;
+            const glm::dvec3 truth = expected_light(*hit, glm::normalize(eye - hit->place), material, lighting);
+            for (int c = 0; c < 3; c++) {
+                const double error = std::abs(drawn[c] - truth[c]) / (truth[c] + 0.01);
+                agreement.worst = std::isnan(error) ? INFINITY : std::max(agreement.worst, error);
+            }
+            const double along = glm::dot(hit->place - eye, forward);
+            agreement.depth = std::max(agreement.depth, std::abs(metres - along) / along);
+        }
+    return agreement;
+}
+
+// fp16 has steps of 1/2048 of a value, of which rounding is half; the rest is single precision in sharp highlights.
+constexpr double kColourTolerance = 2e-3;
+constexpr double kDepthTolerance = 2e-6;
+
+inline SetPictures draw(const Device& device, const GlbBuilder& glb, const Camera& camera, const Lighting& lighting) {
+    const GltfScene scene = scene_of(glb);
+    SetRaster set(device, scene, camera.width, camera.height, 1);
+    set.pose(pose_scene(scene, kNoAnimation, 0));
+    set.light(lighting.lights, lighting.ambient);
+    return draw_set(device, set, {camera});
+}
+
+inline SetLight directional() {
+    SetLight light;
+    light.kind = SetLightKind::kDirectional;
+    light.direction = glm::normalize(glm::dvec3(0.4, -1, -0.3));
+    light.colour = {2, 1.5, 1};
+    return light;
+}
+
+inline SetLight point() {
+    SetLight light;
+    light.kind = SetLightKind::kPoint;
+    light.position = {-0.7, 0.9, 0.5};
+    light.colour = {1, 2, 3};
+    return light;
+}
+
+inline SetLight spot() {
+    SetLight light;
+    light.kind = SetLightKind::kSpot;
+    light.position = {0.8, 1.6, 0.6};
+    light.direction = glm::normalize(glm::dvec3(-0.6, -1.5, -0.5));
+    light.colour = {5, 4, 3};
+    light.inner_cos = std::cos(0.2);
+    light.outer_cos = std::cos(0.5);
+    return light;
+}
+
+}  // namespace neuvv::test
