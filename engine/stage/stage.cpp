@@ -31,20 +31,21 @@ std::string extension_place(const char* list, size_t index, const char* name) {
     return fmt::format("/{}/{}/extensions/{}", list, index, name);
 }
 
-bool is_near(const glm::dmat4& world_from_node) {
-    const glm::dvec3 place(world_from_node[3]);
-    return std::abs(place.x) <= kMaxPlace && std::abs(place.y) <= kMaxPlace && std::abs(place.z) <= kMaxPlace;
-}
-
-// Index into stage.clips; a new one is read.
-uint32_t clip_of(Stage& stage, const StagePerformer& performer, const std::string& place) {
+// Where a performer's .nvv lies.
+std::filesystem::path clip_path(const Stage& stage, const StagePerformer& performer, const std::string& place) {
     std::error_code error;
     const std::filesystem::path named = file_of_uri(stage.file, performer.settings.uri, place + "/uri");
     const std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(named), error);
+    return error ? named : path;
+}
+
+// Index into stage.clips; a new one is read.
+uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePerformer& performer,
+                 const std::string& place) {
     for (uint32_t i = 0; i < stage.clips.size(); ++i)
         if (stage.clips[i].path == path) return i;
     try {
-        const NvvHead head = summarise_nvv(error ? named : path).head;
+        const NvvHead head = summarise_nvv(path).head;
         if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
         stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size});
     } catch (const InputError& problem) {
@@ -54,7 +55,7 @@ uint32_t clip_of(Stage& stage, const StagePerformer& performer, const std::strin
     return static_cast<uint32_t>(stage.clips.size() - 1);
 }
 
-void read_performers(Stage& stage, bool with_clips) {
+void read_performers(Stage& stage, bool clips_needed) {
     const std::string file = stage.file.path.string();
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
         const ordered_json* extension = extension_of(stage.file.json, "nodes", i, kPerformerExtension);
@@ -64,41 +65,36 @@ void read_performers(Stage& stage, bool with_clips) {
         performer.node = i;
         performer.name = node_title(stage.scene, i);
         performer.settings = performer_settings_of(*extension, file, place);
+        const std::filesystem::path path = clip_path(stage, performer, place);
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
-        uint32_t frames = 1;
-        double fps = 25;
-        if (with_clips) {
-            performer.clip = clip_of(stage, performer, place);
-            frames = stage.clips[performer.clip].frames;
-            fps = stage.clips[performer.clip].fps;
-        } else {
-            file_of_uri(stage.file, performer.settings.uri, place + "/uri");
+        std::error_code error;
+        if (clips_needed || std::filesystem::exists(path, error)) {
+            performer.clip = clip_of(stage, path, performer, place);
+            const StageClip& clip = stage.clips[performer.clip];
+            performer.timeline = timeline_of(performer.settings.time, clip.frames, clip.fps, file, place + "/time");
         }
-        performer.timeline = timeline_of(performer.settings.time, frames, fps, file, place + "/time");
         stage.performers.push_back(std::move(performer));
     }
 }
 
-// Of the nodes as they stand and as their animations begin.
+// Of the nodes as they stand; what animations do to them is looked at at each instant.
 void expect_placeable(const Stage& stage) {
     const std::string file = stage.file.path.string();
-    for (const int32_t animation : {kNoAnimation, kAllAnimations}) {
-        const PosedScene pose = pose_scene(stage.scene, animation, 0);
-        for (const StagePerformer& performer : stage.performers)
-            if (!is_placeable(pose.world_from_node[performer.node]))
-                throw InputError(file, fmt::format("/nodes/{}", performer.node),
-                                 fmt::format("the transform of \"{}\" is flat, too large or not finite, together with "
-                                             "those of the nodes above it",
-                                             performer.name),
-                                 "give it a scale that is not 0");
-        for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
-            if (stage.scene.nodes[i].in_scene && !is_near(pose.world_from_node[i]))
-                throw InputError(file, fmt::format("/nodes/{}", i),
-                                 fmt::format("\"{}\" stands farther than {} m from the origin, or nowhere",
-                                             node_title(stage.scene, i), kMaxPlace),
-                                 "look at its transform and those of the nodes above it");
-    }
+    const PosedScene pose = pose_scene(stage.scene, kNoAnimation, 0);
+    for (const StagePerformer& performer : stage.performers)
+        if (!is_placeable(pose.world_from_node[performer.node]))
+            throw InputError(file, fmt::format("/nodes/{}", performer.node),
+                             fmt::format("the transform of \"{}\" is flat, too large or not finite, together with "
+                                         "those of the nodes above it",
+                                         performer.name),
+                             "give it a scale that is not 0");
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
+        if (stage.scene.nodes[i].in_scene && !is_on_stage(pose.world_from_node[i]))
+            throw InputError(file, fmt::format("/nodes/{}", i),
+                             fmt::format("\"{}\" stands farther than {} m from the origin, or nowhere",
+                                         node_title(stage.scene, i), kMaxPlace),
+                             "look at its transform and those of the nodes above it");
 }
 
 void read_settings(Stage& stage) {
@@ -120,17 +116,22 @@ void read_settings(Stage& stage) {
     stage.ambient = stage.settings.ambient.value_or(glm::dvec3(stage.scene.lights.empty() ? 1 : 0));
 }
 
-Stage checked_stage(StageFile file, bool with_clips) {
+Stage checked_stage(StageFile file, bool clips_needed) {
     Stage stage;
     stage.scene = load_gltf(file.path, stage_bytes(file));
     stage.file = std::move(file);
-    read_performers(stage, with_clips);
+    read_performers(stage, clips_needed);
     expect_placeable(stage);
     read_settings(stage);
     return stage;
 }
 
 }  // namespace
+
+bool is_on_stage(const glm::dmat4& world_from_node) {
+    const glm::dvec3 place(world_from_node[3]);
+    return std::abs(place.x) <= kMaxPlace && std::abs(place.y) <= kMaxPlace && std::abs(place.z) <= kMaxPlace;
+}
 
 bool is_placeable(const glm::dmat4& world_from_node) {
     double volume = 1;
@@ -139,7 +140,8 @@ bool is_placeable(const glm::dmat4& world_from_node) {
         if (!(length >= kMinScale && length <= kMaxScale)) return false;
         volume *= length;
     }
-    return is_near(world_from_node) && std::abs(glm::determinant(glm::dmat3(world_from_node))) >= kMinVolume * volume;
+    return is_on_stage(world_from_node) &&
+           std::abs(glm::determinant(glm::dmat3(world_from_node))) >= kMinVolume * volume;
 }
 
 std::string node_title(const GltfScene& scene, uint32_t node) {

@@ -48,12 +48,14 @@ Stage load_stage(const std::filesystem::path& path);
 // The same of a file with edits that are not saved.
 Stage make_stage(StageFile file);
 
-// Everything that make_stage checks but the clips: whether a file may be saved although a .nvv is not there yet.
+// Everything that make_stage checks, but a .nvv may be missing: whether a file may be saved.
 void expect_sound_document(const StageFile& file);
 
 // What people call a node: its name, or "node 3" where it has none.
 std::string node_title(const GltfScene& scene, uint32_t node);
 
+// Whether the node stands at a finite place, within 1e9 m.
+bool is_on_stage(const glm::dmat4& world_from_node);
 // Whether `world_from_node` can be a performer's: finite, and far enough from flat to be inverted in single precision.
 bool is_placeable(const glm::dmat4& world_from_node);
 

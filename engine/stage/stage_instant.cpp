@@ -114,7 +114,7 @@ StageInstant stage_at(const Stage& stage, double stage_s) {
         instant.performers.push_back(performer_at(stage, i, instant));
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
         const GltfNode& node = stage.scene.nodes[i];
-        if (!node.in_scene) continue;
+        if (!node.in_scene || !is_on_stage(instant.pose.world_from_node[i])) continue;
         if (node.light >= 0) instant.lights.push_back(light_at(stage.scene, i, instant.pose));
         if (node.camera >= 0) instant.cameras.push_back(camera_at(stage.scene, i, instant.pose));
     }

@@ -46,7 +46,8 @@ struct StageInstant {
     std::vector<InstantCamera> cameras;        // by node
 };
 
-// At any finite time; all animations of the file play at once from 0. Only what the default scene holds.
+// At any finite time; all animations of the file play at once from 0. Only what the default scene holds; lights and
+// cameras that an animation sends out of this world are left out meanwhile.
 StageInstant stage_at(const Stage& stage, double stage_s);
 
 // The camera of this name, else of this index into instant.cameras in decimal; empty: the first that is not

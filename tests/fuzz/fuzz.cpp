@@ -1,5 +1,5 @@
-// Feeds a loader damaged data sets. Built under AddressSanitizer and UndefinedBehaviorSanitizer, whose limits stand
-// here too; the damaged data set stays behind where it fails.
+// Feeds a loader damaged data sets, or stages. Built under AddressSanitizer and UndefinedBehaviorSanitizer, whose
+// limits stand here too; the damaged data set stays behind where it fails.
 //
 //     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, pictures included
 //     fuzz --replay FOLDER              one data set, as it is
@@ -94,14 +94,34 @@ std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     return samples;
 }
 
-// Empty where both splits end as they may.
+// The stage of a folder; empty where it is a data set.
+fs::path stage_in(const fs::path& folder) {
+    for (const char* name : {"stage.gltf", "stage.glb"})
+        if (fs::exists(folder / name)) return folder / name;
+    return {};
+}
+
+// Loads what is sound: throws where it is not.
+void load(const fs::path& folder) {
+    if (const fs::path stage = stage_in(folder); !stage.empty()) {
+        load_stage(stage);
+        return;
+    }
+    for (const Split split : {Split::kTrain, Split::kTest}) load_dataset(folder, split, {.mattes_needed = false});
+}
+
+// Empty where the stage or both splits end as they may.
 std::string try_folder(const fs::path& folder) {
     g_kept = folder.string();
     set_alarm(kSecondsPerInput);
     std::string complaint;
-    for (const Split split : {Split::kTrain, Split::kTest})
-        if (complaint.empty())
-            complaint = fuzz::complaint_about([&] { return load_dataset(folder, split, {.mattes_needed = false}); });
+    if (const fs::path stage = stage_in(folder); !stage.empty())
+        complaint = fuzz::complaint_about_stage([&] { return load_stage(stage); });
+    else
+        for (const Split split : {Split::kTrain, Split::kTest})
+            if (complaint.empty())
+                complaint =
+                    fuzz::complaint_about([&] { return load_dataset(folder, split, {.mattes_needed = false}); });
     set_alarm(0);
     return complaint;
 }
@@ -120,8 +140,7 @@ int run(const fs::path& corpus, double seconds, uint64_t seed) {
     std::vector<std::string> pool;
     for (const Sample& sample : samples) {
         g_kept = sample.folder.string();
-        for (const Split split : {Split::kTrain, Split::kTest})  // throws where the corpus itself is not sound
-            load_dataset(sample.folder, split, {.mattes_needed = false});
+        load(sample.folder);  // throws where the corpus itself is not sound
         pool.insert(pool.end(), sample.bytes.begin(), sample.bytes.end());
     }
     fuzz::Random random(seed);

@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "base/error.h"
+#include "stage/stage_instant.h"
 
 namespace neuvv::fuzz {
 
@@ -19,16 +20,35 @@ bool sound(const Camera& camera) {
            std::isfinite(camera.cx) && std::isfinite(camera.cy) && camera.width > 0 && camera.height > 0;
 }
 
-}  // namespace
+bool finite(const glm::dmat4& matrix) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(matrix[column][row])) return false;
+    return true;
+}
 
-std::string complaint_about(const std::function<Dataset()>& load) {
+std::string complaint_about_instant(const Stage& stage, double time_s) {
+    const StageInstant instant = stage_at(stage, time_s);
+    for (const InstantPerformer& performer : instant.performers) {
+        if (performer.visible && !(finite(performer.world_from_performer) && performer.opacity >= 0))
+            return "gave a performer that cannot be";
+        if (!(performer.frame >= 0 && performer.frame <= static_cast<float>(stage.clips.at(performer.clip).frames - 1)))
+            return "gave a frame outside of its clip";
+    }
+    for (const InstantLight& light : instant.lights)
+        if (!(std::abs(glm::length(light.direction) - 1) < 1e-6 && std::isfinite(glm::length(light.position))))
+            return "gave a light that cannot be";
+    for (const InstantCamera& camera : instant.cameras)
+        if (!camera.orthographic &&
+            !sound(camera_of(stage, std::to_string(&camera - instant.cameras.data()), instant, 8, 8)))
+            return "gave a camera that cannot be";
+    return {};
+}
+
+// Empty where `run` has no complaint, or throws an InputError of one short line.
+std::string complaint_of(const std::function<std::string()>& run) {
     try {
-        const Dataset dataset = load();
-        for (const Camera& camera : dataset.cameras)
-            if (!sound(camera)) return "gave a camera that cannot be";
-        for (const View& view : dataset.views)
-            if (!(view.time >= 0 && view.time <= 1)) return "gave a time outside [0,1]";
-        return {};
+        return run();
     } catch (const InputError& error) {
         const std::string text = error.what();
         if (text.find('\n') != std::string::npos) return "an InputError of several lines: " + text;
@@ -39,6 +59,30 @@ std::string complaint_about(const std::function<Dataset()>& load) {
     } catch (...) {
         return "threw something that is no exception";
     }
+}
+
+}  // namespace
+
+std::string complaint_about(const std::function<Dataset()>& load) {
+    return complaint_of([&]() -> std::string {
+        const Dataset dataset = load();
+        for (const Camera& camera : dataset.cameras)
+            if (!sound(camera)) return "gave a camera that cannot be";
+        for (const View& view : dataset.views)
+            if (!(view.time >= 0 && view.time <= 1)) return "gave a time outside [0,1]";
+        return {};
+    });
+}
+
+std::string complaint_about_stage(const std::function<Stage()>& load) {
+    return complaint_of([&]() -> std::string {
+        const Stage stage = load();
+        std::string complaint;
+        for (const double time_s : {0.0, 0.04, 1.0, 1e6})
+            if (complaint.empty()) complaint = complaint_about_instant(stage, time_s);
+        if (complaint.empty() && stage_bytes(stage.file) != stage.file.saved->bytes) complaint = "edited what it read";
+        return complaint;
+    });
 }
 
 }  // namespace neuvv::fuzz

@@ -124,7 +124,7 @@ void cut(Cutting& clip, TimeOperator& op, std::mt19937& random) {
             op.factor = static_cast<double>(1 + below(3));
             Frames fewer;
             for (size_t i = 0; i < size; i += static_cast<size_t>(op.factor)) fewer.push_back(frames[i]);
-            fewer.push_back(frames.back());  // what holds after the end
+            if (op.factor > 1) fewer.push_back(frames.back());  // what holds after the end
             frames = fewer;
             break;
         }

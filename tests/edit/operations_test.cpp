@@ -1,0 +1,418 @@
+#include "edit/operations.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "edit/history.h"
+#include "stage/stage.h"
+#include "stage/stage_instant.h"
+#include "support/input_error.h"
+#include "tests/stage/stage_files.h"
+
+namespace neuvv {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Edits : testing::Test {
+    TemporaryFolder folder;
+    StageFile file;
+
+    void SetUp() override { file = read_stage_file(test::put_foreign_stage(folder.path)); }
+    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
+    // Of the document as it would be saved.
+    Stage stage() const {
+        expect_sound_document(file);
+        return make_stage(file);
+    }
+    ordered_json& node(const std::string& name) { return file.json["nodes"][find_node(file, name)]; }
+    const InstantPerformer performer(const std::string& name, double t = 0) const {
+        const Stage now = stage();
+        for (const InstantPerformer& at : stage_at(now, t).performers)
+            if (now.performers[at.performer].name == name) return at;
+        throw std::runtime_error("no performer " + name);
+    }
+};
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
+    EXPECT_LT(glm::length(a - b), 1e-5) << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' '
+                                        << b.z;
+}
+glm::dvec3 place(const glm::dmat4& m) {
+    return m[3];
+}
+glm::dvec3 front(const glm::dmat4& m) {
+    return glm::normalize(glm::dvec3(m[2]));
+}
+
+TEST_F(Edits, ANewStageIsLitAndSeen) {
+    for (const char* name : {"new.gltf", "new.glb"}) {
+        StageFile made = new_stage(at(name));
+        save_stage_file(made, at(name));
+        const Stage stage = load_stage(at(name));
+        const StageInstant instant = stage_at(stage, 0);
+        ASSERT_EQ(instant.lights.size(), 1u);
+        const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - instant.lights[0].position;
+        expect_near(instant.lights[0].direction, glm::normalize(to_middle));
+        const Camera camera = camera_of(stage, "camera", instant, 64, 64);
+        expect_near(front(camera.world_from_camera),
+                    glm::normalize(place(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
+        ASSERT_EQ(stage.scene.meshes.size(), 1u);
+        const GltfPrimitive& floor = stage.scene.meshes[0].primitives[0];
+        const glm::vec3 a = floor.positions[floor.indices[0]], b = floor.positions[floor.indices[1]],
+                        c = floor.positions[floor.indices[2]];
+        expect_near(glm::normalize(glm::cross(b - a, c - a)), {0, 1, 0});
+        expect_near(stage.ambient, glm::dvec3(0.3));
+    }
+}
+
+TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
+    test::put_clip(at("clips/berta k.nvv"));
+    PerformerEdit edit;
+    edit.clip = at("clips/berta k.nvv");
+    edit.time = parse_time_map("loop,speed:2", "", "");
+    Placement placement;
+    placement.at = glm::dvec3(1, 0, -1);
+    placement.turn_deg = glm::dvec3(0, 90, 0);
+    placement.scale = glm::dvec3(2);
+    const std::string said = add_performer(file, "", edit, placement);
+    EXPECT_NE(said.find("\"berta k\" (node 6)"), std::string::npos) << said;
+    EXPECT_EQ(node("berta k")["extensions"]["NEUVV_performer"]["uri"], "clips/berta%20k.nvv");
+    EXPECT_EQ(stage().performers.size(), 2u);
+    const glm::dmat4 stands = performer("berta k").world_from_performer;
+    expect_near(place(stands), {1, 0, -1});
+    expect_near(glm::dvec3(stands * glm::dvec4(0, 0, 1, 1)), {3, 0, -1});
+    EXPECT_EQ(performer("berta k", 0.04).frame, 2);
+
+    Placement more;
+    more.move = glm::dvec3(0, 1, 0);
+    more.turn_deg = glm::dvec3(0, 90, 0);
+    more.scale = glm::dvec3(1, 1, 0.5);
+    place_node(file, find_node(file, "berta k"), more);
+    expect_near(glm::dvec3(performer("berta k").world_from_performer * glm::dvec4(0, 0, 1, 1)), {1, 1, -2});
+    PerformerEdit change;
+    change.opacity = 0.25;
+    change.visible = false;
+    change.spin_deg_per_s = 90;
+    change.time = TimeMap();
+    set_performer(file, find_node(file, "berta k"), change);
+    EXPECT_FALSE(performer("berta k").visible);
+    EXPECT_EQ(performer("berta k").opacity, 0.25f);
+    EXPECT_EQ(performer("berta k", 0.04).frame, 1);
+    rename_node(file, find_node(file, "berta k"), "Carla");
+    EXPECT_EQ(find_node(file, "Carla"), 6u);
+    edit.clip = at("clips/berta k.nvv");
+    add_performer(file, "Carla", edit, {});
+    EXPECT_EQ(find_node(file, "Carla 2"), 7u) << "names stay clear";
+    expect_input_error([&] { set_performer(file, 0, change); }, {"Floor", "no performer"});
+}
+
+// A matrix takes the same moves as translation, rotation and scale.
+TEST_F(Edits, MatricesAreMovedAsTheyAre) {
+    Placement placement;
+    placement.matrix = glm::dmat4(1);
+    (*placement.matrix)[1][0] = 0.5;  // shear
+    (*placement.matrix)[3] = glm::dvec4(1, 2, 3, 1);
+    const uint32_t anna = find_node(file, "Anna");
+    place_node(file, anna, placement);
+    EXPECT_TRUE(node("Anna").contains("matrix"));
+    EXPECT_FALSE(node("Anna").contains("rotation"));
+    Placement more;
+    more.move = glm::dvec3(1, 0, 0);
+    more.turn_deg = glm::dvec3(0, 0, 90);
+    more.scale = glm::dvec3(3, 1, 1);
+    place_node(file, anna, more);
+    const GltfNode& made = stage().scene.nodes[anna];
+    expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0});
+    expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0});
+    expect_near(place(made.matrix), {2, 2, 3});
+    expect_input_error([&] { place_node(file, find_node(file, "Camera"), placement); }, {"animated", "matrix"});
+    EXPECT_NE(place_node(file, find_node(file, "Camera"), more).find("animation moves it"), std::string::npos);
+}
+
+TEST_F(Edits, TheStageItselfIsSet) {
+    StageEdit edit;
+    edit.duration_s = 9;
+    edit.background = glm::dvec3(0.1, 0.2, 0.3);
+    edit.environment = at("sky 1.png");
+    edit.environment_rotation_deg = 45;
+    edit.blend = StageBlend::kPaper;
+    edit.shadows = false;
+    set_stage(file, edit);
+    const Stage now = stage();
+    EXPECT_EQ(now.duration_s, 9);
+    EXPECT_EQ(now.fps, 30) << "as it was";
+    EXPECT_EQ(now.settings.environment->uri, "sky%201.png");
+    EXPECT_EQ(now.settings.environment->rotation_deg, 45);
+    EXPECT_EQ(now.settings.blend, StageBlend::kPaper);
+    EXPECT_FALSE(now.settings.shadows);
+    EXPECT_EQ(file.json["scenes"][0]["extensions"]["NEUVV_stage"]["later"], 1.0) << "unknown members stay";
+    StageEdit none;
+    none.environment = "";
+    set_stage(file, none);
+    EXPECT_FALSE(stage().settings.environment);
+    StageEdit turn;
+    turn.environment_rotation_deg = 3;
+    expect_input_error([&] { set_stage(file, turn); }, {"environment"});
+    file.json.erase("scenes");
+    file.json.erase("scene");
+    set_stage(file, edit);
+    EXPECT_EQ(stage().duration_s, 9);
+    EXPECT_EQ(file.json["scenes"][0]["nodes"], ordered_json::parse("[0,1,2,3]")) << "those without parents";
+}
+
+TEST_F(Edits, ARingLooksOutwardAndComesLater) {
+    PerformerEdit edit;
+    edit.clip = at("anna.nvv");
+    Placement placement;
+    placement.at = glm::dvec3(0, 0.5, 3);
+    add_performer(file, "eva", edit, placement);
+    CopySettings ring{
+        .count = 5, .pattern = CopyPattern::kRing, .distance_m = 2, .stagger = {1, true}, .spin_step = 10};
+    duplicate_node(file, find_node(file, "eva"), ring);
+    const glm::dvec3 middle(0, 0.5, 1);
+    std::set<std::pair<int, int>> places;
+    for (int i = 0; i < 6; ++i) {
+        const InstantPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
+        const glm::dvec3 out = place(copy.world_from_performer) - middle;
+        EXPECT_NEAR(glm::length(out), 2, 1e-6);
+        expect_near(front(copy.world_from_performer), glm::normalize(out));
+        EXPECT_NEAR(out.y, 0, 1e-9);
+        places.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
+        const InstantPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
+        EXPECT_EQ(later.frame, 5 - i);
+    }
+    EXPECT_EQ(places.size(), 6u);
+    EXPECT_EQ(node("eva 4")["extensions"]["NEUVV_performer"]["spin"], 30);
+    EXPECT_EQ(stage().clips.size(), 1u) << "all of one .nvv";
+}
+
+TEST_F(Edits, RowsAndFansStandWhereTheySay) {
+    PerformerEdit edit;
+    edit.clip = at("anna.nvv");
+    add_performer(file, "eva", edit, {});
+    duplicate_node(file, find_node(file, "eva"), {.count = 3, .distance_m = -0.5});
+    expect_near(place(performer("eva 4").world_from_performer), {-1.5, 0, 0});
+    duplicate_node(file, find_node(file, "eva"),
+                   {.count = 2, .pattern = CopyPattern::kFan, .distance_m = 1, .arc_deg = 90});
+    expect_near(place(performer("eva 6").world_from_performer), {1, 0, -1});
+    expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0});
+}
+
+// What hangs on a node comes along with its own animation; children stay children.
+TEST_F(Edits, FamiliesAreCopied) {
+    file.json["animations"][0]["channels"][0]["target"]["node"] = 5;
+    const size_t before = file.json["nodes"].size();
+    duplicate_node(file, find_node(file, "Pivot"), {.count = 2, .distance_m = 3});
+    EXPECT_EQ(file.json["nodes"].size(), before + 6);
+    EXPECT_EQ(node("Pivot 3")["children"], ordered_json::parse("[10,11]"));
+    EXPECT_EQ(file.json["animations"][0]["channels"].size(), 3u);
+    const Stage now = stage();
+    EXPECT_EQ(now.performers.size(), 3u);
+    EXPECT_EQ(stage_at(now, 0).lights.size(), 4u);
+    expect_near(place(performer("Anna 3").world_from_performer), {7, 0, 0});
+    expect_input_error([&] { duplicate_node(file, find_node(file, "Sun"), {}); }, {"Sun", "animated"});
+    expect_input_error([&] { duplicate_node(file, 0, {.count = 0}); }, {"0", "1 to 511"});
+    expect_input_error([&] { duplicate_node(file, 0, {.count = 4000000000u}); }, {"4000000000", "1 to 511"});
+    expect_input_error([&] { duplicate_node(file, 0, {.stagger = {1, true}}); }, {"Floor", "no performer"});
+    expect_input_error([&] { duplicate_node(file, 99, {}); }, {"99"});
+}
+
+TEST_F(Edits, RemovingRenumbersEverything) {
+    // A skin whose joints come after what is removed; a second animation that moves only the removed.
+    file.json["skins"] = {{{"joints", {3, 4}}, {"skeleton", 3}}};
+    file.json["cameras"].push_back(file.json["cameras"][0]);
+    file.json["nodes"].push_back({{"name", "B"}, {"camera", 1}});
+    file.json["scenes"][0]["nodes"].push_back(6);
+    ordered_json channel = file.json["animations"][0]["channels"][0];
+    ordered_json other = file.json["animations"][0];
+    other["channels"][0]["target"]["node"] = 4;
+    other["samplers"].insert(other["samplers"].begin(), other["samplers"][0]);
+    channel["sampler"] = 0;
+    other["channels"].push_back(channel);
+    other["channels"][0]["sampler"] = 1;
+    file.json["animations"].push_back(other);
+    (void)stage();
+
+    const std::string said = remove_node(file, find_node(file, "Camera"));
+    EXPECT_NE(said.find("ACME_fog"), std::string::npos) << said;
+    EXPECT_EQ(node("Pivot")["children"], ordered_json::parse("[3,4]"));
+    EXPECT_EQ(file.json["scenes"][0]["nodes"], ordered_json::parse("[0,1,2,5]"));
+    EXPECT_EQ(file.json["skins"][0]["joints"], ordered_json::parse("[2,3]"));
+    EXPECT_EQ(file.json["skins"][0]["skeleton"], 2);
+    EXPECT_EQ(file.json["cameras"].size(), 1u);
+    EXPECT_EQ(node("B")["camera"], 0);
+    ASSERT_EQ(file.json["animations"].size(), 1u) << "the one that moved the camera alone is gone";
+    EXPECT_EQ(file.json["animations"][0]["samplers"].size(), 1u);
+    EXPECT_EQ(file.json["animations"][0]["channels"].size(), 1u);
+    EXPECT_EQ(file.json["animations"][0]["channels"][0]["target"]["node"], 3);
+    EXPECT_EQ(file.json["animations"][0]["channels"][0]["sampler"], 0);
+    (void)stage();
+
+    remove_node(file, find_node(file, "Spot"));
+    const Stage now = stage();
+    ASSERT_EQ(now.scene.lights.size(), 1u);
+    EXPECT_EQ(stage_at(now, 0).lights.at(0).kind, GltfLightKind::kDirectional);
+}
+
+TEST_F(Edits, RemovingTakesWhatOnlyItUsed) {
+    remove_node(file, find_node(file, "Pivot"));
+    EXPECT_TRUE(stage().performers.empty());
+    EXPECT_EQ(file.json["nodes"].size(), 3u);
+    const auto used = file.json["extensionsUsed"];
+    EXPECT_EQ(std::count(used.begin(), used.end(), ordered_json("NEUVV_performer")), 0);
+    EXPECT_EQ(std::count(used.begin(), used.end(), ordered_json("ACME_fog")), 1);
+    remove_node(file, find_node(file, "Floor"));
+    EXPECT_FALSE(file.json.contains("meshes"));
+    remove_light(file, find_node(file, "Spot"));
+    EXPECT_FALSE(file.json["extensions"].contains("KHR_lights_punctual"));
+    EXPECT_FALSE(file.json.contains("extensionsRequired"));
+    remove_node(file, 0);
+    EXPECT_FALSE(file.json.contains("nodes"));
+    EXPECT_TRUE(stage().scene.nodes.empty());
+}
+
+TEST_F(Edits, JointsOfWhatStaysStay) {
+    file.json["skins"] = {{{"joints", {5}}}};
+    file.json["nodes"][0]["skin"] = 0;
+    expect_input_error([&] { remove_node(file, 3); }, {"/skins/0", "joint"});
+    remove_node(file, 0);
+    EXPECT_FALSE(file.json.contains("skins"));
+    expect_input_error(
+        [&] {
+            file.json["nodes"][1]["skin"] = 0;
+            duplicate_node(file, 1, {});
+        },
+        {"skin"});
+}
+
+TEST_F(Edits, Lights) {
+    LightEdit edit;
+    edit.color = glm::dvec3(1, 0.5, 0);
+    edit.intensity = 40;
+    edit.inner_cone_deg = 10;
+    edit.outer_cone_deg = 20;
+    Placement placement;
+    placement.at = glm::dvec3(0, 3, 0);
+    placement.aim = glm::dvec3(3, 0, 0);
+    add_light(file, "rim", edit, placement);
+    auto rim = [&] { return stage_at(stage(), 0).lights.back(); };
+    EXPECT_EQ(rim().kind, GltfLightKind::kSpot);
+    expect_near(rim().direction, glm::normalize(glm::dvec3(1, -1, 0)));
+    expect_near(rim().intensity, {40, 20, 0});
+    EXPECT_NEAR(rim().cos_outer, std::cos(glm::radians(20.0)), 1e-9);
+    LightEdit point;
+    point.kind = "point";
+    point.range_m = 4;
+    set_light(file, find_node(file, "rim"), point);
+    EXPECT_EQ(rim().kind, GltfLightKind::kPoint);
+    EXPECT_EQ(rim().range_m, 4);
+
+    duplicate_node(file, find_node(file, "rim"), {});
+    LightEdit dim;
+    dim.intensity = 1;
+    set_light(file, find_node(file, "rim 2"), dim);
+    EXPECT_EQ(stage().scene.lights.size(), 4u) << "a light of its own";
+    expect_near(stage_at(stage(), 0).lights[2].intensity, {40, 20, 0});
+    expect_near(rim().intensity, {1, 0.5, 0});
+    remove_light(file, find_node(file, "rim"));
+    remove_light(file, find_node(file, "rim 2"));
+    EXPECT_EQ(stage().scene.lights.size(), 2u);
+    expect_input_error([&] { remove_light(file, find_node(file, "Anna")); }, {"Anna", "no light"});
+    const ordered_json before = file.json;
+    placement.aim = placement.at;
+    expect_input_error([&] { add_light(file, "x", edit, placement); }, {"where it shall look"});
+    EXPECT_EQ(file.json, before) << "nothing was changed";
+}
+
+TEST_F(Edits, PaintLayers) {
+    const uint32_t anna = find_node(file, "Anna");
+    for (const char* name : {"a", "b", "c"}) add_paint_layer(file, anna, at(std::string(name) + " 1.nvpaint"), {name});
+    const auto names = [&] {
+        std::string text;
+        for (const PaintLayer& layer : stage().performers[0].settings.paint) text += layer.name;
+        return text;
+    };
+    EXPECT_EQ(names(), "abc");
+    EXPECT_EQ(stage().performers[0].settings.paint[0].uri, "a%201.nvpaint");
+    node("Anna")["extensions"]["NEUVV_performer"]["paint"][2]["who"] = "x";
+    move_paint_layer(file, anna, 2, 0);
+    EXPECT_EQ(names(), "cab");
+    PaintEdit edit;
+    edit.opacity = 0.5;
+    edit.visible = false;
+    edit.blend = PaintBlend::kRecolour;
+    set_paint_layer(file, anna, 0, edit);
+    const PaintLayer layer = stage().performers[0].settings.paint[0];
+    EXPECT_EQ(layer.opacity, 0.5);
+    EXPECT_FALSE(layer.visible);
+    EXPECT_EQ(layer.blend, PaintBlend::kRecolour);
+    EXPECT_EQ(node("Anna")["extensions"]["NEUVV_performer"]["paint"][0]["who"], "x");
+    remove_paint_layer(file, anna, 1);
+    EXPECT_EQ(names(), "cb");
+    expect_input_error([&] { remove_paint_layer(file, anna, 2); }, {"layer 2", "0 to 1"});
+    expect_input_error([&] { move_paint_layer(file, anna, 0, 2); }, {"layer 2"});
+    expect_input_error([&] { add_paint_layer(file, 0, "x", {}); }, {"no performer"});
+}
+
+TEST_F(Edits, NodesAreFoundByNameOrIndex) {
+    EXPECT_EQ(find_node(file, "Anna"), 4u);
+    EXPECT_EQ(find_node(file, "4"), 4u);
+    file.json["nodes"][0]["name"] = "4";
+    EXPECT_EQ(find_node(file, "4"), 0u) << "names first";
+    file.json["nodes"][1]["name"] = "Anna";
+    expect_input_error([&] { find_node(file, "Anna"); }, {"2 nodes", "1, 4"});
+    expect_input_error([&] { find_node(file, "Berta"); }, {"Berta", "choose from", "3 \"Pivot\""});
+    expect_input_error([&] { find_node(file, "-1"); }, {"-1"});
+    expect_input_error([&] { find_node(file, "99"); }, {"99"});
+    expect_input_error([&] { find_node(file, ""); }, {"no node"});
+}
+
+// Bad numbers are found before anything is saved.
+TEST_F(Edits, WhatCannotBeLoadedIsNotSound) {
+    const ordered_json before = file.json;
+    Placement nowhere;
+    nowhere.at = glm::dvec3(NAN, 0, 0);
+    place_node(file, 4, nowhere);
+    expect_input_error([&] { expect_sound_document(file); }, {"/nodes/4/translation"});
+    file.json = before;
+    Placement flat;
+    flat.scale = glm::dvec3(1, 0, 1);
+    place_node(file, 4, flat);
+    expect_input_error([&] { expect_sound_document(file); }, {"Anna", "flat"});
+    file.json = before;
+    PerformerEdit edit;
+    edit.opacity = 2;
+    set_performer(file, 4, edit);
+    expect_input_error([&] { expect_sound_document(file); }, {"opacity"});
+}
+
+TEST_F(Edits, HistoryGoesBackAndForth) {
+    History history(3);
+    std::vector<ordered_json> documents = {file.json};
+    for (int i = 0; i < 5; ++i) {
+        ordered_json before = file.json;
+        history.did(before, rename_node(file, 4, "name " + std::to_string(i)));
+        documents.push_back(file.json);
+    }
+    EXPECT_FALSE(history.redo(file));
+    for (size_t i = 5; i > 2; --i) {
+        const auto what = history.undo(file);
+        ASSERT_TRUE(what);
+        EXPECT_NE(what->find("name " + std::to_string(i - 1)), std::string::npos);
+        EXPECT_EQ(file.json, documents[i - 1]);
+    }
+    EXPECT_FALSE(history.undo(file)) << "three steps are kept";
+    EXPECT_TRUE(history.redo(file));
+    EXPECT_EQ(file.json, documents[3]);
+    const ordered_json before = file.json;
+    history.did(before, rename_node(file, 4, "elsewhere"));
+    EXPECT_FALSE(history.redo(file)) << "another way was taken";
+    EXPECT_TRUE(history.undo(file));
+    EXPECT_EQ(file.json, documents[3]);
+}
+
+}  // namespace
+}  // namespace neuvv

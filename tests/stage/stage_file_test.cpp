@@ -1,0 +1,125 @@
+#include "stage/stage_file.h"
+
+#include <gtest/gtest.h>
+
+#include "stage/gltf_container.h"
+#include "stage/stage.h"
+#include "support/input_error.h"
+#include "tests/stage/stage_files.h"
+
+namespace neuvv {
+namespace {
+
+struct StageFiles : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
+};
+
+std::string word(size_t value) {
+    std::string bytes;
+    for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+}
+
+std::string chunk(const std::string& kind, const std::string& bytes) {
+    return word(bytes.size()) + kind + bytes;
+}
+
+std::string glb(std::string json, const std::string& more) {
+    while (json.size() % 4 != 0) json += ' ';
+    const std::string chunks = chunk("JSON", json) + more;
+    return "glTF" + word(2) + word(12 + chunks.size()) + chunks;
+}
+
+std::string text_of_bytes(const std::vector<uint8_t>& bytes) {
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST_F(StageFiles, UneditedIsByteEqual) {
+    const std::string bytes =
+        glb(R"({"asset":{"version":"2.0"}}   )", chunk(std::string("BIN\0", 4), "12345678")) + "behind";
+    write_text(at("a.glb"), bytes);
+    write_text(at("a.gltf"), test::kForeignStage);
+    for (const char* name : {"a.glb", "a.gltf"}) {
+        StageFile file = read_stage_file(at(name));
+        const std::string before = read_text(at(name));
+        EXPECT_EQ(text_of_bytes(stage_bytes(file)), before);
+        save_stage_file(file, at(name));
+        EXPECT_EQ(read_text(at(name)), before);
+    }
+}
+
+TEST_F(StageFiles, EditedGlbKeepsItsOtherChunksAndCounts) {
+    const std::string more = chunk(std::string("BIN\0", 4), "12345678") + chunk("XTRA", "abcd");
+    write_text(at("a.glb"), glb(R"({"asset":{"version":"2.0"},"n":1.0})", more) + "behind");
+    StageFile file = read_stage_file(at("a.glb"));
+    for (const char* name : {"x", "a longer one", ""}) {
+        file.json["name"] = name;
+        save_stage_file(file, at("a.glb"));
+        const std::string text = read_text(at("a.glb"));
+        EXPECT_EQ(text,
+                  glb(std::string(R"({"asset":{"version":"2.0"},"n":1.0,"name":")") + name + "\"}", more) + "behind");
+    }
+    EXPECT_EQ(read_stage_file(at("a.glb")).json["name"], "");
+    EXPECT_EQ(folder.entries(), 1u) << "no temporary file";
+}
+
+TEST_F(StageFiles, InAnotherFolderItNamesTheSameFiles) {
+    std::filesystem::create_directories(at("project/deep"));
+    const std::string text = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"deep/a%20b.bin","byteLength":4},
+ {"uri":"data:,x","byteLength":1}],
+"scenes":[{"extensions":{"NEUVV_stage":{"environment":{"uri":"../sky.png"}}}}],
+"nodes":[{"extensions":{"NEUVV_performer":{"uri":"../captures/an%23na.nvv","paint":[{"uri":"red.nvpaint"}]}}}]})";
+    write_text(at("project/s.gltf"), text);
+    StageFile file = read_stage_file(at("project/s.gltf"));
+    save_stage_file(file, at("up.gltf"));
+    EXPECT_EQ(file.path, at("up.gltf"));
+    const auto json = read_stage_file(at("up.gltf")).json;
+    EXPECT_EQ(json["buffers"][0]["uri"], "project/deep/a%20b.bin");
+    EXPECT_EQ(json["buffers"][1]["uri"], "data:,x");
+    EXPECT_EQ(json["scenes"][0]["extensions"]["NEUVV_stage"]["environment"]["uri"], "sky.png");
+    const auto& performer = json["nodes"][0]["extensions"]["NEUVV_performer"];
+    EXPECT_EQ(performer["uri"], "captures/an%23na.nvv");
+    EXPECT_EQ(performer["paint"][0]["uri"], "project/red.nvpaint");
+    save_stage_file(file, at("project/s.gltf"));
+    EXPECT_EQ(read_text(at("project/s.gltf")), text) << "there and back";
+    expect_input_error([&] { save_stage_file(file, at("other/in.gltf")); }, {"/buffers/0/uri", "outside", ".glb"});
+    EXPECT_FALSE(std::filesystem::exists(at("other/in.gltf")));
+}
+
+TEST_F(StageFiles, ContainersKeepTheirEnding) {
+    write_text(at("a.gltf"), R"({"asset":{"version":"2.0"}})");
+    StageFile file = read_stage_file(at("a.gltf"));
+    expect_input_error([&] { save_stage_file(file, at("a.glb")); }, {"a.glb", "is a .gltf"});
+    StageFile made = make_stage_file(at("b.glb"), R"({"asset":{"version":"2.0"}})");
+    save_stage_file(made, at("b.glb"));
+    EXPECT_NO_THROW(load_gltf(at("b.glb")));
+    expect_input_error([&] { save_stage_file(made, at("b.gltf")); }, {"b.gltf", "is a .glb"});
+}
+
+TEST_F(StageFiles, UrisNameFilesOnTheWayFromTheStage) {
+    StageFile file;
+    file.path = at("project/s.gltf");
+    EXPECT_EQ(file_of_uri(file, "../a%20b.nvv", "p").lexically_normal(), at("a b.nvv"));
+    EXPECT_EQ(uri_of_file(file, at("a b#.nvv")), "../a%20b%23.nvv");
+    EXPECT_EQ(file_of_uri(file, uri_of_file(file, at("50%.nvv")), "p").lexically_normal(), at("50%.nvv"));
+    for (const char* uri :
+         {"", "/etc/passwd", "%2fetc/passwd", "http://a/b.nvv", "file:a.nvv", "C:\\a.nvv", "a\\b.nvv", "a%00.nvv"})
+        expect_input_error([&] { file_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0", "../captures/"});
+}
+
+TEST_F(StageFiles, WhatIsNoStageIsRefused) {
+    const auto refused = [&](const std::string& bytes, std::initializer_list<std::string> parts) {
+        write_text(at("x.gltf"), bytes);
+        expect_input_error([&] { read_stage_file(at("x.gltf")); }, parts);
+    };
+    refused("", {"x.gltf", "JSON"});
+    refused("[]", {"x.gltf", "object"});
+    refused("glTF", {"header"});
+    refused(glb("{}", "").substr(0, 21), {"cut off"});
+    refused(R"({"a":1,"a":1})", {"twice"});
+    expect_input_error([&] { read_stage_file(at("none.gltf")); }, {"none.gltf"});
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,295 @@
+#include "stage/stage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <set>
+
+#include "stage/stage_instant.h"
+#include "support/input_error.h"
+#include "tests/stage/stage_files.h"
+
+namespace neuvv {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Stages : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
+
+    // The foreign stage with a change, as text or as JSON.
+    Stage changed(const std::string& what, const std::string& with) {
+        test::put_foreign_stage(folder.path);
+        std::string text = test::kForeignStage;
+        const size_t place = text.find(what);
+        EXPECT_NE(place, std::string::npos) << what;
+        write_text(at("stage.gltf"), text.replace(place, what.size(), with));
+        return load_stage(at("stage.gltf"));
+    }
+    void expect_refused(const std::string& what, const std::string& with, std::initializer_list<std::string> parts) {
+        SCOPED_TRACE(with);
+        expect_input_error([&] { changed(what, with); }, parts);
+    }
+};
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
+    EXPECT_LT(glm::length(a - b), 1e-6) << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' '
+                                        << b.z;
+}
+
+TEST_F(Stages, AnotherProgramsStageIsRead) {
+    const Stage stage = load_stage(test::put_foreign_stage(folder.path));
+    EXPECT_EQ(stage.duration_s, 4);
+    EXPECT_EQ(stage.fps, 30);
+    expect_near(stage.ambient, {0.1, 0.1, 0.2});
+    ASSERT_EQ(stage.performers.size(), 1u);
+    EXPECT_EQ(stage.performers[0].name, "Anna");
+    EXPECT_EQ(text_of(stage.performers[0].settings.time), "loop,offset:2f");
+    ASSERT_EQ(stage.clips.size(), 1u);
+    EXPECT_EQ(stage.clips[0].frames, 7u);
+    expect_near(stage.clips[0].box_min, {-1, -0.25, -0.75});
+    ASSERT_EQ(stage.scene.lights.size(), 2u);
+    EXPECT_EQ(stage.scene.lights[0].kind, GltfLightKind::kSpot);
+    EXPECT_EQ(stage.scene.lights[0].range_m, 10);
+    EXPECT_EQ(stage.scene.lights[1].kind, GltfLightKind::kDirectional);
+    EXPECT_EQ(stage.scene.meshes[0].primitives[0].uvs.size(), 3u);
+    EXPECT_EQ(stage.scene.images[0].width, 1u);
+}
+
+TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
+    const Stage stage = load_stage(test::put_foreign_stage(folder.path));
+    const StageInstant instant = stage_at(stage, 1);
+    ASSERT_EQ(instant.performers.size(), 1u);
+    const InstantPerformer& anna = instant.performers[0];
+    // 25 frames of stage time, 2 late, in a loop of 7.
+    EXPECT_EQ(anna.frame, 23 % 7);
+    EXPECT_EQ(anna.opacity, 0.5f);
+    // Turned by 90° about its +Y, then by 45° about z, then stretched along x, then moved.
+    const auto stood = [](glm::dvec3 p) {
+        p = {p.z, p.y, -p.x};
+        const double h = std::sqrt(0.5);
+        p = {h * (p.x - p.y), h * (p.x + p.y), p.z};
+        return glm::dvec3(2 * p.x + 1, p.y, p.z);
+    };
+    for (const glm::dvec3 p : {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 3)})
+        expect_near(glm::dvec3(anna.world_from_performer * glm::dvec4(p, 1)), stood(p));
+    ASSERT_EQ(instant.lights.size(), 2u);
+    expect_near(instant.lights[0].position, {0, 4, 0});
+    expect_near(instant.lights[0].direction, {0, -1, 0});
+    expect_near(instant.lights[0].intensity, 54.35141306588226 * glm::dvec3(1, 0.5, 0.25));
+    EXPECT_NEAR(instant.lights[0].cos_inner, std::cos(0.3), 1e-12);
+    EXPECT_NEAR(instant.lights[0].cos_outer, std::cos(0.6), 1e-12);
+    expect_near(instant.lights[1].direction, {0, 0, -1});
+    const Camera camera = camera_of(stage, "Camera", instant, 160, 80);
+    expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // half of its way
+    EXPECT_NEAR(camera.fy, 40 / std::tan(0.4), 1e-9);
+    EXPECT_EQ(camera.fx, camera.fy);
+    EXPECT_EQ(camera.cx, 80);
+    expect_near(glm::dvec3(camera_of(stage, "0", stage_at(stage, 9), 8, 8).world_from_camera[3]), {2, 1.5, 4});
+    expect_near(glm::dvec3(camera_of(stage, "", stage_at(stage, 0), 8, 8).world_from_camera[3]), {0, 1.5, 4});
+    expect_input_error([&] { camera_of(stage, "Lens2", instant, 8, 8); }, {"Lens2", "0 \"Camera\""});
+}
+
+TEST_F(Stages, APlainSceneIsAStage) {
+    write_text(at("plain.gltf"), R"({"asset":{"version":"2.0"},"nodes":[{"name":"a"}]})");
+    const Stage stage = load_stage(at("plain.gltf"));
+    EXPECT_EQ(stage.duration_s, 0);
+    EXPECT_EQ(stage.fps, 25);
+    expect_near(stage.ambient, {1, 1, 1});
+    EXPECT_TRUE(stage.settings.shadows && stage.settings.falloff);
+    EXPECT_EQ(stage.settings.blend, StageBlend::kExact);
+    EXPECT_TRUE(stage_at(stage, 3).performers.empty());
+    expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"none"});
+}
+
+TEST_F(Stages, OneClipForAllThatPlayIt) {
+    test::put_clip(at("clips/a.nvv"), 50, 50);
+    test::put_clip(at("clips/b.nvv"), 10, 25);
+    const char* const uris[] = {"../clips/a.nvv", "../clips/b.nvv", "../clips/../clips/a.nvv"};
+    ordered_json json = {{"asset", {{"version", "2.0"}}}, {"scenes", {{{"nodes", {0, 1, 2}}}}}};
+    for (const char* uri : uris) json["nodes"].push_back({{"extensions", {{"NEUVV_performer", {{"uri", uri}}}}}});
+    json["nodes"].push_back({{"extensions", {{"NEUVV_performer", {{"uri", "missing, but in no scene"}}}}}});
+    write_text(at("stage/s.gltf"), json.dump());
+    const Stage stage = load_stage(at("stage/s.gltf"));
+    ASSERT_EQ(stage.clips.size(), 2u);
+    EXPECT_TRUE(stage.clips[0].path.is_absolute());
+    ASSERT_EQ(stage.performers.size(), 3u);
+    EXPECT_EQ(stage.performers[2].clip, 0u);
+    EXPECT_EQ(stage.performers[1].name, "node 1");
+    EXPECT_EQ(stage.duration_s, 1) << "50 frames of 50 fps";
+    EXPECT_EQ(stage.fps, 50);
+    EXPECT_EQ(stage_at(stage, 0.5).performers[0].frame, 25);
+    EXPECT_EQ(stage_at(stage, 0.5).performers[1].frame, 9);
+}
+
+TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
+    const Stage stage =
+        changed(R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])", R"("scale" : [ -2, 3, 0.1 ])");
+    for (const InstantLight& light : stage_at(stage, 0).lights) EXPECT_NEAR(glm::length(light.direction), 1, 1e-12);
+    const Stage flat = changed(R"("translation" : [ 0, 1.50, 4 ])", R"("scale" : [ 0, 0, 0 ])");
+    const Camera camera = camera_of(flat, "Camera", stage_at(flat, 0), 8, 8);
+    const glm::dmat3 turn(camera.world_from_camera);
+    EXPECT_NEAR(glm::determinant(turn), 1, 1e-9);
+    expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3});
+}
+
+TEST_F(Stages, OrthographicCamerasAreNamedAndNotDrawn) {
+    const Stage stage = changed(R"("type" : "perspective",
+		"perspective" : { "aspectRatio" : 1.7777777777777777, "yfov" : 0.8, "zfar" : 1000, "znear" : 0.10000000149011612 })",
+                                R"("type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":0})");
+    EXPECT_TRUE(stage_at(stage, 0).cameras.at(0).orthographic);
+    expect_input_error([&] { camera_of(stage, "Camera", stage_at(stage, 0), 8, 8); }, {"Camera", "orthographic"});
+    expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"perspective"});
+}
+
+TEST_F(Stages, HostileOnesAreRefusedInALine) {
+    const std::string place = R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])";
+    expect_refused(place, R"("scale":[0,1,1])", {"Anna", "flat", "/nodes/4"});
+    expect_refused(place, R"("scale":[1e300,1,1])", {"/nodes/3/scale", "large"});
+    expect_refused(place, R"("scale":[1e11,1e11,1e11])", {"Anna"});
+    expect_refused(place, R"("translation":[1e11,0,0])", {"Anna"});
+    expect_refused(place, R"("translation":[NaN,0,0])", {"JSON"});
+    expect_refused(R"("children" : [ 4, 5 ])", R"("children":[3])", {"/nodes/3", "ancestor"});
+    expect_refused(R"("children" : [ 4, 5 ])", R"("children":[4,99])", {"/nodes/3/children", "99"});
+    expect_refused("\"KHR_lights_punctual\" ],", "\"KHR_lights_punctual\", \"ACME_fog\" ],",
+                   {"ACME_fog", "not supported"});
+    expect_refused("\"anna.nvv\"", "\"berta.nvv\"", {"stage.gltf", "\"Anna\"", "berta.nvv"});
+    expect_refused("\"anna.nvv\"", "\"stage.gltf\"", {"\"Anna\"", "stage.gltf"});
+    expect_refused("\"anna.nvv\"", "\"/anna.nvv\"", {"/nodes/4/extensions/NEUVV_performer/uri", "relative"});
+    expect_refused("\"anna.nvv\"", "\"https://x/anna.nvv\"", {"relative"});
+    expect_refused("\"anna.nvv\"", "7", {"/nodes/4/extensions/NEUVV_performer/uri", "string"});
+    expect_refused("\"uri\" : \"anna.nvv\", ", "", {"/nodes/4/extensions/NEUVV_performer", "uri"});
+    expect_refused("\"spin\" : 90.0", "\"spin\":\"fast\"", {"NEUVV_performer/spin"});
+    expect_refused("\"opacity\" : 0.50", "\"opacity\":1.5", {"NEUVV_performer/opacity", "0 to 1"});
+    expect_refused("\"opacity\" : 0.50", "\"visible\":1", {"NEUVV_performer/visible"});
+    expect_refused("\"opacity\" : 0.50", "\"castsShadow\":null", {"NEUVV_performer/castsShadow"});
+    expect_refused("\"opacity\" : 0.50", "\"receivesShadow\":[]", {"NEUVV_performer/receivesShadow"});
+    expect_refused("\"opacity\" : 0.50", "\"paint\":{}", {"NEUVV_performer/paint"});
+    expect_refused("\"opacity\" : 0.50", "\"paint\":[{\"uri\":\"a\",\"blend\":\"add\"}]",
+                   {"paint/0/blend", "recolour"});
+    expect_refused("\"opacity\" : 0.50", "\"paint\":[{\"uri\":\"../../../a:b\"}]", {"paint", "relative"});
+    expect_refused("\"operator\" : \"loop\"", "\"operator\":\"lop\"", {"time/0/operator", "lop"});
+    expect_refused("\"by\" : \"2f\"", "\"by\":2", {"time/1/by"});
+    expect_refused("\"duration\" : 4.0", "\"duration\":-1", {"/scenes/0/extensions/NEUVV_stage/duration"});
+    expect_refused("\"fps\" : 30.0", "\"fps\":0", {"NEUVV_stage/fps"});
+    expect_refused("\"fps\" : 30.0", "\"blend\":\"nice\"", {"NEUVV_stage/blend", "exact, paper"});
+    expect_refused("\"fps\" : 30.0", "\"background\":[0,0]", {"NEUVV_stage/background"});
+    expect_refused("\"fps\" : 30.0", "\"background\":[0,0,-1]", {"NEUVV_stage/background"});
+    expect_refused("\"fps\" : 30.0", "\"environment\":\"sky.png\"", {"NEUVV_stage/environment", "object"});
+    expect_refused("\"fps\" : 30.0", "\"environment\":{}", {"NEUVV_stage/environment", "uri"});
+    expect_refused("\"fps\" : 30.0", "\"shadows\":\"yes\"", {"NEUVV_stage/shadows"});
+    expect_refused("\"fps\" : 30.0", "\"falloff\":0", {"NEUVV_stage/falloff"});
+    expect_refused("{ \"NEUVV_stage\" : {", "{ \"NEUVV_stage\" : 5, \"x\" : {", {"NEUVV_stage", "object"});
+    expect_refused("\"light\" : 1", "\"light\":2", {"/nodes/5", "light"});
+    expect_refused("\"light\" : 1", "\"light\":-1", {"/nodes/5", "light"});
+    expect_refused("\"light\" : 1", "\"light\":\"1\"", {"/nodes/5", "light"});
+    expect_refused("\"range\":1E+1", "\"range\":\"far\"", {"lights/0/range"});
+    expect_refused("\"intensity\" : 3", "\"intensity\":-3", {"lights/1/intensity"});
+    expect_refused("\"intensity\" : 3", "\"color\":[1,2]", {"lights/1/color"});
+    expect_refused("\"directional\"", "\"laser\"", {"lights/1/type"});
+    expect_refused("\"innerConeAngle\" : 0.3", "\"innerConeAngle\":0.7", {"lights/0/spot", "innerConeAngle"});
+    expect_refused("\"outerConeAngle\" : 0.60", "\"outerConeAngle\":2", {"outerConeAngle"});
+    expect_refused("\"camera\" : 0", "\"camera\":1", {"/nodes/1/camera"});
+    expect_refused("\"camera\" : 0", "\"camera\":\"a\"", {"/nodes/1/camera"});
+    expect_refused("\"yfov\" : 0.8", "\"yfov\":4", {"/cameras/0/perspective/yfov"});
+    expect_refused("\"yfov\" : 0.8", "\"yfov\":\"wide\"", {"yfov"});
+    expect_refused("\"unit\" : \"m\"", "\"unit\":" + std::string(5000, '['), {"deeper"});
+    EXPECT_NO_THROW(changed("\"opacity\" : 0.50", "\"paint\":[{\"uri\":\"later.nvpaint\",\"who\":1}]"));
+}
+
+// While an animation flattens a performer it is not seen, rather than no picture at all.
+TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
+    const Stage stage =
+        changed(R"("target" : { "node" : 1, "path" : "translation" })", R"("target":{"node":4,"path":"scale"})");
+    EXPECT_FALSE(stage_at(stage, 0).performers.at(0).visible) << "from (0, 1.5, 4) to (2, 1.5, 4)";
+    EXPECT_TRUE(stage_at(stage, 0.5).performers.at(0).visible);
+}
+
+// What schema and reader know must be the same members, and what the schema bounds the reader refuses.
+void expect_members(const ordered_json& schema, const ordered_json& written, const std::string& what) {
+    std::set<std::string> in_schema, in_file;
+    for (const auto& [name, member] : schema["properties"].items()) in_schema.insert(name);
+    for (const auto& [name, member] : written.items()) in_file.insert(name);
+    EXPECT_EQ(in_schema, in_file) << what;
+}
+
+ordered_json schema_of(const char* name) {
+    return ordered_json::parse(read_text(std::filesystem::path(NEUVV_SOURCE_DIR) / "engine/stage" / name));
+}
+
+TEST(StageSchema, PerformerHoldsWhatIsWritten) {
+    PerformerSettings settings;
+    settings.uri = "a.nvv";
+    settings.time = parse_time_map("offset:1s,speed:2,pause:1s:2s,clip:0s:1s,jump:1f:2f", "", "");
+    settings.spin_deg_per_s = 9;
+    settings.opacity = 0.5;
+    settings.visible = settings.casts_shadow = settings.receives_shadow = false;
+    settings.paint = {{"p.nvpaint", "red", false, 0.25, PaintBlend::kTint}};
+    const ordered_json json = json_of(settings), schema = schema_of("NEUVV_performer.schema.json");
+    expect_members(schema, json, "performer");
+    expect_members(schema["$defs"]["layer"], json["paint"][0], "layer");
+    EXPECT_EQ(schema["$defs"]["layer"]["properties"]["blend"]["enum"], ordered_json(kPaintBlendNames));
+    ordered_json operators = ordered_json::object();
+    for (const ordered_json& op : json["time"]) operators.update(op);
+    expect_members(schema["$defs"]["operator"], operators, "operator");
+    for (const ordered_json& name : schema["$defs"]["operator"]["properties"]["operator"]["enum"])
+        EXPECT_NO_THROW(parse_time_map(name == "reverse" || name == "loop" || name == "ping-pong"
+                                           ? name.get<std::string>()
+                                       : name == "speed"                      ? "speed:1"
+                                       : name == "offset" || name == "freeze" ? name.get<std::string>() + ":1s"
+                                                                              : name.get<std::string>() + ":1s:2s",
+                                       "", ""));
+    const PerformerSettings back = performer_settings_of(json, "f", "p");
+    EXPECT_EQ(json_of(back), json);
+    EXPECT_EQ(json_of(PerformerSettings{.uri = "a"}).size(), 1u) << "defaults are not written";
+}
+
+TEST(StageSchema, StageHoldsWhatIsWritten) {
+    StageSettings settings;
+    settings.duration_s = 3;
+    settings.fps = 24;
+    settings.background = {0.1, 0.2, 0.3};
+    settings.environment = StageEnvironment{"sky.png", 2, 90};
+    settings.ambient = glm::dvec3(0.5);
+    settings.blend = StageBlend::kPaper;
+    settings.shadows = settings.falloff = false;
+    const ordered_json json = json_of(settings), schema = schema_of("NEUVV_stage.schema.json");
+    expect_members(schema, json, "stage");
+    expect_members(schema["properties"]["environment"], json["environment"], "environment");
+    EXPECT_EQ(schema["properties"]["blend"]["enum"], ordered_json(kStageBlendNames));
+    EXPECT_EQ(json_of(stage_settings_of(json, "f", "p")), json);
+    EXPECT_TRUE(json_of(StageSettings()).empty());
+}
+
+// Every bound of a schema is the reader's: just inside is read, just outside refused.
+TEST(StageSchema, BoundsAreTheReaders) {
+    const auto each = [](const ordered_json& properties, const ordered_json& sound, const auto& read) {
+        for (const auto& [name, member] : properties.items()) {
+            for (const char* bound : {"minimum", "maximum"}) {
+                if (!member.contains(bound)) continue;
+                ordered_json json = sound;
+                const double value = member[bound].template get<double>(),
+                             past = std::max(1e-3, std::abs(value) * 1e-3);
+                json[name] = value;
+                EXPECT_NO_THROW(read(json)) << name;
+                json[name] = bound == std::string("minimum") ? value - past : value + past;
+                EXPECT_THROW(read(json), InputError) << name << ' ' << bound;
+            }
+            ordered_json wrong = sound;
+            wrong[name] =
+                member.contains("type") && member["type"] == "string" ? ordered_json(1) : ordered_json("wrong");
+            EXPECT_THROW(read(wrong), InputError) << name << " of a wrong type";
+        }
+    };
+    const ordered_json performer = {{"uri", "a"}}, schema = schema_of("NEUVV_performer.schema.json");
+    each(schema["properties"], performer, [](const ordered_json& json) { performer_settings_of(json, "f", "p"); });
+    each(schema["$defs"]["layer"]["properties"], performer,
+         [](const ordered_json& json) { paint_layer_of(json, "f", "p"); });
+    each(schema_of("NEUVV_stage.schema.json")["properties"], ordered_json::object(),
+         [](const ordered_json& json) { stage_settings_of(json, "f", "p"); });
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,184 @@
+// `neuvv stage` as its user types it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "stage/stage.h"
+#include "support/input_error.h"
+#include "tests/stage/stage_files.h"
+#include "tests/tools/run_neuvv.h"
+#include "tools/stage_options.h"
+
+namespace neuvv {
+namespace {
+
+struct StageVerb : testing::Test {
+    TemporaryFolder folder;
+    std::string file(const std::string& name) const { return (folder.path / name).string(); }
+    std::string show = file("show.gltf"), clip = file("eva.nvv");
+
+    void SetUp() override { test::put_clip(clip); }
+    void expect_done(const std::vector<std::string>& arguments, const std::string& said = "") {
+        std::vector<std::string> all = {"stage"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        const ProgramResult result = run_neuvv(all);
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_NE(result.out.find(said), std::string::npos) << result.out;
+    }
+    nlohmann::json info(const std::vector<std::string>& more = {}) {
+        std::vector<std::string> all = {"stage", "info", show, "--json"};
+        all.insert(all.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(all);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    }
+};
+
+TEST_F(StageVerb, EveryOneHelpsWithExamples) {
+    for (const char* verb : {"new", "add", "set", "duplicate", "remove", "light", "paint", "info"}) {
+        const ProgramResult result = run_neuvv({"stage", verb, "--help"});
+        EXPECT_EQ(result.code, 0) << verb;
+        const size_t examples = result.out.find("Examples");
+        ASSERT_NE(examples, std::string::npos) << verb;
+        EXPECT_NE(result.out.find(std::string("neuvv stage ") + verb, examples), std::string::npos) << verb;
+    }
+}
+
+TEST_F(StageVerb, AShowFromNothing) {
+    expect_done({"new", show}, "show.gltf");
+    expect_refused({"stage", "new", show}, 2, {"show.gltf", "already"});
+    expect_done({"add", show, clip, "--name", "anna", "--at", "-1,0,0.5", "--time", "loop,speed:2"},
+                "\"anna\" (node 3)");
+    expect_done({"duplicate", show, "anna", "--count", "3", "--ring", "2", "--stagger", "2f"}, "3 more");
+    expect_done(
+        {"set", show, "anna 2", "--spin", "-45", "--opacity", "0.5", "--casts-shadow", "off", "--name", "berta"});
+    expect_done({"set", show, "--duration", "6", "--ambient", "0.1,0.2,0.3", "--blend", "paper"});
+    expect_done({"light", show, "--add", "--name", "rim", "--at", "-2,3,-2", "--aim", "0,1,0", "--color", "#ff0000"});
+    expect_done({"light", show, "key", "--intensity", "80", "--cone", "15,25"});
+    auto json = info();
+    EXPECT_EQ(json["duration"], 6);
+    EXPECT_EQ(json["ambient"], nlohmann::json::parse("[0.1,0.2,0.3]"));
+    ASSERT_EQ(json["performers"].size(), 4u);
+    EXPECT_EQ(json["clips"].size(), 1u);
+    EXPECT_EQ(json["performers"][0]["position"][0], -1);
+    EXPECT_EQ(json["performers"][1]["name"], "berta");
+    EXPECT_EQ(json["performers"][1]["spin"], -45);
+    EXPECT_EQ(json["performers"][1]["casts_shadow"], false);
+    EXPECT_EQ(json["performers"][3]["time"], "loop,speed:2,offset:6f");
+    EXPECT_TRUE(json["performers"][3]["seconds"].is_null()) << "endless";
+    EXPECT_EQ(info({"--at", "0.12"})["performers"][0]["frame"], 6);
+    ASSERT_EQ(json["lights"].size(), 2u);
+    EXPECT_EQ(json["lights"][0]["intensity"], nlohmann::json::parse("[80.0,80.0,80.0]"));
+    EXPECT_EQ(json["lights"][1]["intensity"][1], 0);
+    EXPECT_EQ(json["cameras"][0]["name"], "camera");
+    expect_done({"remove", show, "berta"}, "removed \"berta\"");
+    expect_done({"light", show, "rim", "--remove"});
+    EXPECT_EQ(info()["performers"].size(), 3u);
+    EXPECT_EQ(info()["lights"].size(), 1u);
+    write_text(file("red.nvpaint"), "red");
+    expect_done({"paint", show, "anna", "--add", file("red.nvpaint"), "--name", "red", "--blend", "tint"});
+    expect_done({"paint", show, "anna", "--layer", "0", "--opacity", "0.5"});
+    EXPECT_EQ(info()["performers"][0]["paint_layers"], 1);
+    const ProgramResult text = run_neuvv({"stage", "info", show});
+    EXPECT_EQ(text.code, 0);
+    for (const char* part :
+         {"6 s at 25 fps", "3 performers", "anna", "loop,speed:2", "eva.nvv", "key", "spot", "45.0°"})
+        EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in: " << text.out;
+    expect_done({"set", show, "anna", "--move", "1,0,0", "-o", file("other/copy.gltf")});
+    EXPECT_EQ(load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
+}
+
+// Another program's stage: after an edit every byte but those of the edit is as it was.
+TEST_F(StageVerb, AnotherProgramsBytesStay) {
+    show = test::put_foreign_stage(folder.path).string();
+    const std::string before = read_text(show);
+    expect_done({"set", show, "Anna", "--opacity", "0.75", "--move", "0,1,0"});
+    const std::string after = read_text(show);
+    std::string expected = before;
+    const auto replace = [&](const std::string& what, const std::string& with) {
+        const size_t place = expected.find(what);
+        ASSERT_NE(place, std::string::npos);
+        expected.replace(place, what.size(), with);
+    };
+    replace("\"opacity\" : 0.50", "\"opacity\" : 0.75");
+    const size_t end = after.find("\"translation\" : [0.0, 1.0, 0.0]");
+    ASSERT_NE(end, std::string::npos) << after;
+    replace("\"ACME_fog\" : { \"off\" : true } } }",
+            "\"ACME_fog\" : { \"off\" : true } },\n\t\t  \"translation\" : [0.0, 1.0, 0.0] }");
+    // The separator of the new member is that of its neighbours, whichever of them.
+    const auto bare = [](std::string text) {
+        std::erase_if(text, [](char c) { return c == ' ' || c == '\n' || c == '\t'; });
+        return text;
+    };
+    EXPECT_EQ(bare(after), bare(expected));
+    const size_t node = before.find("{ \"name\" : \"Anna\""),
+                 next = before.find("{ \"extensions\" : { \"KHR_lights_punctual\" : { \"light\" : 1");
+    EXPECT_EQ(after.substr(0, node), before.substr(0, node));
+    EXPECT_TRUE(after.ends_with(before.substr(next)));
+    expect_done({"set", show, "Anna", "--opacity", "0.50", "--move", "0,0,0"});
+    expect_done({"remove", show, "Camera"}, "ACME_fog");
+    const std::string removed = read_text(show);
+    for (const char* kept :
+         {"\"by hand\":1e-3", "\"range\":1E+1", "[ 1.0, 2.0 ,3.0 ]", "\"later\" : 1e0", "[ 5.000, 1.0, 5.0 ]",
+          "\"why\" : 1.0", "-0.70710678118654757, -0.0, 0.0", "\"nodes\" : [ 0, 1, 2 ]"})
+        EXPECT_NE(removed.find(kept), std::string::npos) << kept << " not in " << removed;
+}
+
+TEST_F(StageVerb, WhatCannotBeDoneIsOneLine) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    const std::string before = read_text(show);
+    expect_refused({"stage"}, 2, {"neuvv stage --help"});
+    expect_refused({"stage", "dance", show}, 2, {"dance"});
+    expect_refused({"stage", "info", file("none.gltf")}, 2, {"none.gltf"});
+    expect_refused({"stage", "add", show, file("none.nvv")}, 2, {"none.nvv"});
+    expect_refused({"stage", "add", show, show}, 2, {"show.gltf"});
+    expect_refused({"stage", "set", show, "berta", "--spin", "1"}, 2, {"berta", "anna"});
+    expect_refused({"stage", "set", show, "anna"}, 2, {"nothing to change"});
+    expect_refused({"stage", "set", show, "--spin", "1"}, 2, {"node"});
+    expect_refused({"stage", "set", show, "anna", "--fps", "20"}, 2, {"stage"});
+    expect_refused({"stage", "set", show, "anna", "--opacity", "nan"}, 2, {"--opacity"});
+    expect_refused({"stage", "set", show, "anna", "--at", "1,2"}, 2, {"--at", "3 numbers"});
+    expect_refused({"stage", "set", show, "anna", "--at", "nan,0,0"}, 2, {"--at"});
+    expect_refused({"stage", "set", show, "anna", "--scale", "0"}, 2, {"anna", "flat"});
+    expect_refused({"stage", "set", show, "anna", "--time", "loop,reverse"}, 2, {"endless"});
+    expect_refused({"stage", "set", show, "anna", "--time", "swing"}, 2, {"--time", "swing", "ping-pong"});
+    expect_refused({"stage", "set", show, "floor", "--spin", "3"}, 2, {"floor", "no performer"});
+    expect_refused({"stage", "duplicate", show, "anna", "--count", "0", "--row", "1"}, 2, {"--count"});
+    expect_refused({"stage", "duplicate", show, "anna", "--count", "99999999999", "--row", "1"}, 2, {"--count"});
+    expect_refused({"stage", "duplicate", show, "anna", "--count", "3"}, 2, {"--row"});
+    expect_refused({"stage", "duplicate", show, "anna", "--row", "1", "--ring", "1"}, 2, {"--r"});
+    expect_refused({"stage", "duplicate", show, "anna", "--row", "1", "--stagger", "3"}, 2, {"3", "3f"});
+    expect_refused({"stage", "light", show}, 2, {"--add"});
+    expect_refused({"stage", "light", show, "anna", "--intensity", "3"}, 2, {"anna", "no light"});
+    expect_refused({"stage", "paint", show, "anna", "--layer", "0", "--opacity", "1"}, 2, {"no paint layer 0"});
+    expect_refused({"stage", "remove", show, "anna", "-o", file("x.glb")}, 2, {"x.glb", ".gltf"});
+    EXPECT_EQ(read_text(show), before);
+    expect_done({"set", show, "floor", "--name", "anna"});
+    expect_refused({"stage", "remove", show, "anna"}, 2, {"2 nodes", "choose by index: 0, 3"});
+    expect_done({"remove", show, "3"});
+}
+
+// A performer whose .nvv went away: the stage says so, and can be mended.
+TEST_F(StageVerb, AMissingClipIsNamedAndCanBeRemoved) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    std::filesystem::remove(clip);
+    expect_refused({"stage", "info", show}, 2, {"\"anna\"", "eva.nvv"});
+    expect_done({"remove", show, "anna"});
+    expect_done({"info", show}, "0 performers");
+}
+
+TEST(StageOptions, VectorsAndColours) {
+    EXPECT_EQ(parse_vector("--at", "1,-2.5,1e-3"), glm::dvec3(1, -2.5, 1e-3));
+    for (const char* text :
+         {"", "1", "1,2", "1,2,3,4", "1,2,", ",1,2", "1,2,x", "1, 2,3", "inf,0,0", "1e99,0,0", "1,2,3,"})
+        expect_input_error([&] { parse_vector("--at", text); }, {"--at", "3 numbers"});
+    EXPECT_EQ(parse_light_colour("--ambient", "0.25,2,0"), glm::dvec3(0.25, 2, 0));
+    EXPECT_EQ(parse_light_colour("--ambient", "white"), glm::dvec3(1));
+    EXPECT_NEAR(parse_light_colour("--ambient", "#bcbcbc").x, 0.5, 0.01) << "sRGB";
+    expect_input_error([&] { parse_light_colour("--ambient", "warm"); }, {"warm"});
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,317 @@
+// neuvv stage: makes stages and changes them; each verb is an operation of engine/edit.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "base/error.h"
+#include "edit/operations.h"
+#include "stage/stage.h"
+#include "tools/commands.h"
+#include "tools/options.h"
+#include "tools/stage_info.h"
+#include "tools/stage_options.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+// The stage of a verb, and where it is saved.
+struct Target {
+    std::string stage, output;
+};
+
+void add_target(CLI::App& verb, Target& target) {
+    verb.add_option("STAGE", target.stage, "The stage, .gltf or .glb")->required();
+    verb.add_option("-o,--output", target.output, "Save it here; default: where it was");
+}
+
+// One operation: nothing is saved that could not be loaded again, missing clips aside.
+template <typename Operation>
+void edit(const Target& target, const Operation& operation) {
+    const std::string& output = target.output.empty() ? target.stage : target.output;
+    StageFile file = read_stage_file(target.stage);
+    expect_sound_document(file);
+    const std::string change = operation(file);
+    expect_sound_document(file);
+    prepare_output_file("--output", output);
+    save_stage_file(file, output);
+    fmt::print("{}: {}\n", output, change);
+}
+
+std::filesystem::path existing(const std::string& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) throw InputError(file, "", "is no file");
+    return file;
+}
+
+void add_new(CLI::App& stage) {
+    CLI::App* verb = stage.add_subcommand("new", "Make a stage: a floor, a camera, a spotlight");
+    const auto output = std::make_shared<std::string>();
+    verb->add_option("STAGE", *output, "The stage to make, .gltf or .glb")->required();
+    verb->footer("\n\nExamples:\n  neuvv stage new build/show.gltf");
+    verb->callback([output] {
+        std::error_code error;
+        if (std::filesystem::exists(*output, error))
+            throw InputError(*output, "", "is there already", "remove it, or choose another name");
+        prepare_output_file("STAGE", *output);
+        StageFile file = new_stage(*output);
+        save_stage_file(file, *output);
+        fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);
+    });
+}
+
+void add_add(CLI::App& stage) {
+    struct Options {
+        Target target;
+        std::string clip, name;
+        PlacementOptions place;
+        PerformerOptions performer;
+    };
+    CLI::App* verb = stage.add_subcommand("add", "Put a performer on a stage");
+    const auto options = std::make_shared<Options>();
+    add_target(*verb, options->target);
+    verb->add_option("CLIP", options->clip, "The .nvv that it plays")->required();
+    verb->add_option("--name", options->name, "Its node's; default: the file's");
+    add_placement_options(*verb, options->place);
+    add_performer_options(*verb, options->performer);
+    verb->footer(std::string(kExamplesHead) +
+                 "  neuvv stage new build/show.gltf\n"
+                 "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
+                 "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5");
+    verb->callback([options] {
+        summarise_nvv(options->clip);
+        edit(options->target, [&](StageFile& file) {
+            PerformerEdit performer = options->performer.edit();
+            performer.clip = options->clip;
+            return add_performer(file, options->name, performer, options->place.placement());
+        });
+    });
+}
+
+struct SetOptions {
+    Target target;
+    std::optional<std::string> node, name, clip;
+    PlacementOptions place;
+    PerformerOptions performer;
+    StageOptions stage;
+};
+
+std::string set_node(StageFile& file, const SetOptions& options) {
+    const uint32_t node = find_node(file, *options.node);
+    PerformerEdit performer = options.performer.edit();
+    if (options.clip) performer.clip = existing(*options.clip);
+    const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||
+                              performer.visible || performer.casts_shadow || performer.receives_shadow;
+    std::string change;
+    const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
+    if (options.name) also(rename_node(file, node, *options.name));
+    if (options.place.any()) also(place_node(file, node, options.place.placement()));
+    if (of_performer) also(set_performer(file, node, performer));
+    if (change.empty()) throw InputError("stage set", *options.node, "nothing to change", "see --help");
+    return change;
+}
+
+void add_set(CLI::App& stage) {
+    CLI::App* verb = stage.add_subcommand("set", "Change a node of a stage, or the stage itself");
+    const auto options = std::make_shared<SetOptions>();
+    add_target(*verb, options->target);
+    verb->add_option("NODE", options->node, "Its name or index; without: the stage");
+    CLI::App* node = verb->add_option_group("Of a node");
+    node->add_option("--name", options->name, "A new name");
+    add_placement_options(*node, options->place);
+    CLI::App* performer = verb->add_option_group("Of a performer");
+    performer->add_option("--clip", options->clip, "Another .nvv");
+    add_performer_options(*performer, options->performer);
+    CLI::App* whole = verb->add_option_group("Of the stage");
+    add_stage_options(*whole, options->stage);
+    verb->footer(
+        "\n\nExamples, after those of `neuvv stage add --help`:\n"
+        "  neuvv stage set build/show.gltf anna --turn 0,90,0 --spin 30\n"
+        "  neuvv stage set build/show.gltf anna --time loop:0:1s,offset:3f --opacity 0.5\n"
+        "  neuvv stage set build/show.gltf --duration 6 --ambient 0.1,0.1,0.15");
+    verb->callback([options, node, performer, whole] {
+        const bool names_node = options->node.has_value();
+        if (names_node && whole->count_all() > 0)
+            throw InputError("stage set", *options->node, "a node has no options of the stage",
+                             "leave the node out, or set them one after the other");
+        if (!names_node && node->count_all() + performer->count_all() > 0)
+            throw InputError("stage set", options->target.stage, "these options are a node's", "name the node");
+        edit(options->target, [&](StageFile& file) {
+            return names_node ? set_node(file, *options) : set_stage(file, options->stage.edit());
+        });
+    });
+}
+
+void add_duplicate(CLI::App& stage) {
+    struct Options {
+        Target target;
+        std::string node, stagger = "0";
+        int64_t count = 1;
+        std::optional<double> row, ring;
+        std::vector<double> fan;
+        double spin_step = 0;
+    };
+    CLI::App* verb = stage.add_subcommand("duplicate", "Copies of a node in a row, a ring or a fan, each later");
+    const auto options = std::make_shared<Options>();
+    add_target(*verb, options->target);
+    verb->add_option("NODE", options->node, "Its name or index")->required();
+    verb->add_option("--count", options->count, "Copies, besides the node itself")
+        ->check(CLI::Range(int64_t{1}, int64_t{kMaxCopies}))
+        ->capture_default_str();
+    CLI::App* pattern = verb->add_option_group("How they stand");
+    pattern->add_option("--row", options->row, "One beside the other along +X, so many metres apart")
+        ->check(number_between(-1e6, 1e6));
+    pattern->add_option("--ring", options->ring, "On a circle of this radius, facing outward")
+        ->check(number_between(0, 1e6));
+    pattern->add_option("--fan", options->fan, "On an arc of such a circle: radius, degrees")
+        ->expected(2)
+        ->check(number_between(-1e6, 1e6));
+    pattern->require_option(1);
+    verb->add_option("--stagger", options->stagger, "Each starts so much later: 3f, frames of the clip, or 0.5s")
+        ->capture_default_str();
+    verb->add_option("--spin-step", options->spin_step, "Each spins so much faster, degrees a second")
+        ->check(number_between(-kMaxSpin, kMaxSpin));
+    verb->footer(
+        "\n\nExamples, after those of `neuvv stage add --help`:\n"
+        "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
+        "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45");
+    verb->callback([options] {
+        CopySettings settings;
+        settings.count = static_cast<uint32_t>(options->count);
+        settings.stagger = parse_clip_time(options->stagger, "--stagger", "");
+        settings.spin_step = options->spin_step;
+        if (options->ring) settings.pattern = CopyPattern::kRing;
+        if (!options->fan.empty()) {
+            settings.pattern = CopyPattern::kFan;
+            settings.arc_deg = options->fan[1];
+        }
+        settings.distance_m = options->row ? *options->row : options->ring ? *options->ring : options->fan[0];
+        edit(options->target,
+             [&](StageFile& file) { return duplicate_node(file, find_node(file, options->node), settings); });
+    });
+}
+
+void add_remove(CLI::App& stage) {
+    struct Options {
+        Target target;
+        std::string node;
+    };
+    CLI::App* verb = stage.add_subcommand("remove", "Take a node off, what hangs on it, and what only it used");
+    const auto options = std::make_shared<Options>();
+    add_target(*verb, options->target);
+    verb->add_option("NODE", options->node, "Its name or index")->required();
+    verb->footer(
+        "\n\nExamples, after those of `neuvv stage add --help`:\n"
+        "  neuvv stage remove build/show.gltf berta");
+    verb->callback([options] {
+        edit(options->target, [&](StageFile& file) { return remove_node(file, find_node(file, options->node)); });
+    });
+}
+
+struct LightVerbOptions {
+    Target target;
+    std::optional<std::string> node;
+    std::string name;
+    bool add = false, remove = false;
+    PlacementOptions place;
+    LightOptions light;
+};
+
+std::string change_light(StageFile& file, const LightVerbOptions& options) {
+    if (options.add == options.node.has_value() || (options.add && options.remove))
+        throw InputError("stage light", options.target.stage, "needs either a light's node or --add",
+                         "see `neuvv stage light --help`");
+    if (options.add) return add_light(file, options.name, options.light.edit(), options.place.placement());
+    const uint32_t node = find_node(file, *options.node);
+    if (options.remove) return remove_light(file, node);
+    std::string change = set_light(file, node, options.light.edit());
+    if (options.place.any()) change += "; " + place_node(file, node, options.place.placement());
+    return change;
+}
+
+void add_light_verb(CLI::App& stage) {
+    CLI::App* verb = stage.add_subcommand("light", "Add a light, change it or take it off");
+    const auto options = std::make_shared<LightVerbOptions>();
+    add_target(*verb, options->target);
+    verb->add_option("NODE", options->node, "The light's name or index");
+    CLI::Option* add = verb->add_flag("--add", options->add, "A new light");
+    verb->add_flag("--remove", options->remove, "No light any more")->excludes(add);
+    verb->add_option("--name", options->name, "Of a new light's node")->needs(add);
+    add_placement_options(*verb, options->place);
+    add_light_options(*verb, options->light);
+    verb->footer(
+        "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
+        "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --color '#ffd0a0'\n"
+        "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
+        "  neuvv stage light build/show.gltf back --remove");
+    verb->callback([options] { edit(options->target, [&](StageFile& file) { return change_light(file, *options); }); });
+}
+
+struct PaintVerbOptions {
+    Target target;
+    std::string node;
+    std::optional<std::string> add, name, blend;
+    std::optional<size_t> layer, to;
+    std::optional<double> opacity;
+    std::string visible;
+    bool remove = false;
+};
+
+std::string change_paint(StageFile& file, const PaintVerbOptions& options) {
+    const uint32_t node = find_node(file, options.node);
+    PaintEdit edit{options.name, {}, options.opacity, {}};
+    if (!options.visible.empty()) edit.visible = options.visible == "on";
+    for (size_t i = 0; options.blend && i < std::size(kPaintBlendNames); ++i)
+        if (*options.blend == kPaintBlendNames[i]) edit.blend = static_cast<PaintBlend>(i);
+    if (options.add.has_value() == options.layer.has_value())
+        throw InputError("stage paint", options.target.stage, "needs either --add or --layer",
+                         "see `neuvv stage paint --help`");
+    if (options.add) return add_paint_layer(file, node, existing(*options.add), edit);
+    if (options.remove) return remove_paint_layer(file, node, *options.layer);
+    const std::string change = set_paint_layer(file, node, *options.layer, edit);
+    return options.to ? move_paint_layer(file, node, *options.layer, *options.to) : change;
+}
+
+void add_paint(CLI::App& stage) {
+    CLI::App* verb = stage.add_subcommand("paint", "Change the list of a performer's paint layers");
+    const auto options = std::make_shared<PaintVerbOptions>();
+    add_target(*verb, options->target);
+    verb->add_option("NODE", options->node, "The performer's name or index")->required();
+    verb->add_option("--add", options->add, "A .nvpaint that becomes the uppermost layer");
+    CLI::Option* layer = verb->add_option("--layer", options->layer, "The layer to change; 0 is the lowest");
+    verb->add_flag("--remove", options->remove, "Not a layer any more; its file stays")->needs(layer);
+    verb->add_option("--to", options->to, "Where in the list it goes")->needs(layer);
+    verb->add_option("--name", options->name, "Its name");
+    verb->add_option("--opacity", options->opacity, "0 to 1")->check(number_between(0, 1));
+    verb->add_option("--visible", options->visible, "on or off")->check(CLI::IsMember({"on", "off"}));
+    verb->add_option("--blend", options->blend, "normal, multiply, tint or recolour")
+        ->check(CLI::IsMember({"normal", "multiply", "tint", "recolour"}));
+    verb->footer(
+        "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
+        "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
+        "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5");
+    verb->callback([options] { edit(options->target, [&](StageFile& file) { return change_paint(file, *options); }); });
+}
+
+}  // namespace
+
+void add_stage(CLI::App& app, CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("stage", "Make a stage for performers, and change what is on it");
+    verb->require_subcommand(1);
+    add_new(*verb);
+    add_add(*verb);
+    add_set(*verb);
+    add_duplicate(*verb);
+    add_remove(*verb);
+    add_light_verb(*verb);
+    add_paint(*verb);
+    add_stage_info(*verb, common);
+    verb->footer(std::string(kExamplesHead) +
+                 "  neuvv stage new build/show.gltf\n"
+                 "  neuvv stage add build/show.gltf build/performer.nvv --name anna --time loop\n"
+                 "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
+                 "  neuvv stage info build/show.gltf");
+}
+
+}  // namespace neuvv

@@ -1,0 +1,204 @@
+#include "tools/stage_info.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "gpu/device.h"
+#include "render/performer.h"
+#include "stage/stage_instant.h"
+#include "tools/report.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct InfoOptions {
+    std::string stage;
+    double at_s = 0, slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    bool json = false, memory = false;
+};
+
+// What a clip takes on the device: its field, and the slices that are kept of it.
+struct ClipMemory {
+    uint64_t field_bytes = 0, slice_bytes = 0;
+};
+
+std::vector<ClipMemory> measure_memory(const Stage& stage, const InfoOptions& options, const CommonOptions& common) {
+    const Device device(common.device);
+    const RayBatch rays(device, kMaxInstances + 1, 1);  // a renderer's, which all its clips share
+    const TileRanges ranges(device, 1, 1, rays.camera_capacity);
+    std::vector<ClipMemory> all;
+    for (const StageClip& clip : stage.clips) {
+        const uint64_t before = device.buffer_bytes();
+        const Field field = upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf);
+        const uint64_t with_field = device.buffer_bytes();
+        const Performer performer(device, field, rays, ranges, 1,
+                                  static_cast<uint64_t>(options.slice_budget_mb * 1048576));
+        all.push_back({with_field - before, device.buffer_bytes() - with_field});
+    }
+    return all;
+}
+
+ordered_json vector_json(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+const char* kind_name(GltfLightKind kind) {
+    return kind == GltfLightKind::kSpot ? "spot" : kind == GltfLightKind::kPoint ? "point" : "directional";
+}
+
+ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
+    auto list = ordered_json::array();
+    for (const InstantPerformer& at : instant.performers) {
+        const StagePerformer& performer = stage.performers[at.performer];
+        const PerformerSettings& settings = performer.settings;
+        const double length = length_s(performer.timeline);
+        list.push_back({{"node", performer.node},
+                        {"name", performer.name},
+                        {"clip", at.clip},
+                        {"time", text_of(settings.time)},
+                        {"seconds", std::isfinite(length) ? ordered_json(length) : ordered_json()},
+                        {"frame", at.frame},
+                        {"position", vector_json(glm::dvec3(at.world_from_performer[3]))},
+                        {"spin", settings.spin_deg_per_s},
+                        {"visible", at.visible},
+                        {"opacity", settings.opacity},
+                        {"casts_shadow", at.casts_shadow},
+                        {"receives_shadow", at.receives_shadow},
+                        {"paint_layers", settings.paint.size()}});
+    }
+    return list;
+}
+
+ordered_json json_of(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
+    ordered_json json = {{"file", stage.file.path.string()},
+                         {"duration", stage.duration_s},
+                         {"fps", stage.fps},
+                         {"at", instant.time_s},
+                         {"ambient", vector_json(stage.ambient)}};
+    json["performers"] = performers_json(stage, instant);
+    json["clips"] = json["lights"] = json["cameras"] = ordered_json::array();
+    uint64_t total = 0;
+    for (size_t i = 0; i < stage.clips.size(); ++i) {
+        const StageClip& clip = stage.clips[i];
+        json["clips"].push_back({{"file", clip.path.string()}, {"frames", clip.frames}, {"fps", clip.fps}});
+        if (memory.empty()) continue;
+        json["clips"].back()["field_bytes"] = memory[i].field_bytes;
+        json["clips"].back()["slice_bytes"] = memory[i].slice_bytes;
+        total += memory[i].field_bytes + memory[i].slice_bytes;
+    }
+    if (!memory.empty()) json["device_bytes"] = total;
+    for (const InstantLight& light : instant.lights)
+        json["lights"].push_back({{"node", light.node},
+                                  {"name", node_title(stage.scene, light.node)},
+                                  {"kind", kind_name(light.kind)},
+                                  {"position", vector_json(light.position)},
+                                  {"direction", vector_json(light.direction)},
+                                  {"intensity", vector_json(light.intensity)}});
+    for (const InstantCamera& camera : instant.cameras)
+        json["cameras"].push_back({{"node", camera.node},
+                                   {"name", camera.name},
+                                   {"position", vector_json(glm::dvec3(camera.world_from_camera[3]))},
+                                   {"degrees", glm::degrees(camera.vertical_angle_rad)},
+                                   {"orthographic", camera.orthographic}});
+    json["meshes"] = stage.scene.meshes.size();
+    json["animations"] = stage.scene.animations.size();
+    return json;
+}
+
+std::string place_text(const glm::dvec3& v) {
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x, v.y, v.z);
+}
+
+void print_performers(const Stage& stage, const StageInstant& instant) {
+    if (instant.performers.empty()) return;
+    fmt::print("\nnode  performer         clip  frame   at                      time\n");
+    for (const InstantPerformer& at : instant.performers) {
+        const StagePerformer& performer = stage.performers[at.performer];
+        std::string more = performer.settings.time.empty() ? "as the clip's" : text_of(performer.settings.time);
+        if (performer.settings.spin_deg_per_s != 0)
+            more += fmt::format(", spins {}°/s", performer.settings.spin_deg_per_s);
+        if (performer.settings.opacity != 1) more += fmt::format(", opacity {}", performer.settings.opacity);
+        if (!at.visible) more += ", not seen";
+        if (!performer.settings.paint.empty())
+            more += fmt::format(", {} paint layers", performer.settings.paint.size());
+        fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
+                   place_text(glm::dvec3(at.world_from_performer[3])), more);
+    }
+}
+
+void print_clips(const Stage& stage, const std::vector<ClipMemory>& memory) {
+    uint64_t total = 0;
+    if (!stage.clips.empty()) fmt::print("\n");
+    for (size_t i = 0; i < stage.clips.size(); ++i) {
+        const StageClip& clip = stage.clips[i];
+        std::string bytes;
+        if (!memory.empty()) {
+            bytes = fmt::format(": {} and {} of slices on the device", size_text(memory[i].field_bytes),
+                                size_text(memory[i].slice_bytes));
+            total += memory[i].field_bytes + memory[i].slice_bytes;
+        }
+        fmt::print("clip {}  {} frames at {} fps, {}{}\n", i, clip.frames, clip.fps, clip.path.string(), bytes);
+    }
+    if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
+}
+
+void print(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
+    fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
+               stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
+               instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
+    print_performers(stage, instant);
+    print_clips(stage, memory);
+    if (!instant.lights.empty())
+        fmt::print("\nnode  light             kind         at                      intensity\n");
+    for (const InstantLight& light : instant.lights)
+        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  ({:.4g}, {:.4g}, {:.4g}) {}\n", light.node,
+                   node_title(stage.scene, light.node), kind_name(light.kind), place_text(light.position),
+                   light.intensity.r, light.intensity.g, light.intensity.b,
+                   light.kind == GltfLightKind::kDirectional ? "lx" : "cd");
+    if (!instant.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
+    for (const InstantCamera& camera : instant.cameras)
+        fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
+                   camera.orthographic ? std::string("orthogr.")
+                                       : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
+                   place_text(glm::dvec3(camera.world_from_camera[3])));
+}
+
+void run(const InfoOptions& options, const CommonOptions& common) {
+    const Stage stage = load_stage(options.stage);
+    const StageInstant instant = stage_at(stage, options.at_s);
+    const std::vector<ClipMemory> memory =
+        options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();
+    if (options.json)
+        fmt::print("{}", json_text(json_of(stage, instant, memory)));
+    else
+        print(stage, instant, memory);
+}
+
+}  // namespace
+
+void add_stage_info(CLI::App& stage, CommonOptions& common) {
+    CLI::App* verb = stage.add_subcommand("info", "Say who and what is on a stage");
+    const auto options = std::make_shared<InfoOptions>();
+    verb->add_option("STAGE", options->stage, "The stage, .gltf or .glb")->required();
+    verb->add_option("--at", options->at_s, "At which stage time, seconds")
+        ->check(number_between(-kMaxStageSeconds, kMaxStageSeconds))
+        ->capture_default_str();
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->add_flag("--memory", options->memory, "Measure what its clips take on a device, each once");
+    add_slice_budget_option(*verb, options->slice_budget_mb);
+    verb->footer("\n" + std::string(kDeviceHelp) +
+                 "\n\nExamples, after those of `neuvv stage add --help`:\n"
+                 "  neuvv stage info build/show.gltf\n"
+                 "  neuvv stage info build/show.gltf --at 1.5 --json\n"
+                 "  neuvv stage info build/show.gltf --memory");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
