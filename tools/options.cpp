@@ -100,21 +100,29 @@ FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
 PictureOutput parse_output(const std::string& text) {
     const std::string ending = lower(std::filesystem::path(text).extension().string());
     if (ending == ".mp4") return {PictureOutput::Kind::kVideo, text};
-    if (ending != ".png")
-        throw InputError("--output", text, "is neither an .mp4 nor a .png", "write out.mp4, out_%04d.png or out.png");
+    const bool exr = ending == ".exr";
+    if (ending != ".png" && !exr)
+        throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
+                         "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
     const size_t percent = text.find('%');
-    if (percent == std::string::npos) return {PictureOutput::Kind::kPicture, text};
+    if (percent == std::string::npos) return {PictureOutput::Kind::kPicture, text, exr};
     const auto field = number_field(text, percent);
     if (!field || text.find('%', field->end) != std::string::npos)
         throw InputError("--output", text, "needs one place for the picture's number", "write it as in out_%04d.png");
-    return {PictureOutput::Kind::kNumberedPictures, text};
+    return {PictureOutput::Kind::kNumberedPictures, text, exr};
+}
+
+std::filesystem::path PictureOutput::file(const std::string& word) const {
+    if (kind != Kind::kNumberedPictures) return path;
+    const std::string text = path.string();
+    const NumberField field = number_field(text, text.rfind('%')).value();
+    return text.substr(0, field.begin) + word + text.substr(field.end);
 }
 
 std::filesystem::path PictureOutput::file(uint32_t i) const {
     if (kind != Kind::kNumberedPictures) return path;
     const std::string text = path.string();
-    const NumberField field = number_field(text, text.find('%')).value();
-    return text.substr(0, field.begin) + fmt::format("{:0{}}", i, field.digits) + text.substr(field.end);
+    return file(fmt::format("{:0{}}", i, number_field(text, text.rfind('%')).value().digits));
 }
 
 void prepare_output_folder(const std::string& option, const std::filesystem::path& folder) {

@@ -28,11 +28,14 @@ FrameRange parse_frame_range(const std::string& text, uint32_t frames);
 struct PictureOutput {
     enum class Kind { kVideo, kNumberedPictures, kPicture } kind = Kind::kVideo;
     std::filesystem::path path;  // a pattern for kNumberedPictures
+    bool exr = false;            // linear light and depth, not sRGB
 
     // The file of picture i.
     std::filesystem::path file(uint32_t i) const;
+    // The pattern's file with a word in place of the number; the path itself where there is no number.
+    std::filesystem::path file(const std::string& word) const;
 };
-// "out.mp4", "out_%04d.png" or "out.png".
+// "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
 PictureOutput parse_output(const std::string& text);
 
 // Called before any work, so that it is not done in vain: makes the folder (or the file's folder, which may be the

@@ -20,10 +20,12 @@ constexpr double kAngleOfView = 35 * std::numbers::pi / 180;  // of the picture'
 constexpr double kMargin = 1.08;                              // around the box
 constexpr double kMaxPictures = 1e6;
 
-// The frame of the clip at picture i: the range plays over and over, each of its frames as long as any other.
+// The frame of the clip at picture i: the range plays over and over, each of its frames as long as any other. A .nvv
+// has its rate as a float: a rate like 59.94 must be rounded alike, or pictures would drift off the frames of a clip
+// of 29.97.
 double playing_frame(const Playback& playback, double i) {
     const double span = playback.range.last - playback.range.first + 1;
-    const double played = std::fmod(i * playback.clip_fps / playback.output_fps, span);
+    const double played = std::fmod(i * playback.clip_fps / double{static_cast<float>(playback.output_fps)}, span);
     return std::min(playback.range.first + played, playback.range.last);
 }
 
@@ -69,24 +71,12 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
     return distance;
 }
 
-// The camera of a key in a picture of this size: the vertical angle of view stays, the principal point keeps its place
-// relative to the picture's middle.
-Camera resized(Camera camera, PictureSize size) {
-    if (camera.width == 0) {  // focal lengths in picture widths
-        camera.fx *= size.width;
-        camera.fy *= size.width;
-        camera.cx = 0.5 * size.width;
-        camera.cy = 0.5 * size.height;
-    } else {
-        const double scale = static_cast<double>(size.height) / camera.height;
-        camera.cx = 0.5 * size.width + scale * (camera.cx - 0.5 * camera.width);
-        camera.cy = scale * camera.cy;
-        camera.fx *= scale;
-        camera.fy *= scale;
-    }
-    camera.width = size.width;
-    camera.height = size.height;
-    return camera;
+size_t path_pictures(const CameraPath& path, const Playback& playback) {
+    if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : picture_count(playback, clip_seconds(playback));
+    if (path.cyclic) return picture_count(playback, path.duration_s);
+    constexpr double kRounding = 1e-6;  // of a picture: a last key at i / fps is picture i
+    const double last = std::floor(path.duration_s * playback.output_fps + kRounding);
+    return picture_count(playback, (last + 1) / playback.output_fps);
 }
 
 }  // namespace
@@ -132,20 +122,19 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
     return path;
 }
 
-std::vector<ViewStep> key_path(const std::vector<CameraKey>& keys, const Playback& playback, uint32_t clip_frames,
-                               PictureSize size, PictureSize fallback) {
-    if (size.width == 0 && !keys.empty()) size = {keys[0].camera.width, keys[0].camera.height};
+std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playback, uint32_t clip_frames,
+                                 PictureSize size, PictureSize fallback) {
+    if (size.width == 0) size = {path.width, path.height};
     if (size.width == 0) size = fallback;
-    const bool fixed = keys.size() == 1 && !keys[0].time;
-    const size_t count = fixed ? picture_count(playback, clip_seconds(playback)) : keys.size();
-    std::vector<ViewStep> path(count);
-    for (size_t i = 0; i < count; ++i) {
-        const CameraKey& key = keys[fixed ? 0 : i];
-        path[i].camera = resized(key.camera, size);
-        path[i].frame =
-            key.time ? frame_of_time(*key.time, clip_frames) : playing_frame(playback, static_cast<double>(i));
+    std::vector<ViewStep> steps(path_pictures(path, playback));
+    for (size_t i = 0; i < steps.size(); ++i) {
+        const double time_s = static_cast<double>(i) / playback.output_fps;
+        const std::optional<double> clip_time = clip_time_at(path, time_s);
+        steps[i].camera = camera_at(path, time_s, size.width, size.height);
+        steps[i].frame =
+            clip_time ? frame_of_time(*clip_time, clip_frames) : playing_frame(playback, static_cast<double>(i));
     }
-    return path;
+    return steps;
 }
 
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box) {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "stage/camera_path.h"
 #include "tools/options.h"
-#include "training/nerf.h"
 #include "voctree/voctree.h"
 
 namespace neuvv {
@@ -30,11 +30,12 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
                                  PictureSize size);
 
-// One step a key, at the key's time, else as the clip plays, over and over. One key without a time is a fixed camera:
-// the clip plays once. `size` wins over the keys' own sizes (the vertical angle of view stays); 0×0: the first key's
-// size for all, or `fallback` where it has none.
-std::vector<ViewStep> key_path(const std::vector<CameraKey>& keys, const Playback& playback, uint32_t clip_frames,
-                               PictureSize size, PictureSize fallback);
+// Along a camera path, picture i at i / output_fps seconds: a cycle once around, an open path from its first key to its
+// last, the performance at the path's clip times, else as the clip plays, over and over. One key without a clip time is
+// a fixed camera: the clip plays once. `size` wins over the path's own (the vertical angle of view stays); 0×0: the
+// path's, or `fallback` where it has none. Throws InputError for too many pictures.
+std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playback, uint32_t clip_frames,
+                                 PictureSize size, PictureSize fallback);
 
 // Nearest and farthest distance of a box's bounding sphere over a path, for pictures of depth.
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box);

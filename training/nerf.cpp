@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -25,6 +24,7 @@ CameraIdentity identity(const TransformsFrame& frame) {
     const Intrinsics& in = frame.intrinsics;
     CameraIdentity key = {in.fl_x.value_or(kAbsent),
                           in.camera_angle_x.value_or(kAbsent),
+                          in.camera_angle_y.value_or(kAbsent),
                           in.fl_y.value_or(kAbsent),
                           in.cx.value_or(kAbsent),
                           in.cy.value_or(kAbsent),
@@ -261,27 +261,6 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     find_masks(rig, transforms.frames);
     name_shots(rig, transforms.frames, other_pictures);
     return rig;
-}
-
-std::vector<CameraKey> load_camera_path(const std::filesystem::path& file) {
-    std::vector<CameraKey> keys;
-    for (const TransformsFrame& frame : read_transforms(file).frames) {
-        const Intrinsics& in = frame.intrinsics;
-        const bool sized = in.width != 0;
-        if (!sized && (in.fl_x || in.fl_y || in.cx || in.cy))
-            throw InputError(file.string(), frame.place,
-                             "fl_x, fl_y, cx, cy are in pixels of a picture of unknown size",
-                             "give w and h, or camera_angle_x alone");
-        const Lens lens = make_lens(in, in.width, in.height);
-        if (lens.distorts())
-            throw InputError(file.string(), frame.place, "has a lens that distorts: pictures are rendered by pinholes",
-                             "remove camera_model, is_fisheye and k1 to p2");
-        CameraKey key{{frame.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height},
-                      frame.time};
-        if (!sized) key.camera.fx = key.camera.fy = 0.5 / std::tan(0.5 * in.camera_angle_x.value());
-        keys.push_back(key);
-    }
-    return keys;
 }
 
 }  // namespace neuvv

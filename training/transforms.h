@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "training/dataset.h"
+#include "training/json_file.h"
 #include "training/lens.h"
 
 namespace neuvv {
@@ -16,6 +17,7 @@ namespace neuvv {
 struct Intrinsics {
     std::optional<double> fl_x, fl_y, cx, cy;
     std::optional<double> camera_angle_x;  // radians, the whole horizontal angle of view
+    std::optional<double> camera_angle_y;  // the vertical one, where the horizontal one is not given
     uint32_t width = 0, height = 0;        // 0: not given
     std::string camera_model;              // empty: not given
     LensModel lens_model = LensModel::kBrown;
@@ -29,6 +31,7 @@ struct TransformsFrame {
     std::string background_path;  // likewise
     std::string mask_path;        // likewise
     std::optional<double> time;
+    std::optional<double> seconds;    // when a camera path is here
     glm::dmat4 world_from_camera{1};  // +Y up, in the units of the capture: see read_transforms
     Intrinsics intrinsics;
 };
@@ -37,6 +40,9 @@ struct Transforms {
     std::vector<TransformsFrame> frames;  // at least one
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;
     double fps = 0;
+    bool loop = false;  // of a camera path, as the two below
+    std::optional<double> duration_s;
+    std::string interpolation;  // empty: not given
     // nerfstudio's {train,test,val}_filenames: the file_paths of each split, by Split; all absent: not given.
     std::array<std::optional<std::vector<std::string>>, 3> split_files;
 };
@@ -46,6 +52,18 @@ struct Transforms {
 // (frames have a rotation). applied_scale is divided out; applied_transform stays, it only turns the world. Throws
 // InputError naming the file and the JSON place.
 Transforms read_transforms(const std::filesystem::path& file);
+Transforms transforms_of(const JsonFile& file);
+
+// instant-ngp's world is a cube: p ↦ cycle(p · scale + offset), (x, y, z) ↦ (y, z, x), where p is as in the data set.
+struct NgpCube {
+    double scale = 0.33;
+    glm::dvec3 offset{0.5};
+    glm::dvec3 outside(const glm::dvec3& p) const { return (glm::dvec3(p.z, p.x, p.y) - offset) / scale; }
+};
+// By the keys `scale` and `offset`, its defaults where they are missing.
+NgpCube read_ngp_cube(const JsonNode& root);
+
+constexpr double kMaxPathSeconds = 1e6;
 
 // The lens of a frame whose picture has this size.
 Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height);

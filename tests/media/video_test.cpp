@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/input_error.h"
@@ -50,6 +51,40 @@ TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
     EXPECT_EQ(summary.height, 18u);
     EXPECT_EQ(summary.frames, 7u);
     EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
+}
+
+// Presentation times of a file's packets, ascending, in units of `base`.
+std::vector<int64_t> times_of(const std::filesystem::path& path, AVRational& base) {
+    AVFormatContext* input = nullptr;
+    EXPECT_EQ(avformat_open_input(&input, path.c_str(), nullptr, nullptr), 0);
+    std::vector<int64_t> times;
+    AVPacket* packet = av_packet_alloc();
+    while (av_read_frame(input, packet) >= 0) {
+        times.push_back(packet->pts);
+        base = input->streams[0]->time_base;
+        av_packet_unref(packet);
+    }
+    av_packet_free(&packet);
+    avformat_close_input(&input);
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
+// Frame i is at i / fps, without rounding and so without drift.
+TEST(Video, TimestampsAreExact) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "a.mp4";
+    for (const AVRational rate : {AVRational{25, 1}, AVRational{30000, 1001}, AVRational{2997, 100}, AVRational{25, 2},
+                                  AVRational{1, 3}, AVRational{120, 1}, AVRational{7, 3}}) {
+        write_video(path, 16, 16, av_q2d(rate), 200);
+        AVRational base{};
+        const std::vector<int64_t> times = times_of(path, base);
+        ASSERT_EQ(times.size(), 200u);
+        for (int64_t i = 0; i < 200; ++i)
+            EXPECT_EQ(av_compare_ts(times[static_cast<size_t>(i)], base, i, av_inv_q(rate)), 0)
+                << i << " at " << rate.num << "/" << rate.den;
+        EXPECT_NE(av_compare_ts(times[100], base, 100, av_inv_q({rate.num * 1001, rate.den * 1000})), 0);
+    }
 }
 
 TEST(Video, OneFrameIsAVideo) {

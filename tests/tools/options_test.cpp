@@ -59,6 +59,11 @@ TEST(Options, Output) {
     EXPECT_EQ(parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
     EXPECT_EQ(parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
     EXPECT_EQ(parse_output("%d.png").file(12), "12.png");
+    EXPECT_EQ(parse_output("a/out_%04d.png").file("render"), "a/out_render.png");
+    EXPECT_FALSE(parse_output("out_%04d.png").exr);
+    EXPECT_TRUE(parse_output("out_%04d.EXR").exr);
+    EXPECT_EQ(parse_output("out_%04d.exr").file(7), "out_0007.exr");
+    EXPECT_EQ(parse_output("out.exr").kind, PictureOutput::Kind::kPicture);
     for (const char* text : {"", "out", "out.avi", "mp4", "out.mp4.tmp"})
         expect_input_error([&] { parse_output(text); }, {"--output", "out_%04d.png"});
     for (const char* text : {"%s.png", "%04.png", "%n_%d.png", "%d_%d.png", "%%.png", "%.png", "%0d.png", "%00d.png",

@@ -21,6 +21,21 @@ glm::dvec2 project(const Camera& camera, glm::dvec3 position) {
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
+CameraPath views_of(size_t count, uint32_t width, uint32_t height) {
+    CameraPath path;
+    path.interpolation = Interpolation::kCut;
+    path.width = width;
+    path.height = height;
+    for (size_t i = 0; i < count; ++i) {
+        CameraPathKey key;
+        key.time_s = static_cast<double>(i) / 25;
+        key.angle_y = 2 * std::atan(0.4);
+        path.keys.push_back(key);
+    }
+    path.duration_s = path.keys.back().time_s;
+    return path;
+}
+
 TEST(ViewPath, OccupiedBoxIsThatOfTheLeaves) {
     VOctree tree = test::random_tree({.leaves = 1});
     build_topology(tree, {{1, 2, 3, 2}, {3, 0, 6, 3}});
@@ -88,54 +103,86 @@ TEST(ViewPath, TooManyPicturesAreRefused) {
     expect_input_error([&] { orbit_path(box, {{0, 99999}, 1, 1000}, {8, 8}); }, {"--fps", "lower --fps"});
     const double tiny = std::numeric_limits<float>::min();
     expect_input_error([&] { orbit_path(box, {{0, 1}, tiny, tiny * 1e9}, {8, 8}); }, {"--fps"});
-    expect_input_error([&] { key_path({CameraKey{}}, {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
+    expect_input_error([&] { path_steps(views_of(1, 8, 8), {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
 }
 
-CameraKey key_of(uint32_t width, uint32_t height, std::optional<double> time) {
-    CameraKey key;
-    key.camera = {glm::dmat4(1), 100, 110, 60, 40, width, height};
-    key.time = time;
-    return key;
-}
-
-TEST(ViewPath, KeysKeepTheirTimesAndSizes) {
+TEST(ViewPath, ViewsAreAPictureEach) {
     const Playback playback{{0, 10}, 25, 25};
-    const auto timed = key_path({key_of(100, 80, 1.0), key_of(100, 80, 0.25)}, playback, 11, {}, {7, 7});
+    CameraPath views = views_of(2, 100, 80);
+    views.keys[0].clip_time = 1;
+    views.keys[1].clip_time = 0.25;
+    const auto timed = path_steps(views, playback, 11, {}, {7, 7});
     ASSERT_EQ(timed.size(), 2u);
     EXPECT_EQ(timed[0].frame, 10);
     EXPECT_EQ(timed[1].frame, 2.5);
     EXPECT_EQ(timed[0].camera.width, 100u);
     EXPECT_EQ(timed[0].camera.height, 80u);
-    EXPECT_EQ(timed[0].camera.fx, 100);
-    EXPECT_EQ(timed[0].camera.cx, 60);
+    EXPECT_NEAR(timed[0].camera.fx, 100, 1e-9);
 
-    const auto playing = key_path({key_of(10, 8, {}), key_of(10, 8, {}), key_of(10, 8, {})}, playback, 11, {}, {7, 7});
-    ASSERT_EQ(playing.size(), 3u);
-    EXPECT_EQ(playing[2].frame, 2);
-    const auto fixed = key_path({key_of(10, 8, {})}, playback, 11, {}, {7, 7});
+    for (const size_t count : {3, 50, 1000}) {  // whatever i / 25 rounds to
+        const auto playing = path_steps(views_of(count, 10, 8), playback, 11, {}, {7, 7});
+        ASSERT_EQ(playing.size(), count);
+        EXPECT_EQ(playing[2].frame, 2);
+    }
+    const auto fixed = path_steps(views_of(1, 10, 8), playback, 11, {}, {7, 7});
     ASSERT_EQ(fixed.size(), 11u);
     EXPECT_EQ(fixed[10].frame, 10);
 }
 
+TEST(ViewPath, PicturesOfAPathAreAtTheirInstants) {
+    CameraPath path = views_of(3, 0, 0);
+    path.interpolation = Interpolation::kLinear;
+    for (size_t i = 0; i < 3; ++i) {
+        path.keys[i].time_s = static_cast<double>(i);
+        path.keys[i].position = {static_cast<double>(i), 0, 0};
+    }
+    path.duration_s = 2;
+    const auto open = path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
+    ASSERT_EQ(open.size(), 21u) << "both ends are shown";
+    for (size_t i = 0; i < open.size(); ++i)
+        EXPECT_NEAR(open[i].camera.world_from_camera[3].x, static_cast<double>(i) / 10, 1e-12);
+    EXPECT_EQ(open[1].frame, 2.5) << "the clip keeps its speed";
+    path.cyclic = true;
+    path.duration_s = 3;
+    const auto cycle = path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
+    ASSERT_EQ(cycle.size(), 30u) << "the first key is not shown twice";
+    EXPECT_NEAR(cycle[29].camera.world_from_camera[3].x, 0.2, 1e-12);
+}
+
 TEST(ViewPath, AnotherSizeKeepsTheVerticalAngleOfView) {
-    const auto path = key_path({key_of(100, 80, 0)}, {}, 1, {300, 160}, {7, 7});
+    CameraPath views = views_of(1, 100, 80);
+    views.keys[0].clip_time = 0;
+    views.keys[0].shift = {0.125, 0};  // 10 of 80 pixels
+    const auto path = path_steps(views, {}, 1, {300, 160}, {7, 7});
     const Camera& camera = path.at(0).camera;
     EXPECT_EQ(camera.width, 300u);
-    EXPECT_EQ(camera.fy, 220);
-    EXPECT_EQ(camera.fx, 200);
-    EXPECT_EQ(camera.cx, 170);  // 10 right of the middle, twice as large
+    EXPECT_NEAR(camera.fy, 200, 1e-9);
+    EXPECT_NEAR(camera.fx, 200, 1e-9);
+    EXPECT_EQ(camera.cx, 170);  // 20 right of the middle
     EXPECT_EQ(camera.cy, 80);
 }
 
 TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
-    CameraKey key;
-    key.camera.fx = key.camera.fy = 1.5;  // picture widths
-    const auto path = key_path({key}, {{0, 0}, 25, 25}, 1, {}, {200, 100});
+    CameraPath views = views_of(1, 0, 0);
+    views.keys[0].angle_x = 2 * std::atan(1 / 3.0);
+    const auto path = path_steps(views, {{0, 0}, 25, 25}, 1, {}, {200, 100});
     ASSERT_EQ(path.size(), 1u);
-    EXPECT_EQ(path[0].camera.fx, 300);
-    EXPECT_EQ(path[0].camera.fy, 300);
+    EXPECT_NEAR(path[0].camera.fx, 300, 1e-9);
+    EXPECT_NEAR(path[0].camera.fy, 300, 1e-9);
     EXPECT_EQ(path[0].camera.cx, 100);
     EXPECT_EQ(path[0].camera.cy, 50);
+}
+
+// Rates as .nvv files and users give them: no picture may drift off the clip's frames.
+TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    const double clip_fps = double{29.97f};
+    for (const double rate : {29.97, 59.94, 14.985}) {
+        const auto path = orbit_path(box, {{0, 8999}, clip_fps, rate}, {8, 8});
+        const size_t every = rate > 30 ? 2 : 1;
+        for (size_t i = 0; i < path.size(); i += every) EXPECT_EQ(path[i].frame, std::floor(path[i].frame)) << i;
+        EXPECT_GT(path.size(), 4000u);
+    }
 }
 
 TEST(ViewPath, DepthRangeHoldsTheBox) {

@@ -335,26 +335,6 @@ TEST_F(DatasetTest, APlateIsTakenOutOfThePicture) {
     expect_input_error([&] { load(document); }, {"background_path"});
 }
 
-TEST_F(DatasetTest, CameraPathsNeedNoPictures) {
-    json path = {{"camera_angle_x", 0.8}};
-    path["frames"].push_back({{"transform_matrix", pose_at(0, 1, 2)}});
-    path["frames"].push_back({{"transform_matrix", pose_at(0, 1, 3)}, {"time", 0.25}, {"w", 100}, {"h", 50}});
-    const auto file = folder.path / "path.json";
-    write_text(file, path.dump());
-    const std::vector<CameraKey> keys = load_camera_path(file);
-    ASSERT_EQ(keys.size(), 2u);
-    EXPECT_FALSE(keys[0].time);
-    EXPECT_EQ(keys[0].camera.width, 0u);
-    EXPECT_NEAR(keys[0].camera.fx, 0.5 / std::tan(0.4), 1e-12);
-    EXPECT_EQ(keys[1].time, 0.25);
-    EXPECT_EQ(keys[1].camera.width, 100u);
-    EXPECT_NEAR(keys[1].camera.fx, 50 / std::tan(0.4), 1e-9);
-    path["frames"][0]["fl_x"] = 500;
-    write_text(file, path.dump());
-    expect_input_error([&] { load_camera_path(file); }, {"path.json", "frames[0]", "w and h"});
-    expect_input_error([&] { load_camera_path(folder.path / "none.json"); }, {"none.json"});
-}
-
 // Made by other software: wrong conventions show here.
 TEST(RealData, TheMageStandsWhereItsCamerasLook) {
     const std::filesystem::path folder = std::filesystem::path(NEUVV_DATA_DIR) / "mage";

@@ -234,12 +234,5 @@ TEST_F(NerfTest, InstantNgp) {
     EXPECT_FALSE(data.views[0].ignores(5, 0));
 }
 
-TEST_F(NerfTest, ACameraPathIsOfPinholes) {
-    json path = {{"fl_x", 20}, {"w", 10}, {"h", 8}, {"k1", 0.1}};
-    path["frames"].push_back({{"transform_matrix", z_up_pose(0)}});
-    put("path.json", path);
-    expect_input_error([&] { load_camera_path(folder.path / "path.json"); }, {"path.json", "frames[0]", "pinhole"});
-}
-
 }  // namespace
 }  // namespace neuvv

@@ -1,0 +1,34 @@
+#include "render/linear_picture.h"
+
+#include <cassert>
+#include <limits>
+
+namespace neuvv {
+
+LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
+                           uint32_t height, uint32_t samples, const glm::vec4& background) {
+    const size_t row = size_t{samples} * width;
+    assert(radiance.size() == row * samples * height && depth.size() == radiance.size());
+    LinearImage image{width, height};
+    image.rgba.resize(size_t{4} * width * height);
+    image.depth_m.resize(size_t{width} * height);
+    const glm::vec4 behind(glm::vec3(background) * background.a, background.a);
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x) {
+            glm::vec4 light(0);
+            float metres = 0;
+            for (size_t i = 0; i < size_t{samples} * samples; ++i) {
+                const size_t ray = (samples * y + i / samples) * row + samples * x + i % samples;
+                light += radiance[ray];
+                if (radiance[ray].a > 0) metres += radiance[ray].a * depth[ray];
+            }
+            const size_t pixel = y * width + x;
+            image.depth_m[pixel] = light.a > 0 ? metres / light.a : std::numeric_limits<float>::infinity();
+            light /= static_cast<float>(samples * samples);
+            light += (1 - light.a) * behind;
+            for (int c = 0; c < 4; ++c) image.rgba[4 * pixel + static_cast<size_t>(c)] = light[c];
+        }
+    return image;
+}
+
+}  // namespace neuvv

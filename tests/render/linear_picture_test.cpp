@@ -1,0 +1,44 @@
+// Rays to a linear picture, against sums written out.
+#include "render/linear_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace neuvv {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Two pixels by one, four rays each: the second is empty.
+const std::vector<glm::vec4> kRays = {{0.4f, 0, 0, 0.5f}, {0, 0.4f, 0, 0.25f}, {}, {}, {}, {1, 1, 1, 1}, {}, {}};
+const std::vector<float> kDepth = {2, 4, kInfinity, kInfinity, kInfinity, 8, kInfinity, kInfinity};
+
+TEST(LinearPicture, IsTheMeanOfItsRays) {
+    const LinearImage image = linear_picture(kRays, kDepth, 2, 1, 2);
+    ASSERT_EQ(image.width, 2u);
+    ASSERT_EQ(image.height, 1u);
+    const double expected[] = {1.4 / 4, 1.4 / 4, 1.0 / 4, 1.75 / 4, 0, 0, 0, 0};
+    for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(image.rgba[i], expected[i], 1e-6) << i;
+    EXPECT_NEAR(image.depth_m[0], (0.5 * 2 + 0.25 * 4 + 1 * 8) / 1.75, 1e-5) << "by alpha";
+    EXPECT_EQ(image.depth_m[1], kInfinity);
+}
+
+TEST(LinearPicture, ABackgroundIsBehindTheColourAlone) {
+    const LinearImage image = linear_picture(kRays, kDepth, 2, 1, 2, {0.2f, 0.4f, 0.8f, 0.5f});
+    const double clear = 1 - 1.75 / 4;
+    const double expected[] = {1.4 / 4 + clear * 0.1,
+                               1.4 / 4 + clear * 0.2,
+                               1.0 / 4 + clear * 0.4,
+                               1.75 / 4 + clear * 0.5,
+                               0.1,
+                               0.2,
+                               0.4,
+                               0.5};
+    for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(image.rgba[i], expected[i], 1e-6) << i;
+    EXPECT_EQ(image.depth_m[1], kInfinity);
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,149 @@
+// neuvv render: camera paths, linear pictures, and renders that are interrupted and gone on with.
+#include <gtest/gtest.h>
+
+#include "media/exr.h"
+#include "media/video.h"
+#include "support/child_process.h"
+#include "tests/tools/cli_gpu.h"
+#include "training/camera_path_file.h"
+
+namespace neuvv {
+namespace {
+
+struct CliRender : CliGpu {
+    // Three keys around the scene, in three seconds.
+    std::string write_path(bool cyclic) {
+        CameraPath path;
+        path.cyclic = cyclic;
+        const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+        for (size_t i = 0; i < 3; ++i) {
+            const Camera& camera = orbit[2 * i].camera;
+            CameraPathKey key;
+            key.time_s = static_cast<double>(i);
+            key.position = glm::dvec3(camera.world_from_camera[3]);
+            key.world_from_camera = glm::quat_cast(glm::dmat3(camera.world_from_camera));
+            key.angle_y = 2 * std::atan(0.5 * camera.height / camera.fy);
+            path.keys.push_back(key);
+        }
+        path.duration_s = cyclic ? 3 : 2;
+        write_camera_path(file("path.json"), path);
+        return file("path.json");
+    }
+    std::vector<std::string> command(const std::string& output, std::initializer_list<std::string> more) {
+        std::vector<std::string> words = {"render", scene, "-o", file(output.c_str()), "--size", "48x40"};
+        words.insert(words.end(), more);
+        return words;
+    }
+    // Runs until picture `last` is there, and stops it.
+    void interrupt(const std::vector<std::string>& words, const std::filesystem::path& last, int signal, int code) {
+        std::vector<std::string> all = {NEUVV_PROGRAM};
+        all.insert(all.end(), words.begin(), words.end());
+        test::ChildProcess child(all, folder.path / "log");
+        ASSERT_TRUE(child.until([&] { return std::filesystem::exists(last); }));
+        child.send(signal);
+        ASSERT_EQ(child.wait(), code) << read_text(folder.path / "log");
+    }
+};
+
+TEST_F(CliRender, PathsAreFollowed) {
+    const std::string path = write_path(false);
+    const ProgramResult result = run_neuvv(command("o_%02d.png", {"--camera", path, "--fps", "2", "--json"}));
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 5);
+    // Its keys are the orbit's views.
+    ASSERT_EQ(run_neuvv(command("orbit_%02d.png", {})).code, 0);
+    for (int i = 0; i < 3; ++i) {
+        const Image seen = read_png(folder.path / ("o_0" + std::to_string(2 * i) + ".png"));
+        const Image truth = read_png(folder.path / ("orbit_0" + std::to_string(2 * i) + ".png"));
+        size_t off = 0;
+        for (size_t p = 0; p < seen.rgba.size(); ++p) off += std::abs(seen.rgba[p] - truth.rgba[p]) > 1;
+        EXPECT_LT(off, seen.rgba.size() / 200) << i;  // poses differ by rounding, which decides rays at leaves' edges
+    }
+    EXPECT_NE(read_png(file("o_01.png")).rgba, read_png(file("o_00.png")).rgba);
+    expect_refused(command("o.png", {"--camera", path}), 2, {"--output", "is one file for"});
+    write_text(file("other.json"), "{\"a\": 1}");
+    expect_refused(command("o_%d.png", {"--camera", file("other.json")}), 2, {"other.json", "no camera path"});
+}
+
+TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
+    ASSERT_EQ(run_neuvv(command("one.png", {"--frames", "1.5"})).code, 0);
+    const ProgramResult result = run_neuvv(command("one.exr", {"--frames", "1.5"}));
+    ASSERT_EQ(result.code, 0) << result.err;
+    const Image picture = read_png(file("one.png"));
+    const LinearImage linear = read_exr(file("one.exr"));
+    ASSERT_EQ(linear.width, 48u);
+    ASSERT_EQ(linear.depth_m.size(), size_t{48 * 40});
+    size_t seen = 0;
+    for (size_t p = 0; p < linear.depth_m.size(); ++p) {
+        const float alpha = linear.rgba[4 * p + 3];
+        EXPECT_NEAR(picture.rgba[4 * p + 3], 255 * alpha, 0.75);  // half a step, and a half's rounding
+        EXPECT_EQ(std::isfinite(linear.depth_m[p]), alpha > 0);
+        seen += alpha > 0.2f;
+        for (size_t c = 0; c < 3 && alpha > 0.2f; ++c)
+            EXPECT_NEAR(picture.rgba[4 * p + c],
+                        255 * srgb_from_linear(std::min(1.0, double{linear.rgba[4 * p + c]} / double{alpha})), 1.5);
+    }
+    EXPECT_GT(seen, 50u);
+    for (const char* flag : {"--depth", "--alpha"})
+        expect_refused(command("one.exr", {"--frames", "1", flag}), 2, {flag, "at once"});
+    expect_refused(command("one.exr", {"--frames", "1", "--scale", "0.5"}), 2, {"--scale", "not linear"});
+}
+
+// Stopped by Ctrl-C's signal, and killed: what is gone on with is byte for byte what an uninterrupted run writes, and
+// nothing is rendered twice.
+TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
+    const std::string path = write_path(true);
+    for (const char* ending : {"png", "exr"}) {
+        const std::string whole = std::string("whole_%03d.") + ending, broken = std::string("broken_%03d.") + ending;
+        const std::string third = std::string("broken_003.") + ending, fps = "8";
+        ASSERT_EQ(run_neuvv(command(whole, {"--camera", path, "--fps", fps})).code, 0);
+        const auto words = command(broken, {"--camera", path, "--fps", fps, "--resume", "--json"});
+        interrupt(words, file(third.c_str()), ending[0] == 'p' ? SIGTERM : SIGKILL, ending[0] == 'p' ? 1 : -SIGKILL);
+        const bool told = read_text(file("log")).find("--resume goes on with it") != std::string::npos;
+        EXPECT_EQ(told, ending[0] == 'p');
+        const auto written = std::filesystem::last_write_time(file(third.c_str()));
+        const ProgramResult result = run_neuvv(words);
+        ASSERT_EQ(result.code, 0) << result.err;
+        const auto json = nlohmann::json::parse(result.out);
+        EXPECT_EQ(json.at("pictures"), 24);
+        EXPECT_LE(json.at("rendered"), 21);
+        EXPECT_EQ(std::filesystem::last_write_time(file(third.c_str())), written);
+        for (uint32_t i = 0; i < 24; ++i)
+            EXPECT_EQ(read_text(parse_output(file(broken.c_str())).file(i)),
+                      read_text(parse_output(file(whole.c_str())).file(i)))
+                << ending << " " << i;
+        EXPECT_EQ(nlohmann::json::parse(run_neuvv(words).out).at("rendered"), 0);
+        auto other = words;
+        other.insert(other.end(), {"--samples", "1"});
+        expect_refused(other, 2, {"broken_render.json", "--samples", "was 2", "is 1 now"});
+    }
+}
+
+TEST_F(CliRender, AnInterruptedVideoGoesOnWhereItWasBegunSo) {
+    // x264's output for the same pictures varies from run to run where they are smaller.
+    const std::vector<std::string> rest = {"--size", "128x96", "--fps", "8", "--samples", "1", "--json"};
+    const auto words_of = [&](const char* name) {
+        std::vector<std::string> words = {"render", scene, "-o", file(name)};
+        words.insert(words.end(), rest.begin(), rest.end());
+        return words;
+    };
+    std::vector<std::string> words = words_of("v.mp4");
+    words.push_back("--resume");
+    interrupt(words, folder.path / "v.mp4.frames/000004.png", SIGINT, 1);
+    EXPECT_FALSE(std::filesystem::exists(file("v.mp4")));
+    const ProgramResult result = run_neuvv(words);
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_LE(nlohmann::json::parse(result.out).at("rendered"), 28);
+    EXPECT_FALSE(std::filesystem::exists(file("v.mp4.frames")));
+    ASSERT_EQ(run_neuvv(words_of("straight.mp4")).code, 0);
+    VideoReader a(file("v.mp4")), b(file("straight.mp4"));
+    EXPECT_EQ(a.frames(), 32u);
+    Image of_a, of_b;
+    while (a.next(of_a)) {
+        ASSERT_TRUE(b.next(of_b));
+        EXPECT_EQ(of_a.rgba, of_b.rgba);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,291 @@
+// Camera paths as instant-ngp, nerfstudio and we write them.
+#include "training/camera_path_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct CameraPathFile : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path where = folder.path / "path.json";
+
+    CameraPath read(const json& document) {
+        write_text(where, document.dump());
+        return read_camera_path(where, 25);
+    }
+    void expect_bad(json document, const std::function<void(json&)>& damage, std::initializer_list<std::string> parts) {
+        damage(document);
+        expect_input_error([&] { read(document); }, parts);
+    }
+};
+
+// A level camera at `place` that looks along −Z, but for `yaw_deg` about +Y.
+void expect_pose(const CameraPathKey& key, glm::dvec3 place, double yaw_deg) {
+    EXPECT_LT(glm::distance(key.position, place), 1e-9)
+        << key.position.x << " " << key.position.y << " " << key.position.z;
+    const glm::dquat turn = glm::angleAxis(yaw_deg * kDegree, glm::dvec3(0, 1, 0));
+    EXPECT_NEAR(std::abs(glm::dot(key.world_from_camera, turn)), 1, 1e-9);
+}
+
+// instant-ngp turns a camera of the data set p ↦ cycle(p · 0.33 + 0.5), (x, y, z) ↦ (y, z, x), and its y and z axes.
+// The data set has +Z up: a level camera at (1, −3, 2) that looks along +Y (ours: from (1, 2, 3) along −Z) has the axes
+// right (1, 0, 0), down (0, 0, −1), forwards (0, 1, 0) there, in the cube (0, 0, 1), (0, −1, 0), (1, 0, 0).
+json ngp_file() {
+    const double s = std::sqrt(0.5);
+    // The rotation with these columns: by 180° about (1, 0, 1)/√2 … x ↦ z, y ↦ −y, z ↦ x.
+    const json r = {s, 0, s, 0};
+    const auto cube = [](double x, double y, double z) { return json{y * 0.33 + 0.5, z * 0.33 + 0.5, x * 0.33 + 0.5}; };
+    json path = {{"loop", false}, {"time", 0.3}, {"duration_seconds", 6.0}, {"spline_order", 3}};
+    for (int i = 0; i < 4; ++i)
+        path["path"].push_back({{"R", r},
+                                {"T", cube(1.0 + i, -3, 2)},
+                                {"slice", 0},
+                                {"scale", 1.5},
+                                {"fov", 40.0 + i},
+                                {"aperture_size", 0},
+                                {"timestamp", (i + 1) * 0.25}});
+    return path;
+}
+
+TEST_F(CameraPathFile, InstantNgp) {
+    const CameraPath path = read(ngp_file());
+    ASSERT_EQ(path.keys.size(), 4u);
+    EXPECT_EQ(path.interpolation, Interpolation::kSmooth);
+    EXPECT_FALSE(path.cyclic);
+    EXPECT_EQ(path.width, 0u);
+    // A timestamp is when the next key is reached: the first is at 0, the last at the third's stamp, here 6 s.
+    for (size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(path.keys[i].time_s, 2.0 * static_cast<double>(i), 1e-12);
+        expect_pose(path.keys[i], {1.0 + static_cast<double>(i), 2, 3}, 0);
+        EXPECT_NEAR(path.keys[i].angle_y, (40.0 + static_cast<double>(i)) * kDegree, 1e-12);
+    }
+    EXPECT_NEAR(path.duration_s, 6, 1e-12);
+}
+
+TEST_F(CameraPathFile, InstantNgpLoopsAndOldFiles) {
+    json file = ngp_file();
+    file["loop"] = true;
+    file["spline_order"] = 1;
+    const CameraPath loop = read(file);
+    EXPECT_TRUE(loop.cyclic);
+    EXPECT_EQ(loop.interpolation, Interpolation::kLinear);
+    EXPECT_EQ(loop.duration_s, 6);
+    EXPECT_NEAR(loop.keys[3].time_s, 4.5, 1e-12);
+    for (const char* name : {"loop", "duration_seconds", "spline_order"}) file.erase(name);
+    for (json& key : file["path"]) key.erase("timestamp");
+    const CameraPath old = read(file);
+    EXPECT_EQ(old.interpolation, Interpolation::kSmooth);
+    EXPECT_NEAR(old.keys[1].time_s, 5.0 / 3, 1e-12) << "evenly over instant-ngp's five seconds";
+    EXPECT_NEAR(old.duration_s, 5, 1e-12);
+    file["scale"] = 0.5;  // as the data set's transforms.json has them, added by hand
+    file["offset"] = {0, 0, 0};
+    EXPECT_NEAR(read(file).keys[0].position.x, (0.33 + 0.5) / 0.5, 1e-12);
+}
+
+TEST_F(CameraPathFile, InstantNgpDamageIsNamed) {
+    const json good = ngp_file();
+    expect_bad(good, [](json& j) { j["path"] = json::array(); }, {"path.json", "path", "empty"});
+    expect_bad(good, [](json& j) { j["path"] = 3; }, {"path", "array"});
+    expect_bad(good, [](json& j) { j["path"][2].erase("R"); }, {"path[2]", "has no R"});
+    expect_bad(good, [](json& j) { j["path"][2]["R"] = {0, 0, 0, 0}; }, {"path[2].R", "unit quaternion"});
+    expect_bad(good, [](json& j) { j["path"][2]["R"] = {0, 0, 1}; }, {"path[2].R", "3 entries"});
+    expect_bad(good, [](json& j) { j["path"][1]["T"][0] = "x"; }, {"path[1].T[0]", "number"});
+    expect_bad(good, [](json& j) { j["path"][1]["T"][0] = 1e30; }, {"path[1]", "m from the origin"});
+    expect_bad(good, [](json& j) { j["path"][1]["fov"] = 0; }, {"path[1].fov", "angle of view"});
+    expect_bad(good, [](json& j) { j["duration_seconds"] = -1; }, {"duration_seconds"});
+    expect_bad(good, [](json& j) { j["loop"] = "yes"; }, {"loop", "neither true nor false"});
+    expect_bad(good, [](json& j) { j["scale"] = 0; }, {"scale"});
+    expect_bad(good, [](json& j) { j["path"][1] = 5; }, {"path[1]"});
+}
+
+// In a world of +Z up, row by row: from (x, −3, 2) along +Y.
+json nerfstudio_matrix(double x) {
+    return {1, 0, 0, x, 0, 0, -1, -3, 0, 1, 0, 2, 0, 0, 0, 1};
+}
+
+json nerfstudio_file() {
+    json file = {{"camera_type", "perspective"},
+                 {"render_height", 540},
+                 {"render_width", 960},
+                 {"fps", 24},
+                 {"seconds", 0.25},
+                 {"smoothness_value", 0.5},
+                 {"is_cycle", false},
+                 {"crop", nullptr},
+                 {"default_fov", 50.0},
+                 {"default_transition_sec", 2.0}};
+    for (int i = 0; i < 6; ++i)
+        file["camera_path"].push_back(
+            {{"camera_to_world", nerfstudio_matrix(i)}, {"fov", 50.0 + i}, {"aspect", 16.0 / 9}});
+    for (int i = 0; i < 3; ++i)
+        file["keyframes"].push_back({{"matrix", nerfstudio_matrix(10 * i)},
+                                     {"fov", 30.0},
+                                     {"aspect", 1.0},
+                                     {"override_transition_enabled", i == 2},
+                                     {"override_transition_sec", i == 2 ? json(0.5) : json()}});
+    return file;
+}
+
+TEST_F(CameraPathFile, Nerfstudio) {
+    json file = nerfstudio_file();
+    const CameraPath path = read(file);
+    ASSERT_EQ(path.keys.size(), 6u);
+    EXPECT_EQ(path.width, 960u);
+    EXPECT_EQ(path.height, 540u);
+    for (size_t i = 0; i < 6; ++i) {
+        EXPECT_NEAR(path.keys[i].time_s, static_cast<double>(i) / 24, 1e-12);
+        expect_pose(path.keys[i], {static_cast<double>(i), 2, 3}, 0);
+        EXPECT_NEAR(path.keys[i].angle_y, (50.0 + static_cast<double>(i)) * kDegree, 1e-12);
+        EXPECT_FALSE(path.keys[i].clip_time);
+    }
+    EXPECT_NEAR(path.duration_s, 5.0 / 24, 1e-12);
+    file["is_cycle"] = true;
+    for (size_t i = 0; i < 6; ++i) file["camera_path"][i]["render_time"] = static_cast<double>(i) / 5;
+    const CameraPath cycle = read(file);
+    EXPECT_TRUE(cycle.cyclic);
+    EXPECT_NEAR(cycle.duration_s, 0.25, 1e-12);
+    EXPECT_EQ(cycle.keys[1].clip_time, 0.2);
+}
+
+TEST_F(CameraPathFile, NerfstudioKeyframesAlone) {
+    json file = nerfstudio_file();
+    file["camera_path"] = json::array();
+    const CameraPath path = read(file);
+    ASSERT_EQ(path.keys.size(), 3u);
+    expect_pose(path.keys[2], {20, 2, 3}, 0);
+    EXPECT_EQ(path.keys[1].time_s, 2);
+    EXPECT_EQ(path.keys[2].time_s, 2.5);
+    file["is_cycle"] = true;
+    EXPECT_EQ(read(file).duration_s, 4.5) << "two seconds from the last to the first";
+    file["keyframes"][0]["matrix"] = "[1,0,0,0]";
+    expect_input_error([&] { read(file); }, {"keyframes[0].matrix", "text"});
+}
+
+// nerfstudio's world is the data set's, transformed and scaled: undone where the file has both.
+TEST_F(CameraPathFile, NerfstudioWorldsCanBeUndone) {
+    json file = nerfstudio_file();
+    file["scale"] = 0.5;
+    file["transform"] = {{0, -1, 0, 7}, {1, 0, 0, 8}, {0, 0, 1, 9}};  // a quarter turn about Z, then moved
+    // (2, −3, 2) / 0.5 − (7, 8, 9) = (−3, −14, −5), turned back: (−14, 3, −5); +Y up: (−14, −5, −3). The view along +Y
+    // becomes one along +X: ours, turned by −90° about +Y.
+    expect_pose(read(file).keys[2], {-14, -5, -3}, -90);
+}
+
+TEST_F(CameraPathFile, NerfstudioDamageIsNamed) {
+    const json good = nerfstudio_file();
+    expect_bad(good, [](json& j) { j["camera_type"] = "fisheye"; }, {"camera_type", "perspective"});
+    expect_bad(good, [](json& j) { j.erase("fps"); }, {"path.json", "fps"});
+    expect_bad(good, [](json& j) { j["fps"] = 0; }, {"fps"});
+    expect_bad(good, [](json& j) { j["render_width"] = 0; }, {"render_width"});
+    expect_bad(good, [](json& j) { j["camera_path"] = 5; }, {"camera_path", "array"});
+    expect_bad(good, [](json& j) { j["camera_path"][3].erase("camera_to_world"); },
+               {"camera_path[3]", "camera_to_world"});
+    expect_bad(good, [](json& j) { j["camera_path"][3]["camera_to_world"].erase(0); },
+               {"camera_path[3]", "15 entries"});
+    expect_bad(good, [](json& j) { j["camera_path"][3]["camera_to_world"][0] = 2; }, {"camera_path[3]", "scaled"});
+    expect_bad(good, [](json& j) { j["camera_path"][3]["camera_to_world"][12] = 5; }, {"camera_path[3]", "0 0 0 1"});
+    expect_bad(good, [](json& j) { j["camera_path"][3]["fov"] = 180; }, {"camera_path[3].fov"});
+    expect_bad(good, [](json& j) { j["camera_path"][3]["render_time"] = 2; }, {"camera_path[3].render_time"});
+    expect_bad(good, [](json& j) { j.erase("camera_path"), j.erase("keyframes"); }, {"path.json", "no camera path"});
+}
+
+TEST_F(CameraPathFile, OursRoundTrips) {
+    CameraPath path;
+    path.cyclic = true;
+    path.duration_s = 4.75;
+    path.interpolation = Interpolation::kLinear;
+    for (int i = 0; i < 3; ++i) {
+        CameraPathKey key;
+        key.time_s = 1.1 * i;
+        key.position = {1.0 / 3, -2.5 * i, 1e-3};
+        key.world_from_camera = glm::normalize(glm::dquat(0.3, 0.1 * i, -0.7, 0.2));
+        key.angle_y = 0.3 + 0.1 * i;
+        if (i != 1) key.clip_time = i / 2.0;
+        path.keys.push_back(key);
+    }
+    for (const bool sized : {false, true}) {
+        path.width = sized ? 1920 : 0;
+        path.height = sized ? 800 : 0;
+        if (sized) path.keys[1].stretch = 1.1;
+        if (sized) path.keys[2].shift = {0.05, -0.25};
+        write_camera_path(where, path);
+        EXPECT_EQ(folder.entries(), 1u);
+        const CameraPath back = read_camera_path(where, 25);
+        ASSERT_EQ(back.keys.size(), 3u);
+        EXPECT_EQ(back.cyclic, path.cyclic);
+        EXPECT_EQ(back.duration_s, path.duration_s);
+        EXPECT_EQ(back.interpolation, path.interpolation);
+        EXPECT_EQ(back.width, path.width);
+        EXPECT_EQ(back.height, path.height);
+        for (size_t i = 0; i < 3; ++i) {
+            const CameraPathKey &a = path.keys[i], &b = back.keys[i];
+            EXPECT_EQ(b.time_s, a.time_s);
+            EXPECT_EQ(b.position, a.position);
+            EXPECT_NEAR(std::abs(glm::dot(b.world_from_camera, a.world_from_camera)), 1, 1e-12);
+            EXPECT_NEAR(b.angle_y, a.angle_y, 1e-12);
+            EXPECT_NEAR(b.stretch, a.stretch, 1e-12);
+            EXPECT_NEAR(glm::distance(b.shift, a.shift), 0, 1e-12);
+            EXPECT_EQ(b.clip_time, a.clip_time);
+        }
+    }
+}
+
+json transforms_key(double z) {
+    return {{"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 1}, {0, 0, 1, z}, {0, 0, 0, 1}}}};
+}
+
+// As `neuvv capture` and its kind write them: views, each shown for a picture.
+TEST_F(CameraPathFile, FramesWithoutSecondsAreViews) {
+    json document = {{"camera_angle_x", 0.8}};
+    document["frames"].push_back(transforms_key(2));
+    document["frames"].push_back(transforms_key(3));
+    document["frames"][1].update({{"time", 0.25}, {"w", 100}, {"h", 50}});
+    const CameraPath path = read(document);
+    ASSERT_EQ(path.keys.size(), 2u);
+    EXPECT_EQ(path.interpolation, Interpolation::kCut);
+    EXPECT_EQ(path.width, 0u);
+    EXPECT_FALSE(path.keys[0].clip_time);
+    EXPECT_EQ(path.keys[0].angle_x, 0.8);
+    EXPECT_EQ(path.keys[1].time_s, 1 / 25.0);
+    EXPECT_EQ(path.keys[1].clip_time, 0.25);
+    EXPECT_NEAR(camera_at(path, 1 / 25.0, 100, 50).fx, 50 / std::tan(0.4), 1e-9);
+    EXPECT_NEAR(camera_at(path, 0, 300, 50).fx, 150 / std::tan(0.4), 1e-9);
+    document["frames"][0]["fl_x"] = 500;
+    expect_input_error([&] { read(document); }, {"path.json", "frames[0]", "w and h"});
+    expect_input_error([&] { read_camera_path(folder.path / "none.json", 25); }, {"none.json"});
+}
+
+TEST_F(CameraPathFile, OursIsCheckedToo) {
+    json good = {{"camera_angle_y", 0.8}};
+    for (int i = 0; i < 3; ++i) {
+        good["frames"].push_back(transforms_key(i));
+        good["frames"].back()["seconds"] = 0.5 * i;
+    }
+    EXPECT_EQ(read(good).duration_s, 1);
+    EXPECT_EQ(read(good).interpolation, Interpolation::kSmooth);
+    EXPECT_EQ(read(good).keys[0].angle_y, 0.8);
+    expect_bad(good, [](json& j) { j["frames"][1].erase("seconds"); }, {"frames[1]", "no seconds"});
+    expect_bad(good, [](json& j) { j["frames"][2]["seconds"] = 0.5; }, {"frames[2]", "ascend"});
+    expect_bad(good, [](json& j) { j["frames"][0]["seconds"] = -1; }, {"frames[0].seconds"});
+    expect_bad(good, [](json& j) { j["interpolation"] = "bumpy"; }, {"interpolation", "smooth, linear or cut"});
+    expect_bad(good, [](json& j) { j["loop"] = true; }, {"frames[2]", "loop"});
+    expect_bad(good, [](json& j) { j["duration_seconds"] = 0.9; }, {"frames[2]", "duration"});
+    expect_bad(good, [](json& j) { j["camera_angle_y"] = 4; }, {"camera_angle_y", "vertical"});
+    expect_bad(good, [](json& j) { j["w"] = j["h"] = 10, j["k1"] = 0.1; }, {"frames[0]", "pinholes"});
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,75 @@
+#include "tools/render_record.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "tools/report.h"
+#include "training/json_file.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kBlockBytes = size_t{1} << 20;
+constexpr double kMaxFinished = 1e9;
+constexpr char kAnew[] = "render anew without --resume, or choose another --output";
+
+RenderRecord read_record(const std::filesystem::path& path) {
+    const JsonFile file = read_json(path, "the record of a render");
+    const JsonNode root = file.root();
+    RenderRecord record;
+    if (!root.has("render") || !root["render"].value.is_object() || !root.has("finished"))
+        root.fail("is not the record of a render", kAnew);
+    for (const auto& [name, value] : root["render"].value.items())
+        record.facts[name] = json_string(JsonNode{value, file.name, "render." + name});
+    record.finished =
+        static_cast<uint32_t>(json_number(root["finished"], 0, kMaxFinished, "a number of finished pictures"));
+    return record;
+}
+
+std::string fact(const RenderFacts& facts, const std::string& name) {
+    const auto found = facts.find(name);
+    return found == facts.end() ? "none" : found->second;
+}
+
+}  // namespace
+
+std::string content_fact(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_64bits_reset(state.get());
+    std::vector<char> block(kBlockBytes);
+    while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
+        XXH3_64bits_update(state.get(), block.data(), static_cast<size_t>(file.gcount()));
+    if (!file.eof() || file.bad()) throw InputError(path.string(), "", "cannot be read");
+    return fmt::format("xxh3:{:016x}", XXH3_64bits_digest(state.get()));
+}
+
+void write_render_record(const std::filesystem::path& file, const RenderRecord& record) {
+    nlohmann::ordered_json json = {{"render", nlohmann::ordered_json::object()}, {"finished", record.finished}};
+    for (const auto& [name, value] : record.facts) json["render"][name] = value;
+    const std::string text = json_text(json);
+    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+}
+
+uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts& facts) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return 0;
+    const RenderRecord record = read_record(file);
+    RenderFacts names = facts;
+    names.insert(record.facts.begin(), record.facts.end());
+    for (const auto& [name, value] : names)
+        if (const std::string now = fact(facts, name), then = fact(record.facts, name); now != then)
+            throw InputError(file.string(), name,
+                             fmt::format("was {} for the pictures that are there, and is {} now", then, now), kAnew);
+    return record.finished;
+}
+
+}  // namespace neuvv
