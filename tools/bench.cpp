@@ -69,6 +69,7 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     add_bench_walk(*verb, common);
     add_bench_instances(*verb, common);
     add_bench_stereo(*verb, common);
+    add_bench_stage(*verb, common);
     add_bench_train(*verb, common);
 }
 

@@ -31,15 +31,13 @@ struct ClipMemory {
 
 std::vector<ClipMemory> measure_memory(const Stage& stage, const InfoOptions& options, const CommonOptions& common) {
     const Device device(common.device);
-    const RayBatch rays(device, kMaxInstances + 1, 1);  // a renderer's, which all its clips share
-    const TileRanges ranges(device, 1, 1, rays.camera_capacity);
+    const auto budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     std::vector<ClipMemory> all;
     for (const StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
         const Field field = upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf);
         const uint64_t with_field = device.buffer_bytes();
-        const Performer performer(device, field, rays, ranges, 1,
-                                  static_cast<uint64_t>(options.slice_budget_mb * 1048576));
+        const Performer performer(device, field, slice_share(budget, stage.clips.size()));
         all.push_back({with_field - before, device.buffer_bytes() - with_field});
     }
     return all;

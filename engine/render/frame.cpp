@@ -318,8 +318,8 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
 
 void FrameRenderer::prepare_performers(const FrameSettings& settings) {
     for (size_t i = performers_.size(); i < fields_.size(); i++) {
-        const uint64_t share = (capacity_.slice_budget + fields_.size() - 1) / fields_.size();
-        performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], share));
+        performers_.push_back(
+            std::make_unique<Performer>(device_, *fields_[i], slice_share(capacity_.slice_budget, fields_.size())));
         performers_.back()->add_target(target_, capacity_.views);
         if (shadows_) performers_.back()->add_target(shadows_->target(), kMaxShadows);
     }

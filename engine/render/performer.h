@@ -68,6 +68,11 @@ class TargetPasses {
     std::array<std::unique_ptr<DirectTracer>, 4> direct_into_;
 };
 
+// Of a budget of slices, the part of each of so many fields.
+inline uint64_t slice_share(uint64_t budget, size_t fields) {
+    return (budget + fields - 1) / fields;
+}
+
 class Performer {
   public:
     // A budget of 0 bytes: no slice at all, else one at least. All must outlive it.

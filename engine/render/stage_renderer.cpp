@@ -1,7 +1,8 @@
 #include "render/stage_renderer.h"
 
-#include <glm/gtc/constants.hpp>
+#include <cmath>
 
+#include "voctree/half.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -18,6 +19,14 @@ SetLightKind kind_of(GltfLightKind kind) {
             return SetLightKind::kSpot;
     }
     return SetLightKind::kPoint;
+}
+
+std::vector<glm::vec4> download_halves(const Device& device, const Buffer& from) {
+    std::vector<uint16_t> halves(from.bytes / 2);
+    download(device, from, halves.data(), from.bytes);
+    std::vector<glm::vec4> colours(halves.size() / 4);
+    for (size_t i = 0; i < halves.size(); i++) colours[i / 4][static_cast<int>(i % 4)] = float_from_half(halves[i]);
+    return colours;
 }
 
 }  // namespace
@@ -37,14 +46,15 @@ SetLight set_light(const InstantLight& light) {
 
 StageRenderer::StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
                              const std::function<void(size_t, size_t)>& loaded)
-    : stage_(stage), capacity_(capacity) {
+    : device_(device), stage_(stage), capacity_(capacity) {
     fields_.reserve(stage.clips.size());  // renderers keep their addresses
     for (const StageClip& clip : stage.clips) {
         fields_.push_back(upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf));
         if (loaded) loaded(fields_.size(), stage.clips.size());
     }
     std::optional<Image> environment;
-    if (stage.settings.environment) environment = read_png(file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri"));
+    if (stage.settings.environment)
+        environment = read_png(file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri"));
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views,
                                        environment ? &*environment : nullptr);
@@ -65,6 +75,28 @@ void StageRenderer::show(const StageInstant& instant) {
     }
     set_->pose(instant.pose);
     set_->light(lights, ambient, {stage_.settings.shadows, stage_.settings.shadows});
+}
+
+// As show.glsl's with_set.
+LinearImage StageRenderer::linear_picture_of(const Camera& camera, const glm::vec4& background) const {
+    std::vector<glm::vec4> light = frames_->radiance();
+    std::vector<float> metres = frames_->depth();
+    const std::vector<glm::vec4> behind = download_halves(device_, set_->colour);
+    const std::vector<glm::vec4> front = download_halves(device_, set_->front);
+    std::vector<float> axis_metres(behind.size());
+    download(device_, set_->depth, axis_metres.data(), axis_metres.size() * sizeof(float));
+    const Camera texels = enlarged(camera, capacity_.samples);
+    for (size_t i = 0; i < light.size(); i++) {
+        const glm::dvec2 at(static_cast<double>(i % texels.width) + 0.5, static_cast<double>(i / texels.width) + 0.5);
+        const glm::dvec2 line = (at - glm::dvec2(texels.cx, texels.cy)) / glm::dvec2(texels.fx, texels.fy);
+        const float alpha = light[i].a, through = std::isinf(axis_metres[i]) ? 0.0f : 1 - alpha;
+        const float set_metres = axis_metres[i] * static_cast<float>(glm::length(glm::dvec3(line, 1)));
+        if (through > 0)
+            metres[i] = ((alpha > 0 ? alpha * metres[i] : 0.0f) + through * set_metres) / (alpha + through);
+        light[i] += (1 - alpha) * behind[i];
+        light[i] = front[i] + (1 - front[i].a) * light[i];
+    }
+    return linear_picture(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
 FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {

@@ -4,14 +4,15 @@
 #include <functional>
 
 #include "render/frame.h"
+#include "render/linear_picture.h"
 #include "stage/stage_instant.h"
 
 namespace neuvv {
 
 class StageRenderer {
   public:
-    // Reads the clips and the environment; calls `loaded` with what has been read of how many files. The stage must outlive it. Throws
-    // InputError for files that cannot be read and RuntimeFailure where the device has no room.
+    // Reads the clips and the environment; calls `loaded` with what has been read of how many files. The stage must
+    // outlive it. Throws InputError for files that cannot be read and RuntimeFailure where the device has no room.
     StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
                   const std::function<void(size_t, size_t)>& loaded = {});
 
@@ -20,11 +21,15 @@ class StageRenderer {
     // What a frame of that instant draws: visible performers, blending, lights and background as the stage has them.
     FrameSettings settings_at(const StageInstant& instant) const;
 
+    // The last picture of one view as linear light and depth, set included.
+    LinearImage linear_picture_of(const Camera& camera, const glm::vec4& background) const;
+
     FrameRenderer& frames() { return *frames_; }
     const SetRaster& set() const { return *set_; }
     std::span<const Field> fields() const { return fields_; }  // as Stage::clips
 
   private:
+    const Device& device_;
     const Stage& stage_;
     FrameCapacity capacity_;
     std::vector<Field> fields_;

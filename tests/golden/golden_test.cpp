@@ -9,6 +9,7 @@
 
 #include "golden/scenes.h"
 #include "golden/set_scenes.h"
+#include "golden/stage_scenes.h"
 #include "support/gpu_test.h"
 #include "support/temporary_folder.h"
 
@@ -29,6 +30,11 @@ TEST_F(GoldenTest, PicturesAreAsAccepted) {
         const std::string problem = check_golden(set.name, render_set(device(), set));
         EXPECT_TRUE(problem.empty()) << set.name << ": " << problem;
         known |= accept && set.name == accept;
+    }
+    for (const GoldenStage& stage : golden_stages(device(), accept && std::string(accept) != "all" ? accept : "")) {
+        const std::string problem = check_golden(stage.name, stage.picture);
+        EXPECT_TRUE(problem.empty()) << stage.name << ": " << problem;
+        known |= accept && stage.name == accept;
     }
     EXPECT_TRUE(known) << "no golden picture has the name " << accept;
 }

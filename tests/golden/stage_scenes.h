@@ -1,0 +1,20 @@
+// The stages of the golden pictures: built by the operations that users have, rendered as neuvv render does.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+#include "media/image.h"
+
+namespace neuvv::test {
+
+struct GoldenStage {
+    std::string name;
+    Image picture;
+};
+
+// Renders all of them, or the one of this name.
+std::vector<GoldenStage> golden_stages(const Device& device, const std::string& only = "");
+
+}  // namespace neuvv::test

@@ -1,0 +1,90 @@
+// A person of leaves for pictures: stands at the origin, 1.8 m tall, looks along +Z and waves its left arm once in
+// eight frames.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "voctree/voctree.h"
+
+namespace neuvv::test {
+
+constexpr uint32_t kFigureFrames = 8;
+
+namespace figure {
+
+struct Part {
+    glm::dvec3 from, to;
+    double radius;
+    glm::dvec3 colour;  // linear
+};
+
+inline double distance_to(const Part& part, glm::dvec3 place) {
+    const glm::dvec3 along = part.to - part.from;
+    const double at = std::clamp(glm::dot(place - part.from, along) / glm::dot(along, along), 0.0, 1.0);
+    return glm::length(place - part.from - at * along) - part.radius;
+}
+
+// Its left side is +X, and its arms differ: what is mirrored shows.
+inline std::vector<Part> parts_at(uint32_t frame) {
+    const double angle = std::numbers::pi * (0.15 + 0.6 * frame / (kFigureFrames - 1.0));  // from straight down
+    const glm::dvec3 shoulder(0.24, 1.32, 0);
+    return {{{0, 1.62, 0}, {0, 1.66, 0}, 0.13, {0.8, 0.5, 0.35}},
+            {{0, 1.62, 0.13}, {0, 1.6, 0.15}, 0.03, {0.6, 0.1, 0.1}},  // nose
+            {{0, 0.95, 0}, {0, 1.3, 0}, 0.2, {0.08, 0.2, 0.65}},
+            {{-0.1, 0.85, 0}, {-0.14, 0.1, 0}, 0.09, {0.15, 0.13, 0.12}},
+            {{0.1, 0.85, 0}, {0.14, 0.1, 0}, 0.09, {0.15, 0.13, 0.12}},
+            {{-0.24, 1.32, 0}, {-0.34, 0.85, 0.08}, 0.06, {0.1, 0.5, 0.15}},
+            {shoulder, shoulder + 0.55 * glm::dvec3(std::sin(angle), -std::cos(angle), 0), 0.06, {0.85, 0.65, 0.05}}};
+}
+
+}  // namespace figure
+
+// Leaves of 3 cm; each frame has a basis of its own.
+inline VOctree figure_tree() {
+    constexpr uint32_t kSide = 64, kDepth = 6;
+    constexpr double kEdge = 1.92 / kSide;
+    VOctree tree;
+    tree.box_min = {-0.96f, 0, -0.96f};
+    tree.box_size = glm::vec3(1.92f);
+    tree.node_levels = 3;
+    tree.frames = tree.bases = kFigureFrames;
+    tree.fps = 4;
+    tree.hh_degree = 0;
+    tree.sigma_basis.assign(size_t{kFigureFrames} * kFigureFrames, 0);
+    for (uint32_t i = 0; i < kFigureFrames; i++) tree.sigma_basis[i * kFigureFrames + i] = 1;
+    tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
+    std::vector<LeafPlace> places;
+    std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of frames in which it is solid, colour
+    for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
+        const LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(place.x, place.y, place.z) + 0.5);
+        uint32_t frames = 0;
+        glm::dvec3 colour(0);
+        for (uint32_t frame = 0; frame < kFigureFrames; frame++)
+            for (const figure::Part& part : figure::parts_at(frame))
+                if (figure::distance_to(part, at) < 0) {
+                    frames |= 1u << frame;
+                    colour = part.colour;
+                }
+        if (frames == 0) continue;
+        places.push_back(place);
+        seen.emplace_back(frames, colour);
+    }
+    build_topology(tree, places);
+    // H_000 is 1/√(2π²) at every γ: the colour is the sigmoid of weight / that.
+    const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        float* weights = tree.leaf(leaf);
+        for (uint32_t frame = 0; frame < kFigureFrames; frame++)
+            weights[frame] = seen[leaf].first >> frame & 1 ? 120.0f : -1.0f;
+        for (int channel = 0; channel < 3; channel++) {
+            const double colour = seen[leaf].second[channel];
+            weights[2 * tree.bases + static_cast<uint32_t>(channel)] =
+                static_cast<float>(std::log(colour / (1 - colour)) / basis);
+        }
+    }
+    return tree;
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,194 @@
+// neuvv bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "edit/operations.h"
+#include "render/stage_renderer.h"
+#include "tools/bench.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchStageOptions {
+    std::string scene, size = "1280x720", picture;
+    uint32_t repeats = 15, copies = 32;
+    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    bool together = false, json = false;
+};
+
+// What one picture of it takes, in one way of drawing it.
+struct Way {
+    std::string name;
+    bool shadows = true, falloff = true;
+    StageBlend blend = StageBlend::kExact;
+    std::vector<double> ms;
+    std::vector<PassSum> passes;
+};
+
+// A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
+Stage make_bench_stage(const BenchStageOptions& options, uint32_t performers) {
+    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
+    StageFile file = new_stage(clip.parent_path() / "bench.gltf");  // never written
+    const NvvHead head = summarise_nvv(clip).head;
+    const double width = options.together ? 0.25 * head.box_size.x : 1.1 * head.box_size.x;
+    const double first = -0.5 * width * (performers - 1);
+    for (uint32_t i = 0; i < performers; i++) {
+        Placement place;
+        place.at = glm::dvec3(first + width * i, -head.box_min.y, 0);
+        PerformerEdit edit;
+        edit.clip = clip;
+        edit.time =
+            parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))), "bench", "");
+        add_performer(file, fmt::format("performer {}", i), edit, place);
+    }
+    return make_stage(std::move(file));
+}
+
+Camera camera_of_bench(const Stage& stage, PictureSize size, double distance_m) {
+    Camera camera = camera_of(stage, "camera", stage_at(stage, 0), size.width, size.height);
+    camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
+    return camera;
+}
+
+// GPU milliseconds of one picture; slices are there already where the budget holds them.
+double draw(StageRenderer& renderer, Stage& stage, const Camera& camera, Way& way, Image& picture) {
+    stage.settings.shadows = way.shadows;
+    stage.settings.falloff = way.falloff;
+    stage.settings.blend = way.blend;
+    const StageInstant instant = stage_at(stage, 0);
+    renderer.show(instant);
+    picture = renderer.frames().render(camera, renderer.settings_at(instant));
+    double sum = 0;
+    for (const PassTime& pass : renderer.frames().pass_times()) sum += pass.milliseconds;
+    return sum;
+}
+
+struct Result {
+    std::vector<Way> ways;
+    uint64_t one_bytes = 0, all_bytes = 0;  // of a stage with one performer, and with all copies
+    Image picture;
+};
+
+// Ways take turns, so that what else the machine does hits all alike.
+std::vector<Way> measure_ways(const Device& device, const BenchStageOptions& options, Image& picture) {
+    Stage stage = make_bench_stage(options, 2);
+    const PictureSize size = parse_size(options.size);
+    FrameCapacity capacity{size.width, size.height};
+    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    StageRenderer renderer(device, stage, capacity);
+    const Camera camera = camera_of_bench(stage, size, 4);
+    std::vector<Way> ways = {{"plain", false, false},
+                             {"shadows", true, false},
+                             {"falloff", false, true},
+                             {"shadows and falloff"},
+                             {"as layers (paper)", true, true, StageBlend::kPaper}};
+    Progress progress("bench", options.repeats);
+    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
+        for (Way& way : ways) {
+            Image shown;
+            const double ms = draw(renderer, stage, camera, way, shown);
+            if (way.shadows && way.falloff && way.blend == StageBlend::kExact) picture = shown;
+            if (i == 0) continue;  // slices, pipelines, caches
+            way.ms.push_back(ms);
+            add_picture(way.passes, renderer.frames().pass_times());
+        }
+        progress.update(i);
+    }
+    return ways;
+}
+
+// Buffers of a stage with so many copies, at as many times, after a picture of it.
+uint64_t bytes_with(const Device& device, const BenchStageOptions& options, uint32_t copies) {
+    const uint64_t before = device.buffer_bytes();
+    Stage stage = make_bench_stage(options, copies);
+    const PictureSize size = parse_size(options.size);
+    FrameCapacity capacity{size.width, size.height};
+    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    StageRenderer renderer(device, stage, capacity);
+    Way way;
+    Image picture;
+    draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, picture);
+    return device.buffer_bytes() - before;
+}
+
+double growth(const Result& result, size_t way) {
+    return median(result.ways[way].ms) / median(result.ways[0].ms) - 1;
+}
+
+void print(const Result& result, const Device& device, const BenchStageOptions& options) {
+    fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
+               options.size, options.together ? "in each other" : "beside each other");
+    for (size_t i = 0; i < result.ways.size(); i++) {
+        const Way& way = result.ways[i];
+        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n    {} ms\n", way.name, median(way.ms), 100 * growth(result, i),
+                   passes_text(way.passes));
+    }
+    fmt::print("{} copies: {:.1f} MiB of buffers, {:.4f} times those of one\n", options.copies,
+               static_cast<double>(result.all_bytes) / 1048576,
+               static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
+}
+
+nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchStageOptions& options) {
+    nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}, {"size", options.size}};
+    for (size_t i = 0; i < result.ways.size(); i++)
+        json["ways"].push_back(
+            {{"name", result.ways[i].name}, {"ms", median(result.ways[i].ms)}, {"growth", growth(result, i)}});
+    json["copies"] = options.copies;
+    json["one_bytes"] = result.one_bytes;
+    json["all_bytes"] = result.all_bytes;
+    return json;
+}
+
+void run(const BenchStageOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
+    const Device device(common.device);
+    Result result;
+    result.ways = measure_ways(device, options, result.picture);
+    expect_not_stopped();
+    result.one_bytes = bytes_with(device, options, 1);
+    result.all_bytes = bytes_with(device, options, options.copies);
+    expect_not_stopped();
+    if (!options.picture.empty()) write_png(options.picture, result.picture);
+    if (options.json)
+        fmt::print("{}", json_text(json_of(result, device, options)));
+    else
+        print(result, device, options);
+}
+
+}  // namespace
+
+void add_bench_stage(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("stage", "Lights, shadows, blending and copies on a stage");
+    const auto options = std::make_shared<BenchStageOptions>();
+    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    verb->add_flag("--together", options->together, "The performers stand in each other");
+    verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
+        ->check(CLI::Range(1u, kMaxInstances))
+        ->capture_default_str();
+    add_slice_budget_option(*verb, options->slice_budget_mb);
+    verb->add_option("--repeats", options->repeats, "Pictures of each way that the medians are over")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    verb->add_option("--picture", options->picture, "Write what was drawn to this PNG");
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string(
+            "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
+            "there already, and prints GPU time of a picture and each pass; then device memory of copies.\n") +
+        kDeviceHelp + kExamplesHead + "  neuvv bench stage build/performer.nvv");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,105 @@
+// neuvv render of one clip.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "render/linear_picture.h"
+#include "tools/render_job.h"
+#include "tools/view_path.h"
+#include "training/camera_path_file.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr PictureSize kDefaultSize{720, 720};
+
+std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tree, const Playback& playback,
+                                PictureSize size) {
+    if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kDefaultSize);
+    const CameraPath path = read_camera_path(options.camera, playback.output_fps);
+    return path_steps(path, playback, tree.frames, size, kDefaultSize);
+}
+
+// What is rendered, all of it known before the device is touched.
+struct RenderPlan {
+    PictureOutput output;
+    ResolveSettings resolve;
+    VOctree tree;
+    Playback playback;
+    std::vector<ViewStep> path;
+    PictureSize size;
+    uint32_t samples = 1;
+};
+
+RenderPlan plan_render(const RenderOptions& options) {
+    RenderPlan plan;
+    plan.output = parse_output(options.output);
+    plan.resolve = resolve_settings(options, plan.output);
+    expect_fitting_output(plan.output, options);
+    prepare_output_file("--output", plan.output.path);
+    const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
+    plan.tree = read_nvv(options.scene);
+    const double clip_fps = plan.tree.fps;
+    plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, checked_fps(options, clip_fps)};
+    plan.path = view_path(options, plan.tree, plan.playback, wanted);
+    const bool instant = plan.playback.range.first == plan.playback.range.last;
+    if (instant && plan.output.kind == PictureOutput::Kind::kPicture && options.camera.empty())
+        plan.path.resize(1);  // a still: the orbit's first view
+    expect_fitting_output(plan.output, plan.path.size());
+    const auto [near, far] = depth_range(plan.path, occupied_box(plan.tree));
+    plan.resolve.depth_near_m = static_cast<float>(near);
+    plan.resolve.depth_far_m = static_cast<float>(far);
+    plan.size = {plan.path[0].camera.width, plan.path[0].camera.height};
+    plan.samples = samples_of(options);
+    return plan;
+}
+
+void render_picture(FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan, uint32_t i,
+                    PictureSink& sink) {
+    FrameSettings settings;
+    settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
+    settings.width = plan.size.width;
+    settings.height = plan.size.height;
+    settings.samples = plan.samples;
+    settings.scale = options.scale;
+    settings.resolve = plan.resolve;
+    settings.mode = options.direct ? TraceMode::kDirect : TraceMode::kPlay;
+    const Image picture = renderer.render(plan.path[i].camera, settings);
+    if (sink.exr())
+        sink.add(i, linear_picture(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
+                                   plan.samples, plan.resolve.background));
+    else
+        sink.add(i, picture);
+}
+
+void expect_no_stage_options(const RenderOptions& options) {
+    const char* mend = "leave it out, or render a stage (neuvv stage new)";
+    if (!options.time.empty()) throw InputError("--time", options.time, "is for stages", "choose --frames of a clip");
+    if (options.blend) throw InputError("--blend", *options.blend, "is for stages", mend);
+    if (options.shadows) throw InputError("--shadows", "", "is for stages", mend);
+    if (options.falloff) throw InputError("--falloff", "", "is for stages", mend);
+}
+
+}  // namespace
+
+RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
+    expect_no_stage_options(options);
+    const RenderPlan plan = plan_render(options);
+    const PictureSize size = plan.size;
+    const auto pictures = static_cast<uint32_t>(plan.path.size());
+    RenderFacts facts = render_facts(options, plan.playback.output_fps, size, pictures);
+    facts["scene"] = content_fact(options.scene);
+    facts["--camera"] = options.camera.empty() ? "orbit" : content_fact(options.camera);
+    facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
+    facts["--direct"] = fmt::format("{}", options.direct);
+    PictureSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
+    const Device device(common.device);
+    const Field field = upload_field(device, plan.tree, WeightPrecision::kHalf);
+    const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
+    return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, renderer,
+                           [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,97 @@
+#include "tools/render_job.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kMinFps = 0.01, kMaxFps = 1000;
+
+}  // namespace
+
+bool is_stage(const std::string& scene) {
+    const std::string extension = std::filesystem::path(scene).extension().string();
+    return extension == ".gltf" || extension == ".glb";
+}
+
+ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output) {
+    const bool video = output.kind == PictureOutput::Kind::kVideo;
+    ResolveSettings resolve;
+    resolve.background = parse_colour(options.background.empty() ? (video ? "white" : "clear") : options.background);
+    if (options.depth) resolve.show = Show::kDepth;
+    if (options.alpha) resolve.show = Show::kAlpha;
+    if (video && resolve.show == Show::kColour && resolve.background.a < 1)
+        throw InputError("--background", options.background, "a video holds no transparency",
+                         "choose a colour, or write pictures: out_%04d.png");
+    return resolve;
+}
+
+void expect_fitting_output(const PictureOutput& output, size_t pictures) {
+    if (output.kind == PictureOutput::Kind::kPicture && pictures > 1)
+        throw InputError("--output", output.path.string(), fmt::format("is one file for {} pictures", pictures),
+                         "number them, as in out_%04d.png, or give --camera one key and --frames one frame");
+}
+
+void expect_fitting_output(const PictureOutput& output, const RenderOptions& options) {
+    const char* mend = "write .png or .mp4, or leave it out";
+    if (!output.exr) return;
+    if (options.depth) throw InputError("--depth", "", "an .exr holds colour, alpha and depth at once", mend);
+    if (options.alpha) throw InputError("--alpha", "", "an .exr holds colour, alpha and depth at once", mend);
+    if (options.scale < 1) throw InputError("--scale", "", "what is scaled up is not linear", mend);
+}
+
+double checked_fps(const RenderOptions& options, double otherwise) {
+    if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
+        throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of pictures",
+                         fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
+    return options.fps.value_or(otherwise);
+}
+
+RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize size, size_t pictures) {
+    return {{"--fps", fmt::format("{}", fps)},
+            {"--size", fmt::format("{}x{}", size.width, size.height)},
+            {"--background", options.background.empty() ? "default" : options.background},
+            {"--samples", fmt::format("{}", options.samples)},
+            {"--scale", fmt::format("{}", options.scale)},
+            {"--slice-budget", fmt::format("{}", options.slice_budget_mb)},
+            {"--depth", fmt::format("{}", options.depth)},
+            {"--alpha", fmt::format("{}", options.alpha)},
+            {"pictures", fmt::format("{}", pictures)},
+            {"program", NEUVV_VERSION}};
+}
+
+RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
+                             uint32_t pictures, PictureSink& sink, const FrameRenderer& renderer,
+                             const std::function<void(uint32_t)>& render) {
+    catch_stop_signals();
+    const bool video = output.kind == PictureOutput::Kind::kVideo;
+    const PictureSize encoded{video_side(size.width), video_side(size.height)};
+    RenderTotals totals{pictures, 0, video ? encoded : size, fps};
+    Progress progress("render", pictures);
+    for (uint32_t i = 0; i < pictures; ++i) {
+        if (stop_requested())
+            throw RuntimeFailure(fmt::format("{}: stopped before the end{}", options.output,
+                                             sink.resumable() ? "; --resume goes on with it" : ""));
+        if (!sink.has(i)) {
+            render(i);
+            ++totals.rendered;
+            for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
+            if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));
+        }
+        progress.update(i + 1);
+    }
+    sink.finish(pictures);
+    const double rays_a_picture = size.width * size.height * std::pow(options.scale * samples_of(options), 2);
+    totals.rays = static_cast<double>(totals.rendered) * rays_a_picture;
+    return totals;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,57 @@
+// What `neuvv render` is asked for, and what rendering a clip and rendering a stage share.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "render/frame.h"
+#include "tools/commands.h"
+#include "tools/picture_sink.h"
+
+namespace neuvv {
+
+struct RenderOptions {
+    std::string scene, output, camera, frames, size, background;
+    std::optional<double> fps;  // the clip's or the stage's where not given
+    uint32_t samples = kDefaultSamples;
+    double scale = 1;
+    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    bool orbit = false, depth = false, alpha = false, direct = false, resume = false, json = false;
+    // Of a stage: seconds, "A:B"; and what stands in for its own settings.
+    std::string time;
+    std::optional<std::string> blend;
+    std::optional<bool> shadows, falloff;
+};
+
+struct RenderTotals {
+    size_t pictures = 0, rendered = 0;
+    PictureSize size;
+    double fps = 0, rays = 0, seconds = 0;
+};
+
+// A stage by its name: .gltf or .glb.
+bool is_stage(const std::string& scene);
+
+RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common);
+RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common);
+
+// What the pictures show, as the output can hold it: a video no transparency, an .exr no picture of depth. Throws
+// InputError.
+ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
+void expect_fitting_output(const PictureOutput& output, const RenderOptions& options);
+void expect_fitting_output(const PictureOutput& output, size_t pictures);
+double checked_fps(const RenderOptions& options, double otherwise);
+inline uint32_t samples_of(const RenderOptions& options) {
+    return options.scale < 1 ? 1 : options.samples;
+}
+
+// All that the pictures depend on but scene, camera and device, whose rounding nobody sees.
+RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize size, size_t pictures);
+
+// The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
+// the user stops it.
+RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
+                             uint32_t pictures, PictureSink& sink, const FrameRenderer& renderer,
+                             const std::function<void(uint32_t)>& render);
+
+}  // namespace neuvv

@@ -1,0 +1,182 @@
+// neuvv render of a stage.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "render/stage_renderer.h"
+#include "tools/progress.h"
+#include "tools/render_job.h"
+#include "tools/view_path.h"
+#include "training/camera_path_file.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr PictureSize kDefaultSize{1280, 720};
+constexpr double kMaxPictures = 1e6;
+constexpr double kTurnSeconds = 4;  // of a stage that nothing moves on and no camera sees
+
+struct StagePlan {
+    PictureOutput output;
+    ResolveSettings resolve;
+    Stage stage;
+    std::optional<CameraPath> path;  // else a camera of the stage, or where it has none a turn around it
+    double first_s = 0, fps = 25;
+    uint32_t pictures = 1;
+    PictureSize size;
+
+    double time_s(uint32_t i) const { return first_s + i / fps; }
+};
+
+// "A:B", "A:", ":B" or "A", seconds of the stage.
+std::pair<double, double> time_range(const std::string& text, double duration_s) {
+    const auto number = [&](const std::string& part, double otherwise) {
+        if (part.empty()) return otherwise;
+        char* end = nullptr;
+        const double value = std::strtod(part.c_str(), &end);
+        if (*end != '\0' || !(std::abs(value) <= kMaxStageSeconds))
+            throw InputError("--time", text, fmt::format("\"{}\" is no time in seconds", part),
+                             fmt::format("give FROM:TO within {} s", kMaxStageSeconds));
+        return value;
+    };
+    const size_t colon = text.find(':');
+    if (text.empty()) return {0, duration_s};
+    if (colon == std::string::npos) return {number(text, 0), number(text, 0)};
+    const std::pair<double, double> range{number(text.substr(0, colon), 0), number(text.substr(colon + 1), duration_s)};
+    if (range.second < range.first) throw InputError("--time", text, "ends before it begins");
+    return range;
+}
+
+// World box around all that stands on the stage at an instant.
+std::pair<glm::dvec3, glm::dvec3> stage_box(const Stage& stage, const StageInstant& instant) {
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const InstantPerformer& performer : instant.performers) {
+        const StageClip& clip = stage.clips[performer.clip];
+        for (int i = 0; i < 8; i++) {
+            const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
+            const glm::dvec3 place(performer.world_from_performer * glm::dvec4(corner, 1));
+            low = glm::min(low, place);
+            high = glm::max(high, place);
+        }
+    }
+    if (low.x <= high.x) return {low, high};
+    return {glm::dvec3(-1), glm::dvec3(1)};
+}
+
+void expect_stage_options(const RenderOptions& options) {
+    if (!options.frames.empty())
+        throw InputError("--frames", options.frames, "is for clips", "choose --time of a stage, in seconds");
+    if (options.direct) throw InputError("--direct", "", "is for clips", "leave it out, or choose --slice-budget 0");
+}
+
+void override_settings(const RenderOptions& options, Stage& stage) {
+    if (options.blend) stage.settings.blend = *options.blend == "paper" ? StageBlend::kPaper : StageBlend::kExact;
+    if (options.shadows) stage.settings.shadows = *options.shadows;
+    if (options.falloff) stage.settings.falloff = *options.falloff;
+}
+
+bool is_path_file(const std::string& camera) {
+    return std::filesystem::path(camera).extension() == ".json";
+}
+
+StagePlan plan_stage(const RenderOptions& options) {
+    expect_stage_options(options);
+    StagePlan plan;
+    plan.output = parse_output(options.output);
+    expect_fitting_output(plan.output, options);
+    prepare_output_file("--output", plan.output.path);
+    const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
+    plan.stage = load_stage(options.scene);
+    override_settings(options, plan.stage);
+    plan.fps = checked_fps(options, plan.stage.fps);
+    double duration_s = plan.stage.duration_s;
+    if (is_path_file(options.camera)) {
+        plan.path = read_camera_path(options.camera, plan.fps);
+        duration_s = plan.path->duration_s;
+    }
+    const auto [first_s, last_s] = time_range(options.time, duration_s);
+    const double pictures = std::max(1.0, std::round((last_s - first_s) * plan.fps));
+    if (pictures > kMaxPictures)
+        throw InputError("--time", options.time, fmt::format("makes more than {} pictures", kMaxPictures),
+                         "choose less of it, or a lower --fps");
+    plan.first_s = first_s;
+    plan.pictures = static_cast<uint32_t>(pictures);
+    const bool still = plan.output.kind == PictureOutput::Kind::kPicture;
+    if (still && options.time.empty() && !plan.path) plan.pictures = 1;
+    expect_fitting_output(plan.output, plan.pictures);
+    plan.size = wanted.width                    ? wanted
+                : plan.path && plan.path->width ? PictureSize{plan.path->width, plan.path->height}
+                                                : kDefaultSize;
+    plan.resolve = resolve_settings(options, plan.output);
+    if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
+    return plan;
+}
+
+// The camera of picture i.
+Camera camera_of(const RenderOptions& options, const StagePlan& plan, const StageInstant& instant, uint32_t i) {
+    const PictureSize size = plan.size;
+    if (plan.path) return camera_at(*plan.path, plan.time_s(i), size.width, size.height);
+    const bool none = instant.cameras.empty() && options.camera.empty();
+    if (!none && !options.orbit) return camera_of(plan.stage, options.camera, instant, size.width, size.height);
+    const double seconds = std::max(kTurnSeconds, plan.pictures / plan.fps);
+    Playback turn;  // as if a clip of that many frames played
+    turn.clip_fps = turn.output_fps = plan.fps;
+    turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
+    const std::vector<ViewStep> path =
+        orbit_path(stage_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, size);
+    return path[i % path.size()].camera;
+}
+
+// All files that the pictures depend on.
+RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
+    RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.pictures);
+    facts["stage"] = content_fact(options.scene);
+    for (const StageClip& clip : plan.stage.clips)
+        facts["clip " + clip.path.filename().string()] = content_fact(clip.path);
+    facts["--camera"] = plan.path ? content_fact(options.camera) : options.orbit ? "orbit" : options.camera;
+    facts["--time"] = fmt::format("{}", plan.first_s);
+    facts["--blend"] = kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];
+    facts["--shadows"] = fmt::format("{}", plan.stage.settings.shadows);
+    facts["--falloff"] = fmt::format("{}", plan.stage.settings.falloff);
+    return facts;
+}
+
+void render_picture(StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
+                    PictureSink& sink) {
+    const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
+    const Camera camera = camera_of(options, plan, instant, i);
+    renderer.show(instant);
+    FrameSettings settings = renderer.settings_at(instant);
+    settings.scale = options.scale;
+    settings.resolve = plan.resolve;
+    if (settings.resolve.show == Show::kDepth) {
+        const auto [near, far] = depth_range({{camera, 0}}, stage_box(plan.stage, instant));
+        settings.resolve.depth_near_m = static_cast<float>(near);
+        settings.resolve.depth_far_m = static_cast<float>(far);
+    }
+    const Image picture = renderer.frames().render(camera, settings);
+    if (sink.exr())
+        sink.add(i, renderer.linear_picture_of(camera, plan.resolve.background));
+    else
+        sink.add(i, picture);
+}
+
+}  // namespace
+
+RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
+    const StagePlan plan = plan_stage(options);
+    PictureSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
+    const Device device(common.device);
+    FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
+    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    Progress reading("read", plan.stage.clips.size());
+    StageRenderer renderer(device, plan.stage, capacity, [&](size_t done, size_t) { reading.update(done); });
+    reading.finish();
+    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, renderer.frames(),
+                           [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
+}
+
+}  // namespace neuvv
