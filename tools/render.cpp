@@ -151,12 +151,12 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     const RenderPlan plan = plan_render(options);
     const PictureSize size = plan.size;
     const auto pictures = static_cast<uint32_t>(plan.path.size());
+    PictureSink sink(plan.output, size, plan.playback.output_fps, render_facts(options, plan.playback, size, pictures),
+                     options.resume);
     const Device device(common.device);
     const Field field = upload_field(device, plan.tree, WeightPrecision::kHalf);
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
-    PictureSink sink(plan.output, size, plan.playback.output_fps, render_facts(options, plan.playback, size, pictures),
-                     options.resume);
     catch_stop_signals();
     const bool video = plan.output.kind == PictureOutput::Kind::kVideo;
     const PictureSize encoded{video_side(size.width), video_side(size.height)};
