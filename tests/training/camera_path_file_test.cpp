@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/error.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
@@ -241,6 +242,27 @@ TEST_F(CameraPathFile, OursRoundTrips) {
             EXPECT_EQ(b.clip_time, a.clip_time);
         }
     }
+}
+
+// Any bytes may be damaged: an InputError or a path that can be followed, nothing else.
+TEST_F(CameraPathFile, DamagedBytesDoNoHarm) {
+    uint32_t state = 5;
+    const auto below = [&](size_t end) { return (state = state * 1664525 + 1013904223) / 65536 % end; };
+    for (const std::string& whole : {ngp_file().dump(), nerfstudio_file().dump()})
+        for (int round = 0; round < 500; ++round) {
+            std::string bytes = whole;
+            for (int i = 0; i < 3; ++i) bytes[below(bytes.size())] = "0123456789-e.,:[]{}\"tn"[below(22)];
+            write_text(where, bytes);
+            try {
+                const CameraPath path = read_camera_path(where, 25);
+                for (int i = -2; i < 12; ++i) {
+                    const Camera camera = camera_at(path, 0.1 * i * path.duration_s, 64, 48);
+                    ASSERT_TRUE(std::isfinite(camera.fx) && std::isfinite(glm::determinant(camera.world_from_camera)));
+                }
+            } catch (const InputError& error) {
+                EXPECT_NE(std::string(error.what()).find("path.json"), std::string::npos);
+            }
+        }
 }
 
 json transforms_key(double z) {
