@@ -188,8 +188,7 @@ FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fie
       listed_resolver_(device, target_.rays, picture_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {
     if (!set) return;
-    assert(set->width() == capacity.samples * capacity.width && set->height() == capacity.samples * capacity.height);
-    assert(set->views() == capacity.views);
+    assert(set->views() >= capacity.views);
     shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
     volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
 }
@@ -200,11 +199,10 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
         layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
-    if (set_ && (layout.samples * layout.width != set_->width() || layout.samples * layout.height != set_->height() ||
-                 layout.views != set_->views()))
-        throw RuntimeFailure(fmt::format("{} pictures of {}x{} pixels of {} rays on a set of {} of {}x{} texels",
-                                         layout.views, layout.width, layout.height, layout.samples * layout.samples,
-                                         set_->views(), set_->width(), set_->height()));
+    if (set_ && (layout.samples * layout.width > set_->width() || layout.samples * layout.height > set_->height()))
+        throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are more than the set's {}x{} texels", layout.width,
+                                         layout.height, layout.samples * layout.samples, set_->width(),
+                                         set_->height()));
     if (settings.instances.size() > kMaxInstances)
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
@@ -287,7 +285,7 @@ void FrameRenderer::place_instances(std::span<const Camera> cameras, const Frame
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
             one->into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
             one->rays.stop = settings.stop;
-            if (set_) one->rays.set_size = {set_->width(), set_->height()};
+            if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
             if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
             drawn.push_back(*one);
             placed++;

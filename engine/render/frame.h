@@ -72,8 +72,8 @@ struct DirectPath {
 // Everything a frame needs on the device, made once.
 class FrameRenderer {
   public:
-    // `set`: what stands around the performers, of samples · width × samples · height texels and as many views, which
-    // all pictures then have; its owner poses and lights it before each.
+    // `set`: what stands around the performers, of samples · width × samples · height texels and as many views at
+    // least; its owner poses and lights it before each picture.
     FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                   SetRaster* set = nullptr);
     FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)

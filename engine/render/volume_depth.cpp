@@ -10,15 +10,14 @@ VolumeDepth::VolumeDepth(const Device& device, const RayBatch& rays, const SetRa
       set_(pass_, {{kVolumeRadiance, &rays.radiance},
                    {kVolumeDepth, &rays.depth},
                    {kVolumeCameras, &rays.cameras},
-                   {kVolumeOut, &set.volume_depth}}),
-      width_(set.width()),
-      height_(set.height()) {}
+                   {kVolumeOut, &set.volume_depth}}) {}
 
 void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout) {
     const PassScope scope(commands, "volume depth");
-    const uint64_t texels = uint64_t{layout.views} * pass.width_ * pass.height_;
+    const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
+    const uint64_t texels = uint64_t{layout.views} * width * height;
     dispatch(commands, pass.pass_, pass.set_, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
-             VolumeDepthPush{pass.width_, pass.height_, layout.views, layout.tiles_across(), layout.tiles_down()});
+             VolumeDepthPush{width, height, layout.views, layout.tiles_across(), layout.tiles_down()});
     compute_barrier(commands);
 }
 

@@ -16,7 +16,6 @@ class VolumeDepth {
     friend void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
     ComputePass pass_;
     BindingSet set_;
-    uint32_t width_, height_;
 };
 
 // After the last instance.

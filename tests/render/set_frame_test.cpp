@@ -266,8 +266,7 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
             glm::dvec3 to_light;
             const glm::dvec3 arriving =
                 reference::light_at(light, ray.origin + static_cast<double>(depth[i]) * ray.direction, to_light);
-            const glm::dvec3 expected =
-                glm::dvec3(captured[i]) * (ambient.light + arriving / std::numbers::pi);
+            const glm::dvec3 expected = glm::dvec3(captured[i]) * (ambient.light + arriving / std::numbers::pi);
             for (int c = 0; c < 3; c++)
                 EXPECT_NEAR(static_cast<double>(shown[i][c]), expected[c], 0.004 * expected.g + 1e-6)
                     << "ray " << i << (merged ? ", light in nine bits" : "");
@@ -366,14 +365,44 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
     EXPECT_NEAR(beside[2], byte(0.25), 1);
 }
 
-TEST_F(SetFrameTest, PicturesOfAnotherSizeThanTheSetsAreRefused) {
+// Whatever their times: slices take the budget, and nothing else grows.
+TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
+    const VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
+    const SetLight light = lamp({0, 8, 4}, {0, 0, 0}, 200);
+    const auto bytes_with = [&](int copies) {
+        const uint64_t before = device().buffer_bytes();
+        OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 1, 1, slice_bytes(field, most_entries(field))});
+        stage.set.light(std::span(&light, 1), {});
+        std::vector<Instance> instances;
+        for (int i = 0; i < copies; i++) {
+            glm::mat4 place(1);
+            place[3] = {2.2f * static_cast<float>(i % 8 - 4), 0.2f, -2.2f * static_cast<float>(i / 8), 1};
+            instances.push_back({39.0f * static_cast<float>(i) / 31, place});
+        }
+        FrameSettings settings = settings_of(instances);
+        settings.lit = true;
+        stage.frames.render(look_at({0, 3, 12}, {0, 0, 0}, kWidth, kHeight, 1), settings);
+        return static_cast<double>(device().buffer_bytes() - before + field.weights.bytes);
+    };
+    const double one = bytes_with(1);
+    EXPECT_GT(one, static_cast<double>(field.weights.bytes));
+    EXPECT_LE(bytes_with(32), 1.01 * one);
+}
+
+TEST_F(SetFrameTest, PicturesLargerThanTheSetAreRefusedAndSmallerOnesAreDrawn) {
     const VOctree tree = cube(1);
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), json::object());
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 2});
-    EXPECT_THROW(stage.frames.render(camera_before(), settings_of({{0}}, 1)), RuntimeFailure);
-    EXPECT_NO_THROW(stage.frames.render(camera_before(), settings_of({{0}}, 2)));
+    OnSet small(device(), glb, {&field}, {kWidth, kHeight, 1});
+    EXPECT_THROW(small.frames.render(camera_before(), settings_of({{0}}, 2)), RuntimeFailure);
+    stage.frames.render(camera_before(), settings_of({{0}}, 2));
+    EXPECT_EQ(stage.frames.render(camera_before(), settings_of({{0}}, 1)).rgba,
+              small.frames.render(camera_before(), settings_of({{0}}, 1)).rgba);
     EXPECT_NO_THROW(stage.frames.render(camera_before(), settings_of({}, 2))) << "a set alone";
 }
 

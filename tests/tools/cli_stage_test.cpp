@@ -1,0 +1,98 @@
+// neuvv render of a stage, as its user types it.
+#include <gtest/gtest.h>
+
+#include "media/exr.h"
+#include "media/video.h"
+#include "tests/tools/cli_gpu.h"
+
+namespace neuvv {
+namespace {
+
+struct CliStage : CliGpu {
+    std::string show = file("show.gltf");
+
+    void SetUp() override {
+        CliGpu::SetUp();
+        done({"stage", "new", show});
+        done({"stage", "add", show, scene, "--name", "anna", "--at", "0,0.3,0"});
+    }
+    static void done(const std::vector<std::string>& arguments) {
+        const ProgramResult result = run_neuvv(arguments);
+        ASSERT_EQ(result.code, 0) << result.err;
+    }
+    // A still of 64×48.
+    Image still(const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words = {"render", show, "-o", file("still.png"), "--size", "64x48"};
+        words.insert(words.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(words);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_png(file("still.png"));
+    }
+};
+
+TEST_F(CliStage, AVideoIsAsLongAsTheStage) {
+    done({"render", show, "-o", file("show.mp4"), "--size", "64x48", "--fps", "4"});
+    const VideoSummary whole = summarise_video(file("show.mp4"));
+    EXPECT_EQ(whole.frames, 8u) << "a clip of four frames at two a second";
+    EXPECT_EQ(whole.fps, 4);
+    done({"stage", "set", show, "--duration", "3", "--fps", "5"});
+    done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--time", "1:2.6"});
+    EXPECT_EQ(summarise_video(file("part.mp4")).frames, 8u);
+}
+
+TEST_F(CliStage, EveryEditAndSwitchShows) {
+    const Image before = still();
+    EXPECT_EQ(before.rgba, still().rgba);
+    EXPECT_NE(before.rgba, still({"--time", "1"}).rgba);
+    EXPECT_NE(before.rgba, still({"--no-shadows"}).rgba);
+    EXPECT_NE(before.rgba, still({"--no-falloff"}).rgba);
+    EXPECT_NE(before.rgba, still({"--orbit"}).rgba);
+    EXPECT_NE(before.rgba, still({"--depth"}).rgba);
+    done({"stage", "set", show, "anna", "--opacity", "0.4"});
+    EXPECT_NE(before.rgba, still().rgba);
+    done({"stage", "set", show, "anna", "--opacity", "1"});
+    EXPECT_EQ(before.rgba, still().rgba);
+    done({"stage", "duplicate", show, "anna", "--row", "0.5"});
+    const Image pair = still();
+    EXPECT_NE(before.rgba, pair.rgba);
+    EXPECT_NE(pair.rgba, still({"--blend", "paper"}).rgba) << "they stand in each other";
+}
+
+TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
+    done({"stage", "set", show, "--background", "0.25,0.25,0.25"});
+    const Image shown = still();
+    done({"render", show, "-o", file("still.exr"), "--size", "64x48"});
+    const LinearImage linear = read_exr(file("still.exr"));
+    ASSERT_EQ(linear.width, 64u);
+    size_t off = 0, floor = 0;
+    for (size_t i = 0; i < linear.depth_m.size(); i++) {
+        for (size_t c = 0; c < 3; c++) {
+            const float light = linear.rgba[4 * i + c];
+            const double byte = 255 * srgb_from_linear(std::min(1.0, static_cast<double>(light)));
+            off += std::abs(byte - shown.rgba[4 * i + c]) > 1;
+        }
+        floor += std::isfinite(linear.depth_m[i]);
+    }
+    EXPECT_LE(off, linear.rgba.size() / 500);
+    EXPECT_GT(floor, linear.depth_m.size() / 4) << "the floor is seen, and has depth";
+    EXPECT_LT(floor, linear.depth_m.size()) << "above it there is none";
+}
+
+TEST_F(CliStage, WhatCannotBeRenderedIsRefused) {
+    const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
+        std::vector<std::string> words = {"render", show, "-o", file("x.mp4")};
+        words.insert(words.end(), more.begin(), more.end());
+        expect_refused(words, 2, parts);
+    };
+    refused({"--camera", "nobody"}, {"nobody", "camera"});
+    refused({"--time", "2:1"}, {"--time", "2:1"});
+    refused({"--time", "nan"}, {"--time"});
+    refused({"--frames", "0"}, {"--frames", "clips"});
+    refused({"--direct"}, {"--direct"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--time", "1"}, 2, {"--time", "stages"});
+    std::filesystem::remove(scene);
+    refused({}, {"anna", "scene.nvv"});
+}
+
+}  // namespace
+}  // namespace neuvv
