@@ -159,7 +159,8 @@ void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
     for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
         const SceneDraw& one = geometry_.draws[i];
-        order_.emplace_back(-glm::length(0.5f * (one.low + one.high) - eye), i);
+        const float distance = glm::length(0.5f * (one.low + one.high) - eye);
+        order_.emplace_back(std::isfinite(distance) ? -distance : 0, i);  // of vertices that overflow
     }
     std::sort(order_.begin(), order_.end());
 }

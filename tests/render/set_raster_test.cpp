@@ -221,6 +221,32 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
     }
 }
 
+TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
+    GlbBuilder glb;
+    glb.root["nodes"] = {{{"name", "nothing"}}};
+    Lighting lighting{{directional(), spot()}, {}};
+    for (SetLight& light : lighting.lights) light.casts_shadow = true;
+    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    for (size_t i = 0; i < drawn.depth_m.size(); i++) {
+        ASSERT_EQ(drawn.colour[i], glm::dvec4(0));
+        ASSERT_EQ(drawn.depth_m[i], INFINITY);
+    }
+}
+
+// Finite in the file, but not once they are posed: nothing may break, and what is beside them is drawn.
+TEST_F(SetRasterTest, VerticesThatOverflowHurtNobody) {
+    GlbBuilder glb;
+    MeshData far = floor_mesh();
+    for (float& coordinate : far.positions) coordinate *= 1e30f;
+    json& huge = add_mesh(glb, far, unlit({1, 0, 0, 1}));
+    huge["scale"] = {1e11, 1e11, 1e11};
+    add_mesh(glb, rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), unlit({0, 1, 0, 1}));
+    Lighting lighting{{directional()}, {}};
+    lighting.lights[0].casts_shadow = true;
+    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    expect_colour(drawn.colour[texel_of(camera_above(), {0, 0.5, 0})], {0, 1, 0, 1});
+}
+
 TEST_F(SetRasterTest, NearerHides) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), unlit({1, 0, 0, 1}));
