@@ -82,6 +82,15 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     EXPECT_LT(compare(drawn, camera_above(), floor_of(1.5), material, lighting).worst, kColourTolerance);
     EXPECT_LT(compare(drawn, other, floor_of(1.5), material, lighting, kSide * kSide).worst, kColourTolerance);
     EXPECT_EQ(drawn.depth_m[2 * kSide * kSide + 77], INFINITY) << "the view without a camera";
+
+    const Camera small = look_at({0.4, 1.3, 2.2}, {0, 0, 0}, 32, 40, 1.1);
+    const Camera small_too = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, 32, 40, 0.9);
+    const SetPictures smaller = draw_set(device(), set, {small, small_too});
+    EXPECT_LT(compare(smaller, small, floor_of(1.5), material, lighting).worst, kColourTolerance);
+    const Agreement second = compare(smaller, small_too, floor_of(1.5), material, lighting, 32 * 40);
+    EXPECT_LT(second.worst, kColourTolerance);
+    EXPECT_LT(second.depth, kDepthTolerance);
+    EXPECT_EQ(second.wrong_cover, 0u);
 }
 
 TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
