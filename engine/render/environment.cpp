@@ -12,7 +12,7 @@ namespace neuvv {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kMaxAcross = 1024, kLeastDown = 8;
+constexpr uint32_t kMaxAcross = 2048, kLeastDown = 8;
 constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small pictures count their texels in parts
 
 struct Level {
@@ -20,12 +20,23 @@ struct Level {
     std::vector<glm::vec3> texels;
 };
 
+// A picture as linear light, taken down by the power of two that makes it narrow enough.
 Level linear_level(const Image& picture) {
-    Level level{picture.width, picture.height, {}};
+    uint32_t block = 1;
+    while (picture.width / block > kMaxAcross) block *= 2;
+    Level level{std::max(1u, picture.width / block), std::max(1u, picture.height / block), {}};
     level.texels.reserve(size_t{level.width} * level.height);
-    for (size_t i = 0; i + 3 < picture.rgba.size(); i += 4)
-        level.texels.emplace_back(linear_from_srgb_byte(picture.rgba[i]), linear_from_srgb_byte(picture.rgba[i + 1]),
-                                  linear_from_srgb_byte(picture.rgba[i + 2]));
+    for (uint32_t y = 0; y < level.height; y++)
+        for (uint32_t x = 0; x < level.width; x++) {
+            glm::vec3 sum(0);
+            for (uint32_t i = 0; i < block * block; i++) {
+                const uint8_t* pixel = picture.at(std::min(x * block + i % block, picture.width - 1),
+                                                  std::min(y * block + i / block, picture.height - 1));
+                sum += glm::vec3(linear_from_srgb_byte(pixel[0]), linear_from_srgb_byte(pixel[1]),
+                                 linear_from_srgb_byte(pixel[2]));
+            }
+            level.texels.push_back(sum / static_cast<float>(block * block));
+        }
     return level;
 }
 
@@ -127,7 +138,6 @@ glm::dvec3 environment_direction(double u, double v) {
 
 Environment make_environment(const Image& picture) {
     std::vector<Level> pyramid{linear_level(picture)};
-    while (pyramid[0].width > kMaxAcross) pyramid[0] = halved(pyramid[0]);
     Environment out;
     out.width = pyramid[0].width;
     out.height = pyramid[0].height;
@@ -145,7 +155,7 @@ Environment make_environment(const Image& picture) {
                 const double v = (static_cast<double>(texel / shape.width) + 0.5) / shape.height;
                 store(level, texel,
                       i == 0 ? shape.texels[texel]
-                             : blurred(pyramid, environment_direction(u, v), roughness, 16u << std::min<size_t>(i, 4)));
+                             : blurred(pyramid, environment_direction(u, v), roughness, 8u << std::min<size_t>(i, 5)));
             }
         });
     }

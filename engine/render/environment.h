@@ -15,8 +15,8 @@ struct Environment {
         levels;  // RGBA as binary16, linear; level i: as roughness i / (levels − 1) mirrors
 };
 
-// `picture`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 1024
-// pixels across. About half a second.
+// `picture`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 2048
+// pixels across. That much takes about a second.
 Environment make_environment(const Image& picture);
 
 // No light.

@@ -1,4 +1,4 @@
-// The raster pass: an animated glTF scene to pictures, for captures and for the meshes on a stage.
+// The raster pass: an animated glTF scene to pictures, for captures. set_raster.h draws the meshes of a stage.
 #pragma once
 
 #include <memory>

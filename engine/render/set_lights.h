@@ -47,7 +47,8 @@ Irradiance turned(const Irradiance& irradiance, double rotation);
 // The camera that sees what a spot lights, `side` pixels each way: set and performers are seen from it for their
 // shadows. Cones wider than 160° are cut to that.
 Camera shadow_camera(const SetLight& light, uint32_t side);
-// The same as the matrix of ShaderLight, of a spot; or of a directional light, around a box (world: low, high).
+// The matrix of ShaderLight: of a spot that camera's; of a directional light parallel, just around a box (world: low,
+// high), so a texel of its map is the box's width / kSetShadowSide: where the set is wide, shadows are coarse.
 glm::dmat4 shadow_matrix(const SetLight& light, const std::pair<glm::dvec3, glm::dvec3>& box);
 
 // The first kMaxSetLights lights; the first kMaxShadows of them that cast shadows and can get maps.

@@ -1,7 +1,7 @@
 // The set of a stage: a glTF scene under its lights, as volume rays end at it and are composited over it.
 //
-//     pose, light ─► record_set_shadows ─► record_set ─► colour, depth ─► (volumes ─► volume_depth) ─►
-//     record_set_transparent
+//     pose, light ─► record_set_shadows ─► record_set ─► colour, depth
+//                    (volumes, up to depth ─► volume_depth) ─► record_set_transparent ─► colour, front
 //
 // A view's picture in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
 // pixel.
@@ -20,9 +20,9 @@ namespace neuvv {
 
 constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
 
-// Draws one scene for at most `views` views of width × height texels. What is made here is all that it ever makes:
-// posing, lighting and recording allocate nothing. pose() and light() write memory that draws read: nothing that was
-// recorded here may be under way.
+// Draws one scene for at most `views` views of at most width × height texels. What is made here is all that it ever
+// makes: posing, lighting and recording allocate nothing. pose() and light() write memory that draws read: nothing that
+// was recorded here may be under way.
 class SetRaster {
   public:
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the picture around it need
@@ -48,12 +48,11 @@ class SetRaster {
     uint32_t height() const { return height_; }
     uint32_t views() const { return static_cast<uint32_t>(colours_.size()); }
 
-    // Texel view · width · height + y · width + x:
+    // Texel view · width · height + y · width + x, with the size of the cameras that were drawn:
     Buffer colour;  // rgba16f, linear premultiplied light; alpha 0 where there is no set
     Buffer front;   // the same of the blended pieces before the volumes
     Buffer depth;   // r32f, metres along the camera's axis; infinity where there is no opaque or masked set
-    // r32f, metres along the axis at which a texel's volume is; infinity where there is none, and until somebody writes
-    // it.
+    // r32f, metres along the axis at which a texel's volume is; infinity: none, and until somebody writes it.
     Buffer volume_depth;
 
     Buffer lights_buffer;      // a uniform ShaderLights
@@ -110,7 +109,8 @@ class SetRaster {
 // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
 void record_set_shadows(Commands& commands, SetRaster& set);
 
-// Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view.
+// Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view,
+// all of the same size.
 void record_set(Commands& commands, SetRaster& set, std::span<const Camera> cameras);
 
 // Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the

@@ -34,8 +34,8 @@ VkRenderingAttachmentInfo depth_attachment(const DeviceImage& image, bool keep) 
     return attachment(image, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, keep);
 }
 
-VkRect2D whole(const DeviceImage& image) {
-    return {{0, 0}, {image.shape.width, image.shape.height}};
+VkRect2D area_of(const Camera& camera) {
+    return {{0, 0}, {camera.width, camera.height}};
 }
 
 void begin(Commands& commands, std::span<const VkRenderingAttachmentInfo> colours,
@@ -59,15 +59,15 @@ void to_attachment(Commands& commands, const DeviceImage& image, VkImageLayout f
                                                            : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
-// An attachment that was drawn to → texels of `slot`, a picture of this size, in the buffer. The image is left in
+// A part of an attachment that was drawn to → the `slot`th picture of that size in the buffer. The image is left in
 // layout TRANSFER_SRC.
-void store(Commands& commands, const DeviceImage& image, const Buffer& to, uint32_t slot) {
+void store(Commands& commands, const DeviceImage& image, const VkRect2D& area, const Buffer& to, uint32_t slot) {
     const bool depth = image.shape.format == VK_FORMAT_D32_SFLOAT;
     move_layout(commands, image,
                 depth ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const uint64_t bytes = image.shape.format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4;
-    copy(commands, image, whole(image), to, bytes * slot * image.shape.width * image.shape.height);
+    copy(commands, image, area, to, bytes * slot * area.extent.width * area.extent.height);
 }
 
 }  // namespace
@@ -99,12 +99,12 @@ void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t v
     const PassScope scope(commands, "set");
     for (const DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
-    begin(commands, targets, depth_attachment(depths_[view], false), whole(metres_));
+    begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
     draw_solid(commands, push_of(camera, view));
     if (has_environment_ && ambient_.show_environment) draw_background(commands, camera);
     vkCmdEndRendering(commands.handle());
-    store(commands, colours_[view], colour, view);
-    store(commands, metres_, depth, view);
+    store(commands, colours_[view], area_of(camera), colour, view);
+    store(commands, metres_, area_of(camera), depth, view);
 }
 
 void SetRaster::record_blended_view(Commands& commands, const Camera& camera, uint32_t view) {
@@ -112,31 +112,32 @@ void SetRaster::record_blended_view(Commands& commands, const Camera& camera, ui
     to_attachment(commands, colours_[view], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     to_attachment(commands, front_);
     const std::array targets{colour_attachment(colours_[view], true), colour_attachment(front_, false)};
-    begin(commands, targets, depth_attachment(depths_[view], true), whole(front_));
+    begin(commands, targets, depth_attachment(depths_[view], true), area_of(camera));
     draw_blended(commands, push_of(camera, view));
     vkCmdEndRendering(commands.handle());
-    store(commands, colours_[view], colour, view);
-    store(commands, front_, front, view);
+    store(commands, colours_[view], area_of(camera), colour, view);
+    store(commands, front_, area_of(camera), front, view);
 }
 
 void SetRaster::record_shadow(Commands& commands, const ShaderLight& light) {
     const PassScope scope(commands, "set shadow");
     to_attachment(commands, shadow_depth_);
-    begin(commands, {}, depth_attachment(shadow_depth_, false), whole(shadow_depth_));
+    constexpr VkRect2D kWhole{{0, 0}, {kSetShadowSide, kSetShadowSide}};
+    begin(commands, {}, depth_attachment(shadow_depth_, false), kWhole);
     SetPush push{};
     push.clip_from_world = light.clip_from_world;
     draw_shadowing(commands, push);
     vkCmdEndRendering(commands.handle());
-    store(commands, shadow_depth_, set_shadow_maps, light.shadow);
+    store(commands, shadow_depth_, kWhole, set_shadow_maps, light.shadow);
 }
 
 SetPush SetRaster::push_of(const Camera& camera, uint32_t view) const {
-    assert(camera.width == width_ && camera.height == height_ && "the size of the set's pictures");
+    assert(camera.width <= width_ && camera.height <= height_ && "the size of the set's pictures");
     SetPush push{};
     push.clip_from_world = glm::mat4(clip_from_world(camera, kSetNear_m));
     push.eye = glm::vec4(camera.world_from_camera[3]);
-    push.first_texel = view * width_ * height_;
-    push.width = width_;
+    push.first_texel = view * camera.width * camera.height;
+    push.width = camera.width;
     return push;
 }
 
@@ -159,7 +160,8 @@ void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
     for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
         const SceneDraw& one = geometry_.draws[i];
-        order_.emplace_back(-glm::length(0.5f * (one.low + one.high) - eye), i);
+        const float distance = glm::length(0.5f * (one.low + one.high) - eye);
+        order_.emplace_back(std::isfinite(distance) ? -distance : 0, i);  // of vertices that overflow
     }
     std::sort(order_.begin(), order_.end());
 }

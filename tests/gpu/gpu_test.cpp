@@ -11,11 +11,15 @@
 #include "base/error.h"
 #include "gpu/commands.h"
 #include "shared/resolve.h"
+#include "shared/set.h"
 #include "shared/slice.h"
 #include "shared/trace.h"
 #include "spirv/direct.comp.h"
 #include "spirv/resolve.comp.h"
 #include "spirv/rows.comp.h"
+#include "spirv/set.frag.h"
+#include "spirv/set.vert.h"
+#include "spirv/set_shadow.frag.h"
 #include "spirv/slice_colour.comp.h"
 #include "spirv/slice_density.comp.h"
 #include "spirv/trace.comp.h"
@@ -115,6 +119,9 @@ TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
     EXPECT_EQ(reflect(trace_comp, "trace").push_bytes, sizeof(TracePush));
     EXPECT_EQ(reflect(direct_comp, "direct").push_bytes, sizeof(TracePush));
     EXPECT_EQ(reflect(resolve_comp, "resolve").push_bytes, sizeof(ResolvePush));
+    EXPECT_EQ(reflect(set_vert, "set").push_bytes, sizeof(SetPush));
+    EXPECT_EQ(reflect(set_frag, "set").push_bytes, sizeof(SetPush));
+    EXPECT_EQ(reflect(set_shadow_frag, "set shadow").push_bytes, sizeof(SetPush));
 }
 
 TEST(Reflect, FindsEveryKindOfBinding) {

@@ -54,6 +54,20 @@ TEST(EnvironmentLight, IrradianceIsTheIntegral) {
               0.3);
 }
 
+TEST(EnvironmentLight, WidePicturesAreTakenDown) {
+    Image picture(8200, 12);  // four times as wide as may be, and a little
+    for (uint32_t y = 0; y < picture.height; y++)
+        for (uint32_t x = 0; x < picture.width; x++) picture.at(x, y)[x % 2] = 255;  // red, green, red, ...
+    const Environment environment = make_environment(picture);
+    EXPECT_EQ(environment.width, 1025u);
+    EXPECT_EQ(environment.height, 1u);
+    for (size_t i = 0; i < environment.levels[0].size(); i += 4) {
+        EXPECT_EQ(float_from_half(environment.levels[0][i]), 0.5f);
+        EXPECT_EQ(float_from_half(environment.levels[0][i + 1]), 0.5f);
+    }
+    expect_near(value_of(environment.irradiance, {0, 0, 1}), {0.5, 0.5, 0}, 1e-4);
+}
+
 TEST(EnvironmentLight, TurnsWithItsPicture) {
     const Environment environment = make_environment(smooth_picture(64));
     const double angle = 0.7;

@@ -187,6 +187,16 @@ TEST(Raster, MipLevelsAverageLight) {
     EXPECT_EQ(levels[1][3], 255);
 }
 
+TEST(Raster, MipLevelsOfNumbersAreMeans) {
+    Image texels(2, 3);
+    const uint8_t rgba[] = {10, 0, 255, 0, 20, 1, 255, 40, 30, 2, 255, 80, 41, 4, 254, 121, 0, 0, 0, 0, 0, 0, 0, 0};
+    texels.rgba.assign(std::begin(rgba), std::end(rgba));
+    const auto levels = mip_levels_of_numbers(texels);
+    ASSERT_EQ(levels.size(), 2u);
+    EXPECT_EQ(levels[1], (std::vector<uint8_t>{25, 2, 255, 60}))
+        << "each channel alone, rounded; the last row left out";
+}
+
 TEST(Raster, BoxDownAveragesBlocks) {
     std::vector<uint16_t> halves(4 * kSupersample * kSupersample * 2, 0);
     halves[0] = half_from_float(1);  // one of the first block's pixels, red only

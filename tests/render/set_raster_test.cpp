@@ -82,6 +82,15 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     EXPECT_LT(compare(drawn, camera_above(), floor_of(1.5), material, lighting).worst, kColourTolerance);
     EXPECT_LT(compare(drawn, other, floor_of(1.5), material, lighting, kSide * kSide).worst, kColourTolerance);
     EXPECT_EQ(drawn.depth_m[2 * kSide * kSide + 77], INFINITY) << "the view without a camera";
+
+    const Camera small = look_at({0.4, 1.3, 2.2}, {0, 0, 0}, 32, 40, 1.1);
+    const Camera small_too = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, 32, 40, 0.9);
+    const SetPictures smaller = draw_set(device(), set, {small, small_too});
+    EXPECT_LT(compare(smaller, small, floor_of(1.5), material, lighting).worst, kColourTolerance);
+    const Agreement second = compare(smaller, small_too, floor_of(1.5), material, lighting, 32 * 40);
+    EXPECT_LT(second.worst, kColourTolerance);
+    EXPECT_LT(second.depth, kDepthTolerance);
+    EXPECT_EQ(second.wrong_cover, 0u);
 }
 
 TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
@@ -219,6 +228,32 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
         EXPECT_LT(after.depth, kDepthTolerance) << skinned;
         EXPECT_EQ(after.wrong_cover, 0u) << skinned;
     }
+}
+
+TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
+    GlbBuilder glb;
+    glb.root["nodes"] = {{{"name", "nothing"}}};
+    Lighting lighting{{directional(), spot()}, {}};
+    for (SetLight& light : lighting.lights) light.casts_shadow = true;
+    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    for (size_t i = 0; i < drawn.depth_m.size(); i++) {
+        ASSERT_EQ(drawn.colour[i], glm::dvec4(0));
+        ASSERT_EQ(drawn.depth_m[i], INFINITY);
+    }
+}
+
+// Finite in the file, but not once they are posed: nothing may break, and what is beside them is drawn.
+TEST_F(SetRasterTest, VerticesThatOverflowHurtNobody) {
+    GlbBuilder glb;
+    MeshData far = floor_mesh();
+    for (float& coordinate : far.positions) coordinate *= 1e30f;
+    json& huge = add_mesh(glb, far, unlit({1, 0, 0, 1}));
+    huge["scale"] = {1e11, 1e11, 1e11};
+    add_mesh(glb, rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), unlit({0, 1, 0, 1}));
+    Lighting lighting{{directional()}, {}};
+    lighting.lights[0].casts_shadow = true;
+    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    expect_colour(drawn.colour[texel_of(camera_above(), {0, 0.5, 0})], {0, 1, 0, 1});
 }
 
 TEST_F(SetRasterTest, NearerHides) {

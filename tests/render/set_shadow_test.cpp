@@ -178,21 +178,19 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     Lighting lighting{{sun(), spot_above()}, {}};
     set.light(lighting.lights, lighting.ambient);
     ASSERT_EQ(set.lights().light[1].shadow, 1u);
-    // The right half of the spot's picture, 1 m from it.
+    // The lower right quarter of the spot's picture, 1 m from it.
     const uint32_t side = kPerformerShadowSide;
     std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
     for (size_t i = 0; i < side * side; i++)
-        if (i % side >= side / 2) maps[side * side + i] = {0.75f, 1};
+        if (i % side >= side / 2 && i / side >= side / 2) maps[side * side + i] = {0.75f, 1};
     upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
     const Camera seen = shadow_camera(lighting.lights[1], side);
-    const auto column_of = [&](glm::dvec3 place) {
-        const glm::dvec3 p(glm::inverse(seen.world_from_camera) * glm::dvec4(place, 1));
-        return seen.cx - seen.fx * p.x / p.z;
-    };
     const auto visible = [&](const SetLight& light, glm::dvec3 place) {
         if (light.kind != SetLightKind::kSpot) return 1.0;
-        const double column = column_of(place) - side / 2.0;
-        return std::abs(column) < 1 ? -1 : column < 0 ? 1 : 0.25;
+        const glm::dvec3 p(glm::inverse(seen.world_from_camera) * glm::dvec4(place, 1));
+        const glm::dvec2 from_middle(-seen.fx * p.x / p.z, seen.fy * p.y / p.z);  // texels, to the right and down
+        const double inside = std::min(from_middle.x, from_middle.y);
+        return std::abs(inside) < 1 ? -1 : inside < 0 ? 1 : 0.25;
     };
     lighting.visible = visible;
     const auto worst = [&](const Lighting& wanted) {
