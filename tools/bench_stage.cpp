@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +10,7 @@
 #include "edit/operations.h"
 #include "render/stage_renderer.h"
 #include "tools/bench.h"
+#include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"

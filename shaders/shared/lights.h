@@ -17,7 +17,7 @@ CONSTEXPR float kNearestLight = 0.01f;  // metres: nearer, a light shines as it 
 CONSTEXPR float kShadowNear = 0.05f;    // metres: what is nearer to a spot casts no shadow
 
 CONSTEXPR uint kSetShadowSide = 1024u;         // texels of a shadow map of the set
-CONSTEXPR uint kPerformerShadowSide = 256u;    // and of the performers
+CONSTEXPR uint kPerformerShadowSide = 128u;    // and of the performers
 CONSTEXPR float kPerformerShadowSoft = 0.06f;  // metres behind a performer's surface over which its shadow sets in
 
 struct ShaderLight {

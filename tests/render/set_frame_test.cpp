@@ -316,7 +316,7 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
     const Camera camera = look_at({0, 1.3, 6}, {0, 1, 0}, kWidth, kHeight, 1.6);
     const SetLight light = lamp({0, 6, 4}, {0, 1, 0}, 60);
     FrameSettings settings = settings_of({{0}, {0}});
-    settings.instances[1].world_from_performer[3] = {0, 1.8f, 0, 1};  // above
+    settings.instances[1].world_from_performer[3] = {0, 1.3f, 1.3f, 1};  // on the way of the light
     settings.lit = true;
     const auto shown = [&](bool shadows) {
         stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
@@ -329,8 +329,8 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
         const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
         const double height = ray.origin.y + (0.5 - ray.origin.z) / ray.direction.z * ray.direction.y;
         if (lit[i].a < 0.99f) continue;
-        (height > 1.8 ? above : below) += static_cast<double>(shadowed[i].g);
-        (height > 1.8 ? above_lit : below_lit) += static_cast<double>(lit[i].g);
+        (height > 1.15 ? above : below) += static_cast<double>(shadowed[i].g);
+        (height > 1.15 ? above_lit : below_lit) += static_cast<double>(lit[i].g);
     }
     EXPECT_GT(above, 0.85 * above_lit) << "of its own it keeps out of";
     EXPECT_LT(below, 0.35 * below_lit);
