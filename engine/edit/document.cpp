@@ -31,6 +31,12 @@ glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec
 
 }  // namespace
 
+std::optional<uint64_t> index_of(const ordered_json& value) {
+    if (value.is_number_unsigned()) return value.get<uint64_t>();
+    if (value.is_number_integer() && value.get<int64_t>() >= 0) return static_cast<uint64_t>(value.get<int64_t>());
+    return {};
+}
+
 ordered_json& node_of(StageFile& file, uint32_t node) {
     if (!file.json.contains("nodes") || node >= file.json["nodes"].size())
         throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
@@ -73,6 +79,14 @@ void forget_unused(StageFile& file, const char* name) {
             if (names[i] == name) names.erase(i);
         if (names.empty()) file.json.erase(list);
     }
+}
+
+std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
+    std::vector<uint32_t> family = {node};
+    for (size_t next = 0; next < family.size(); ++next)
+        for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
+            family.push_back(child.get<uint32_t>());
+    return family;
 }
 
 ordered_json& performer_of(StageFile& file, uint32_t node) {

@@ -4,7 +4,9 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "stage/stage_file.h"
 
@@ -26,6 +28,9 @@ std::string all_or_nothing(StageFile& file, const Edit& edit) {
     }
 }
 
+// An index as JSON has it; nothing where the value is none.
+std::optional<uint64_t> index_of(const ordered_json& value);
+
 // nodes[node]; throws InputError where it does not exist.
 ordered_json& node_of(StageFile& file, uint32_t node);
 // "\"anna\" (node 3)".
@@ -39,6 +44,9 @@ ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* n
 void remove_extension(ordered_json& owner, const char* name);
 // The document no longer says that it uses an extension that nothing has.
 void forget_unused(StageFile& file, const char* name);
+
+// The node and all below it, parents first.
+std::vector<uint32_t> family_of(const StageFile& file, uint32_t node);
 
 // The performer on a node; throws InputError where there is none.
 ordered_json& performer_of(StageFile& file, uint32_t node);

@@ -234,7 +234,6 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     other["channels"].push_back(channel);
     other["channels"][0]["sampler"] = 1;
     file.json["animations"].push_back(other);
-    (void)stage();
 
     const std::string said = remove_node(file, find_node(file, "Camera"));
     EXPECT_NE(said.find("ACME_fog"), std::string::npos) << said;
@@ -249,7 +248,7 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     EXPECT_EQ(file.json["animations"][0]["channels"].size(), 1u);
     EXPECT_EQ(file.json["animations"][0]["channels"][0]["target"]["node"], 3);
     EXPECT_EQ(file.json["animations"][0]["channels"][0]["sampler"], 0);
-    (void)stage();
+    file.json.erase("skins");  // without matrices, and nobody's
 
     remove_node(file, find_node(file, "Spot"));
     const Stage now = stage();
