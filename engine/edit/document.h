@@ -1,4 +1,7 @@
 // Inside of this room only: finding one's way in a stage's JSON.
+//
+// References into an ordered_json do not outlive a new member of an object that holds them, the document itself
+// included: declare_extension, scene_of and append_node come before references are taken.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -38,8 +41,10 @@ std::string title_of(const StageFile& file, uint32_t node);
 
 // owner.extensions[name], null where it is not there.
 ordered_json* find_extension(ordered_json& owner, const char* name);
-// The same, made where it is missing; the document then says that it uses it.
-ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* name);
+// The same, made where it is missing. The document must have been told: declare_extension.
+ordered_json& make_extension(const StageFile& file, ordered_json& owner, const char* name);
+// The document says that it uses it.
+void declare_extension(StageFile& file, const char* name);
 // Takes it away, and what is empty thereby.
 void remove_extension(ordered_json& owner, const char* name);
 // The document no longer says that it uses an extension that nothing has.

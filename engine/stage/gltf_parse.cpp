@@ -94,6 +94,9 @@ void check_types(const Source& source, const json& root) {
             if (!array[i].is_object() && !array[i].is_string())
                 throw InputError(source.file, fmt::format("/{}/{}", name, i), "is not an object");
     }
+    if (root.contains("scene"))
+        if (const std::string problem = type_problem(root["scene"], Member::kIndex); !problem.empty())
+            throw InputError(source.file, "/scene", problem);
     for (const MemberRule& rule : kRules) {
         const auto array = root.find(rule.array);
         if (array == root.end()) continue;

@@ -123,7 +123,7 @@ std::string laid_out(const ordered_json& value, const Style& style, bool lines, 
     std::string text(1, value.is_object() ? '{' : '[');
     bool first = true;
     for (auto part = value.begin(); part != value.end(); ++part) {
-        if (!first) text += broken || !lines ? "," : ", ";
+        if (!first) text += broken || !style.colon.ends_with(' ') ? "," : ", ";
         if (broken) text += style.newline + inner;
         if (value.is_object()) text += ordered_json(part.key()).dump() + style.colon;
         text += laid_out(*part, style, lines, inner);

@@ -369,6 +369,25 @@ TEST_F(Edits, NodesAreFoundByNameOrIndex) {
     expect_input_error([&] { find_node(file, ""); }, {"no node"});
 }
 
+// A plain scene has none of what operations hang on.
+TEST_F(Edits, PlainScenesBecomeStages) {
+    write_text(at("plain.gltf"), R"({"asset":{"version":"2.0"}})");
+    file = read_stage_file(at("plain.gltf"));
+    PerformerEdit edit;
+    edit.clip = at("anna.nvv");
+    add_performer(file, "eva", edit, {});
+    set_stage(file, {.duration_s = 3});
+    add_light(file, "key", {}, {});
+    duplicate_node(file, find_node(file, "eva"), {});
+    const Stage now = stage();
+    EXPECT_EQ(now.performers.size(), 2u);
+    EXPECT_EQ(now.duration_s, 3);
+    EXPECT_EQ(stage_at(now, 0).lights.size(), 1u);
+    EXPECT_EQ(file.json["extensionsUsed"].size(), 3u);
+    for (const char* name : {"eva", "eva 2", "key"}) remove_node(file, find_node(file, name));
+    EXPECT_EQ(file.json["extensionsUsed"], ordered_json::parse(R"(["NEUVV_stage"])"));
+}
+
 // Bad numbers are found before anything is saved.
 TEST_F(Edits, WhatCannotBeLoadedIsNotSound) {
     const ordered_json before = file.json;
