@@ -8,6 +8,7 @@
 #include "stage/stage.h"
 #include "tools/commands.h"
 #include "tools/options.h"
+#include "tools/report.h"
 #include "tools/stage_info.h"
 #include "tools/stage_options.h"
 #include "voctree/nvv.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gpu/device.h"
-#include "render/performer.h"
+#include "render/frame.h"
 #include "stage/stage_instant.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"

@@ -31,6 +31,12 @@ glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec
 
 }  // namespace
 
+std::optional<uint64_t> index_of(const ordered_json& value) {
+    if (value.is_number_unsigned()) return value.get<uint64_t>();
+    if (value.is_number_integer() && value.get<int64_t>() >= 0) return static_cast<uint64_t>(value.get<int64_t>());
+    return {};
+}
+
 ordered_json& node_of(StageFile& file, uint32_t node) {
     if (!file.json.contains("nodes") || node >= file.json["nodes"].size())
         throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
@@ -48,14 +54,17 @@ ordered_json* find_extension(ordered_json& owner, const char* name) {
     return extensions.contains(name) && extensions[name].is_object() ? &extensions[name] : nullptr;
 }
 
-ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* name) {
-    ordered_json& used = list_in(file.json, "extensionsUsed");
-    if (std::find(used.begin(), used.end(), ordered_json(name)) == used.end()) used.push_back(name);
+ordered_json& make_extension(const StageFile& file, ordered_json& owner, const char* name) {
     if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
     if (!owner["extensions"].is_object())
         throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
     if (ordered_json* found = find_extension(owner, name)) return *found;
     return owner["extensions"][name] = ordered_json::object();
+}
+
+void declare_extension(StageFile& file, const char* name) {
+    ordered_json& used = list_in(file.json, "extensionsUsed");
+    if (std::find(used.begin(), used.end(), ordered_json(name)) == used.end()) used.push_back(name);
 }
 
 void remove_extension(ordered_json& owner, const char* name) {
@@ -75,6 +84,14 @@ void forget_unused(StageFile& file, const char* name) {
     }
 }
 
+std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
+    std::vector<uint32_t> family = {node};
+    for (size_t next = 0; next < family.size(); ++next)
+        for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
+            family.push_back(child.get<uint32_t>());
+    return family;
+}
+
 ordered_json& performer_of(StageFile& file, uint32_t node) {
     ordered_json* performer = find_extension(node_of(file, node), "NEUVV_performer");
     if (!performer)
@@ -90,8 +107,7 @@ ordered_json& list_in(ordered_json& json, const char* name) {
 }
 
 ordered_json& scene_of(StageFile& file) {
-    ordered_json& scenes = list_in(file.json, "scenes");
-    if (scenes.empty()) {
+    if (list_in(file.json, "scenes").empty()) {
         std::set<uint64_t> children;
         ordered_json roots = ordered_json::array();
         const size_t count = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
@@ -100,21 +116,20 @@ ordered_json& scene_of(StageFile& file) {
                 children.insert(child.get<uint64_t>());
         for (size_t i = 0; i < count; ++i)
             if (!children.contains(i)) roots.push_back(i);
-        scenes.push_back(ordered_json::object());
-        if (!roots.empty()) scenes[0]["nodes"] = roots;
         file.json["scene"] = 0;
+        file.json["scenes"].push_back(ordered_json::object());
+        if (!roots.empty()) file.json["scenes"][0]["nodes"] = roots;
     }
     const size_t scene = file.json.value("scene", size_t{0});
-    if (scene >= scenes.size()) throw InputError(file.path.string(), "/scene", fmt::format("{} does not exist", scene));
-    return scenes[scene];
+    if (scene >= file.json["scenes"].size())
+        throw InputError(file.path.string(), "/scene", fmt::format("{} does not exist", scene));
+    return file.json["scenes"][scene];
 }
 
 uint32_t append_node(StageFile& file, ordered_json node) {
-    ordered_json& nodes = list_in(file.json, "nodes");
-    const auto index = static_cast<uint32_t>(nodes.size());
-    ordered_json& roots = list_in(scene_of(file), "nodes");
-    list_in(file.json, "nodes").push_back(std::move(node));
-    roots.push_back(index);
+    const auto index = static_cast<uint32_t>(list_in(file.json, "nodes").size());
+    list_in(scene_of(file), "nodes").push_back(index);
+    file.json["nodes"].push_back(std::move(node));
     return index;
 }
 

@@ -1,10 +1,15 @@
 // Inside of this room only: finding one's way in a stage's JSON.
+//
+// References into an ordered_json do not outlive a new member of an object that holds them, the document itself
+// included: declare_extension, scene_of and append_node come before references are taken.
 #pragma once
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "stage/stage_file.h"
 
@@ -26,6 +31,9 @@ std::string all_or_nothing(StageFile& file, const Edit& edit) {
     }
 }
 
+// An index as JSON has it; nothing where the value is none.
+std::optional<uint64_t> index_of(const ordered_json& value);
+
 // nodes[node]; throws InputError where it does not exist.
 ordered_json& node_of(StageFile& file, uint32_t node);
 // "\"anna\" (node 3)".
@@ -33,12 +41,17 @@ std::string title_of(const StageFile& file, uint32_t node);
 
 // owner.extensions[name], null where it is not there.
 ordered_json* find_extension(ordered_json& owner, const char* name);
-// The same, made where it is missing; the document then says that it uses it.
-ordered_json& make_extension(StageFile& file, ordered_json& owner, const char* name);
+// The same, made where it is missing. The document must have been told: declare_extension.
+ordered_json& make_extension(const StageFile& file, ordered_json& owner, const char* name);
+// The document says that it uses it.
+void declare_extension(StageFile& file, const char* name);
 // Takes it away, and what is empty thereby.
 void remove_extension(ordered_json& owner, const char* name);
 // The document no longer says that it uses an extension that nothing has.
 void forget_unused(StageFile& file, const char* name);
+
+// The node and all below it, parents first.
+std::vector<uint32_t> family_of(const StageFile& file, uint32_t node);
 
 // The performer on a node; throws InputError where there is none.
 ordered_json& performer_of(StageFile& file, uint32_t node);

@@ -13,15 +13,6 @@ namespace neuvv {
 
 namespace {
 
-// The node and all below it, parents first.
-std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
-    std::vector<uint32_t> family = {node};
-    for (size_t next = 0; next < family.size(); ++next)
-        for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
-            family.push_back(child.get<uint32_t>());
-    return family;
-}
-
 // What cannot be copied without moving the original, too.
 void expect_copyable(const StageFile& file, const std::vector<uint32_t>& family) {
     const std::string place = fmt::format("/nodes/{}", family[0]);
@@ -84,10 +75,11 @@ void copy_channels(StageFile& file, const std::map<uint32_t, uint32_t>& copies) 
         ordered_json added = ordered_json::array();
         for (const ordered_json& channel : animation.value("channels", ordered_json::array())) {
             if (!channel.contains("target") || !channel["target"].contains("node")) continue;
-            const ordered_json& target = channel["target"]["node"];
-            if (!target.is_number_unsigned() || !copies.contains(target.get<uint32_t>())) continue;
+            const std::optional<uint64_t> target = index_of(channel["target"]["node"]);
+            const auto copy = target ? copies.find(static_cast<uint32_t>(*target)) : copies.end();
+            if (copy == copies.end()) continue;
             added.push_back(channel);
-            added.back()["target"]["node"] = copies.at(target.get<uint32_t>());
+            added.back()["target"]["node"] = copy->second;
         }
         for (ordered_json& channel : added) animation["channels"].push_back(std::move(channel));
     }

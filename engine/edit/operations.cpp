@@ -85,6 +85,7 @@ void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edi
 }
 
 std::string edit_stage(StageFile& file, const StageEdit& edit) {
+    declare_extension(file, kStageExtension);
     ordered_json& stage = make_extension(file, scene_of(file), kStageExtension);
     std::vector<std::string> changes;
     const auto put = [&](const char* name, const auto& value) {
@@ -169,6 +170,7 @@ std::string add_performer(StageFile& file, const std::string& name, const Perfor
     const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", free_name(file, wanted)}});
+        declare_extension(file, kPerformerExtension);
         std::vector<std::string> changes;
         edit_performer(file, make_extension(file, node_of(file, node), kPerformerExtension), edit, changes);
         return "added " + place_node(file, node, placement) + ", " + with_commas(changes);

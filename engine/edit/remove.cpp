@@ -38,13 +38,12 @@ void erase_elements(ordered_json& owner, const char* list, const Indices& gone) 
 
 // An index of a list that was renumbered; taken out of its owner where what it names is gone.
 void renumber_member(ordered_json& owner, const char* name, const std::vector<int64_t>& where) {
-    if (!owner.contains(name) || !owner[name].is_number_unsigned()) return;
-    const auto index = owner[name].get<uint64_t>();
-    if (index >= where.size()) return;
-    if (where[index] < 0)
+    const std::optional<uint64_t> index = owner.contains(name) ? index_of(owner[name]) : std::nullopt;
+    if (!index || *index >= where.size()) return;
+    if (where[*index] < 0)
         owner.erase(name);
-    else if (where[index] != static_cast<int64_t>(index))
-        owner[name] = static_cast<uint64_t>(where[index]);
+    else
+        owner[name] = static_cast<uint64_t>(where[*index]);
 }
 
 void renumber_list(ordered_json& owner, const char* name, const std::vector<int64_t>& where) {
@@ -52,12 +51,12 @@ void renumber_list(ordered_json& owner, const char* name, const std::vector<int6
     Indices gone;
     for (size_t i = 0; i < owner[name].size(); ++i) {
         ordered_json& entry = owner[name][i];
-        if (!entry.is_number_unsigned() || entry.get<uint64_t>() >= where.size()) continue;
-        const int64_t to = where[entry.get<uint64_t>()];
-        if (to < 0)
+        const std::optional<uint64_t> index = index_of(entry);
+        if (!index || *index >= where.size()) continue;
+        if (where[*index] < 0)
             gone.insert(i);
-        else if (entry != to)
-            entry = static_cast<uint64_t>(to);
+        else
+            entry = static_cast<uint64_t>(where[*index]);
     }
     erase_elements(owner, name, gone);
 }
@@ -68,23 +67,10 @@ void for_each(ordered_json& json, const char* list, const std::function<void(ord
             if (element.is_object()) visit(element);
 }
 
-Indices family_of(const StageFile& file, uint32_t node) {
-    Indices family = {node};
-    std::vector<uint64_t> open = {node};
-    while (!open.empty()) {
-        const uint64_t next = open.back();
-        open.pop_back();
-        for (const ordered_json& child : file.json["nodes"][next].value("children", ordered_json::array()))
-            if (family.insert(child.get<uint64_t>()).second) open.push_back(child.get<uint64_t>());
-    }
-    return family;
-}
-
 // The index that a node holds: of its own member, or of its light.
 std::optional<uint64_t> held_index(ordered_json& node, const char* name) {
     ordered_json* owner = name == std::string("light") ? find_extension(node, kLightsExtension) : &node;
-    if (!owner || !owner->contains(name) || !(*owner)[name].is_number_unsigned()) return {};
-    return (*owner)[name].get<uint64_t>();
+    return owner && owner->contains(name) ? index_of((*owner)[name]) : std::nullopt;
 }
 
 // What nodes of the family hold and no other node.
@@ -101,11 +87,10 @@ void expect_no_joint(const StageFile& file, const Indices& family, const Indices
     for (size_t s = 0; s < size_of(file.json, "skins"); ++s) {
         if (skins.contains(s)) continue;
         for (const ordered_json& joint : file.json["skins"][s].value("joints", ordered_json::array()))
-            if (joint.is_number_unsigned() && family.contains(joint.get<uint64_t>()))
-                throw InputError(
-                    file.path.string(), fmt::format("/skins/{}", s),
-                    fmt::format("node {} is a joint of it, and moves a mesh that stays", joint.get<uint64_t>()),
-                    "remove that mesh first");
+            if (const auto index = index_of(joint); index && family.contains(*index))
+                throw InputError(file.path.string(), fmt::format("/skins/{}", s),
+                                 fmt::format("node {} is a joint of it, and moves a mesh that stays", *index),
+                                 "remove that mesh first");
     }
 }
 
@@ -115,8 +100,7 @@ bool prune_animation(ordered_json& animation, const std::vector<int64_t>& where)
     ordered_json& channels = animation["channels"];
     Indices gone, used_before, used;
     for (size_t i = 0; i < channels.size(); ++i) {
-        if (channels[i].contains("sampler") && channels[i]["sampler"].is_number_unsigned())
-            used_before.insert(channels[i]["sampler"].get<uint64_t>());
+        if (const auto sampler = index_of(channels[i].value("sampler", ordered_json()))) used_before.insert(*sampler);
         if (!channels[i].contains("target") || !channels[i]["target"].contains("node")) continue;
         renumber_member(channels[i]["target"], "node", where);
         if (!channels[i]["target"].contains("node")) gone.insert(i);
@@ -125,8 +109,7 @@ bool prune_animation(ordered_json& animation, const std::vector<int64_t>& where)
     erase_elements(animation, "channels", gone);
     if (!animation.contains("channels")) return true;
     for_each(animation, "channels", [&](ordered_json& channel) {
-        if (channel.contains("sampler") && channel["sampler"].is_number_unsigned())
-            used.insert(channel["sampler"].get<uint64_t>());
+        if (const auto sampler = index_of(channel.value("sampler", ordered_json()))) used.insert(*sampler);
     });
     for (const uint64_t index : used) used_before.erase(index);
     const std::vector<int64_t> samplers = renumbering(size_of(animation, "samplers"), used_before);
@@ -185,7 +168,8 @@ std::string doubtful_extensions(const StageFile& file) {
 std::string remove_node(StageFile& file, uint32_t node) {
     node_of(file, node);
     const std::string title = title_of(file, node);
-    const Indices family = family_of(file, node);
+    const std::vector<uint32_t> nodes = family_of(file, node);
+    const Indices family(nodes.begin(), nodes.end());
     const Indices skins = only_used_by(file, family, "skin"), meshes = only_used_by(file, family, "mesh"),
                   cameras = only_used_by(file, family, "camera"), lights = only_used_by(file, family, "light");
     expect_no_joint(file, family, skins);

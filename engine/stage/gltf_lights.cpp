@@ -54,8 +54,7 @@ GltfLight light_of(const GltfScene& scene, const tinygltf::Value& source, const 
     light.range_m = number(scene, source, place, "range", 1e-6, 1e9, 0);
     if (light.kind != GltfLightKind::kSpot) return light;
     const std::string at = place + "/spot";
-    if (!source.Has("spot") || !source.Get("spot").IsObject()) throw InputError(scene.file, at, "is not an object");
-    const tinygltf::Value& spot = source.Get("spot");
+    const tinygltf::Value& spot = source.Get("spot");  // there, says tinygltf, which reads {} as nothing
     light.outer_cone_rad =
         number(scene, spot, at, "outerConeAngle", 1e-4, std::numbers::pi / 2 + 1e-6, std::numbers::pi / 4);
     light.inner_cone_rad = number(scene, spot, at, "innerConeAngle", 0, std::numbers::pi / 2 + 1e-6, 0);

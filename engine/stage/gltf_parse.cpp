@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "stage/gltf_container.h"
+#include "stage/json_splice.h"
 #include "stage/stage_file.h"
 
 namespace neuvv {
@@ -25,26 +26,6 @@ struct Source {
     size_t json_begin = 0;
     size_t json_size = 0;
 };
-
-// tinygltf walks extras and extensions recursively: a deep file would overflow the stack.
-void check_depth(const Source& source) {
-    int depth = 0;
-    bool in_string = false;
-    for (size_t i = source.json_begin; i < source.json_begin + source.json_size; ++i) {
-        const auto c = static_cast<char>(source.bytes[i]);
-        if (in_string) {
-            if (c == '\\') ++i;
-            if (c == '"') in_string = false;
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '[' || c == '{') {
-            if (++depth > kMaxJsonDepth)
-                throw InputError(source.file, "", fmt::format("JSON nests deeper than {} levels", kMaxJsonDepth));
-        } else if (c == ']' || c == '}') {
-            --depth;
-        }
-    }
-}
 
 // tinygltf takes a default, silently, where a member has the wrong type. So types are checked here.
 enum class Member { kIndex, kSize, kNumber, kNumbers };
@@ -113,6 +94,9 @@ void check_types(const Source& source, const json& root) {
             if (!array[i].is_object() && !array[i].is_string())
                 throw InputError(source.file, fmt::format("/{}/{}", name, i), "is not an object");
     }
+    if (root.contains("scene"))
+        if (const std::string problem = type_problem(root["scene"], Member::kIndex); !problem.empty())
+            throw InputError(source.file, "/scene", problem);
     for (const MemberRule& rule : kRules) {
         const auto array = root.find(rule.array);
         if (array == root.end()) continue;
@@ -232,11 +216,12 @@ void check_extensions(const Source& source, const json& root) {
 }
 
 void check_json(const Source& source) {
-    check_depth(source);
+    const std::string_view text(reinterpret_cast<const char*>(source.bytes.data()) + source.json_begin,
+                                source.json_size);
+    expect_shallow_json(text, source.file);  // tinygltf walks extras and extensions recursively
     json root;
     try {
-        const char* text = reinterpret_cast<const char*>(source.bytes.data()) + source.json_begin;
-        root = json::parse(text, text + source.json_size);
+        root = json::parse(text);
     } catch (const json::exception& error) {
         throw InputError(source.file, "", fmt::format("JSON: {}", error.what()));
     }

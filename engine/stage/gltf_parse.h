@@ -20,12 +20,10 @@
 
 namespace neuvv {
 
-// Promises beyond tinygltf's: the container is whole, JSON nests at most kMaxJsonDepth deep, integers and number lists
-// that we read are of that type, every buffer view lies inside its buffer, URIs stay in the file's folder. Images of
-// files and data URIs are left encoded in Image::image; those in buffer views are not copied.
+// Promises beyond tinygltf's: the container is whole, JSON nests at most kMaxJsonNesting (json_splice.h) deep, integers
+// and number lists that we read are of that type, every buffer view lies inside its buffer, URIs stay in the file's
+// folder. Images of files and data URIs are left encoded in Image::image; those in buffer views are not copied.
 tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
-
-constexpr int kMaxJsonDepth = 64;
 
 // Accessors, read with every bound checked.
 struct AccessorReader {

@@ -123,7 +123,7 @@ std::string laid_out(const ordered_json& value, const Style& style, bool lines, 
     std::string text(1, value.is_object() ? '{' : '[');
     bool first = true;
     for (auto part = value.begin(); part != value.end(); ++part) {
-        if (!first) text += broken || !lines ? "," : ", ";
+        if (!first) text += broken || !style.colon.ends_with(' ') ? "," : ", ";
         if (broken) text += style.newline + inner;
         if (value.is_object()) text += ordered_json(part.key()).dump() + style.colon;
         text += laid_out(*part, style, lines, inner);
@@ -264,8 +264,9 @@ size_t root_of(std::string_view text) {
     return skip_space(text, text.starts_with("\xef\xbb\xbf") ? 3 : 0);
 }
 
-// Before the parser, which is as deep as the text.
-void expect_shallow(std::string_view text, const std::string& file) {
+}  // namespace
+
+void expect_shallow_json(std::string_view text, const std::string& file) {
     int depth = 0;
     for (size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
@@ -281,10 +282,8 @@ void expect_shallow(std::string_view text, const std::string& file) {
     }
 }
 
-}  // namespace
-
 ordered_json parse_document(std::string_view text, const std::string& file) {
-    expect_shallow(text, file);
+    expect_shallow_json(text, file);
     std::vector<std::set<std::string>> keys(kMaxJsonNesting + 2);  // of the object at each depth
     const auto check = [&](int depth, ordered_json::parse_event_t event, ordered_json& parsed) {
         const auto level = static_cast<size_t>(depth);

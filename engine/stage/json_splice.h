@@ -15,6 +15,9 @@ namespace neuvv {
 constexpr int kMaxJsonNesting = 64;
 constexpr size_t kMaxJsonMembers = 4096;
 
+// Before a parser, which is as deep as the text. Throws InputError naming `file`.
+void expect_shallow_json(std::string_view text, const std::string& file);
+
 // What the text says. Throws InputError naming `file` for what is no JSON, no UTF-8, nests too deep or says one member
 // twice, of which programs take either.
 nlohmann::ordered_json parse_document(std::string_view text, const std::string& file);

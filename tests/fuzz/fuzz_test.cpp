@@ -39,6 +39,26 @@ TEST(Fuzz, LoadedCamerasMustBeSound) {
     EXPECT_NE(complaint(), "");
 }
 
+TEST(Fuzz, LoadedStagesMustBeSound) {
+    Stage stage;
+    stage.file = make_stage_file("s.gltf", "{}");
+    stage.clips.resize(1);
+    stage.performers.resize(1);
+    stage.scene.nodes.resize(1);
+    stage.scene.order = {0};
+    const auto complaint = [&] { return fuzz::complaint_about_stage([&] { return stage; }); };
+    EXPECT_EQ(complaint(), "");
+    stage.performers[0].settings.opacity = std::nan("");
+    EXPECT_NE(complaint(), "");
+    stage.performers[0].settings.opacity = 1;
+    stage.performers[0].timeline.frames = 30;  // of a clip of one frame
+    EXPECT_NE(complaint(), "");
+    stage.performers.clear();
+    stage.file.json["edited"] = true;
+    EXPECT_NE(complaint(), "");
+    EXPECT_NE(fuzz::complaint_about_stage([]() -> Stage { throw std::bad_alloc(); }), "");
+}
+
 TEST(Fuzz, ASeedFixesTheDamage) {
     const std::string whole = "K_01: [90.0, 0, 31.0]\nnames: [\"01\"]\n";
     const std::vector<std::string> others = {whole, "another file"};

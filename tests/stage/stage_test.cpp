@@ -191,6 +191,8 @@ TEST_F(Stages, HostileOnesAreRefusedInALine) {
     expect_refused("\"directional\"", "\"laser\"", {"lights/1/type"});
     expect_refused("\"innerConeAngle\" : 0.3", "\"innerConeAngle\":0.7", {"lights/0/spot", "innerConeAngle"});
     expect_refused("\"outerConeAngle\" : 0.60", "\"outerConeAngle\":2", {"outerConeAngle"});
+    expect_refused("\"scene\" : 0", "\"scene\":true", {"/scene", "index"});
+    expect_refused("\"scene\" : 0", "\"scene\":7", {"/scene", "7"});
     expect_refused("\"camera\" : 0", "\"camera\":1", {"/nodes/1/camera"});
     expect_refused("\"camera\" : 0", "\"camera\":\"a\"", {"/nodes/1/camera"});
     expect_refused("\"yfov\" : 0.8", "\"yfov\":4", {"/cameras/0/perspective/yfov"});

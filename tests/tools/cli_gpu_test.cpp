@@ -296,5 +296,24 @@ TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {
     EXPECT_NE(result.out.find("\"height\": 32"), std::string::npos) << result.out;
 }
 
+// Copies share their clip: they take nothing more.
+TEST_F(CliGpu, StageInfoMeasuresEachClipOnce) {
+    const std::string show = file("show.gltf");
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "anna"}).code, 0);
+    const auto bytes = [&](const std::string& budget) {
+        const ProgramResult result = run_neuvv({"stage", "info", show, "--memory", "--json", "--slice-budget", budget});
+        EXPECT_EQ(result.code, 0) << result.err;
+        const auto json = nlohmann::json::parse(result.out);
+        EXPECT_EQ(json.at("clips").size(), 1u);
+        return json.at("device_bytes").get<uint64_t>();
+    };
+    const uint64_t one = bytes("256");
+    EXPECT_GT(one, tree.leaf_count * tree.weights_per_leaf() * 2u) << "weights in half precision at least";
+    EXPECT_LT(bytes("0"), one) << "no slices";
+    ASSERT_EQ(run_neuvv({"stage", "duplicate", show, "anna", "--count", "9", "--row", "1"}).code, 0);
+    EXPECT_EQ(bytes("256"), one);
+}
+
 }  // namespace
 }  // namespace neuvv
