@@ -13,7 +13,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr uint32_t kMaxScopes = 6 * kMaxInstances + 64;  // three of a slice, three of an instance, and the rest
+constexpr uint32_t kMaxScopes = 8 * kMaxInstances + 64;  // five of a slice, three of an instance, and the rest
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
 uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
@@ -127,6 +127,7 @@ FrameRenderer::FrameRenderer(const Device& device, const Field& field, const Fra
     : device_(device),
       field_(field),
       capacity_(capacity),
+      paints_(device, field),
       rays_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity)),
       ranges_(device, rays_.tile_capacity, largest(capacity).picture_tiles(), rays_.camera_capacity),
       picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
@@ -151,6 +152,7 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
             throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
                                              camera.height, settings.width, settings.height));
     assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
+    assert(!is_reference(settings.mode) || settings.instances[0].paint == 0);
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
@@ -210,6 +212,7 @@ void FrameRenderer::place_instance(std::span<const Camera> cameras, const FrameS
                                    const Instance& instance) {
     DrawnInstance drawn;
     drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field_.frames - 1));
+    drawn.paint = instance.paint;
     drawn.first_camera = layout_.views * (static_cast<uint32_t>(drawn_.size()) + 1);
     drawn.shading = settings.mode == TraceMode::kTree ? Shading::kPerRay : Shading::kPerLeaf;
     const double pixel_rays = settings.samples * settings.scale;  // along each side
@@ -239,9 +242,9 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         case TraceMode::kShaded:
         case TraceMode::kTree:
             if (!performer_)
-                performer_ = std::make_unique<Performer>(device_, field_, rays_, ranges_, capacity_.views,
+                performer_ = std::make_unique<Performer>(device_, field_, paints_, rays_, ranges_, capacity_.views,
                                                          capacity_.slice_budget);
-            performer_->prepare(drawn_, settings.next_frames);
+            performer_->prepare(drawn_, settings.next_slices);
             break;
         case TraceMode::kSlice:
             if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);

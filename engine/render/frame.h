@@ -27,9 +27,9 @@ struct FrameSettings {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
     double scale = 1;      // below 1: so many rays a pixel along each side, upscaled; samples must be 1, no reference
-    std::vector<Fovea> foveae;       // one a view, or none; as scale
-    std::vector<float> next_frames;  // of the clip, that will be shown next, the first first: built ahead,
-    uint32_t parts_ahead = 2;        // so many of kSliceParts parts a slice with each picture
+    std::vector<Fovea> foveae;          // one a view, or none; as scale
+    std::vector<SliceKey> next_slices;  // that will be shown next, the first first: built ahead,
+    uint32_t parts_ahead = 2;           // so many of kSliceParts parts a slice with each picture
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
     float stop = kStopTransmittance;
@@ -70,6 +70,9 @@ class FrameRenderer {
     std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 
+    // What instances may be painted with.
+    Paints& paints() { return paints_; }
+
     // The next picture slices anew, as if no frame had been shown yet (for measuring).
     void forget_slices();
 
@@ -99,6 +102,7 @@ class FrameRenderer {
     const Device& device_;
     const Field& field_;
     FrameCapacity capacity_;
+    Paints paints_;
     RayBatch rays_;
     TileRanges ranges_;
     Buffer picture_, readback_;

@@ -24,9 +24,10 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
-SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                     const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget)
-    : cache(device, field, live, entries, slice_budget),
+SlicePath::SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
+                     const RayBatch& rays, const TileRanges& ranges, uint32_t views, uint32_t entries,
+                     uint64_t slice_budget)
+    : cache(device, field, live, paints, entries, slice_budget),
       shaded(shaded_entries(device, cache.trees().capacity, views)),
       shader(device, field, cache.trees(), shaded),
       ranger(device, field, &cache.trees(), rays, ranges),
@@ -40,10 +41,11 @@ InstanceDirectPath::InstanceDirectPath(const Device& device, const Field& field,
       ranger(device, field, nullptr, rays, ranges),
       tracer(device, field, live, rays, Walk::kDown, &ranges) {}
 
-Performer::Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges,
-                     uint32_t views, uint64_t slice_budget)
+Performer::Performer(const Device& device, const Field& field, const Paints& paints, const RayBatch& rays,
+                     const TileRanges& ranges, uint32_t views, uint64_t slice_budget)
     : device_(device),
       field_(field),
+      paints_(paints),
       rays_(rays),
       ranges_(ranges),
       views_(views),
@@ -53,17 +55,42 @@ Performer::Performer(const Device& device, const Field& field, const RayBatch& r
 }
 
 void Performer::make_slices(uint32_t entries) {
-    slices_ = std::make_unique<SlicePath>(device_, field_, live_, rays_, ranges_, views_, entries, slice_budget_);
+    slices_ =
+        std::make_unique<SlicePath>(device_, field_, live_, paints_, rays_, ranges_, views_, entries, slice_budget_);
+    paints_sliced_ = paints_.count();
 }
 
-void Performer::prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames) {
-    bool all_sliced = slices_ != nullptr;
+// Slices where paint needs one, and more of them where there are more paints than they were made for.
+void Performer::make_room(bool any_painted) {
+    if (!slices_ && any_painted) {
+        direct_.reset();  // it has the live leaves
+        live_ = LiveLeaves(device_, field_, field_.leaf_count);
+        make_slices(likely_entries(field_));
+    }
+    if (!slices_ || paints_.count() <= paints_sliced_) return;
+    const SliceTrees& trees = slices_->cache.trees();
+    const bool all_of_clip = trees.slices >= (1 + paints_sliced_) * field_.frames;  // there may be budget for more
+    const uint32_t entries = trees.capacity;
+    paints_sliced_ = paints_.count();
+    if (!all_of_clip || slice_bytes(field_, entries) * (trees.slices + uint64_t{1}) > slice_budget_) return;
+    slices_.reset();  // before there are others
+    make_slices(entries);
+}
+
+void Performer::prepare(std::span<const DrawnInstance> instances, std::span<const SliceKey> next) {
+    asked_.clear();
+    for (const DrawnInstance& instance : instances) asked_.push_back({instance.frame, instance.paint});
+    const auto is_painted = [](const SliceKey& key) { return key.paint != 0; };
+    make_room(std::any_of(asked_.begin(), asked_.end(), is_painted));
+    bool all_kept = slices_ != nullptr, all_sliced = all_kept;
     if (slices_) {
-        asked_.clear();
-        for (const DrawnInstance& instance : instances) asked_.push_back(instance.frame);
         slices_->cache.ask(asked_);
-        for (const float frame : asked_) all_sliced &= slices_->cache.find(frame).has_value();
-        if (all_sliced) slices_->cache.ask_ahead(next_frames);  // else there is no room, and live leaves serve others
+        for (const SliceKey& key : asked_) {
+            const bool kept = slices_->cache.find(key).has_value();
+            all_kept &= kept;
+            all_sliced &= kept || is_painted(key);
+        }
+        if (all_kept) slices_->cache.ask_ahead(next);  // else there is no room, and live leaves serve others
     }
     if (!all_sliced && !direct_) direct_ = std::make_unique<InstanceDirectPath>(device_, field_, live_, rays_, ranges_);
 }
@@ -93,8 +120,9 @@ void record_slices_ahead(Commands& commands, Performer& performer, uint32_t part
 
 void record_instance(Commands& commands, const Performer& performer, const DrawnInstance& instance,
                      const ViewLayout& layout, float stop) {
-    const SlicePath* path = performer.slices();
-    const std::optional<uint32_t> slice = path ? path->cache.find(instance.frame) : std::nullopt;
+    SlicePath* path = performer.slices();
+    const std::optional<uint32_t> slice =
+        path ? record_slice_of(commands, path->cache, {instance.frame, instance.paint}) : std::nullopt;
     if (!slice) {
         const InstanceDirectPath& direct = *performer.direct();
         record_rows(commands, direct.finder, instance.frame);

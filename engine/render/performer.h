@@ -14,6 +14,7 @@ namespace neuvv {
 struct Instance {
     float frame = 0;                    // 0..frames−1, fractions allowed
     glm::mat4 world_from_performer{1};  // affine and invertible
+    uint32_t paint = 0;                 // of its field's Paints; 0: none
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
@@ -23,6 +24,7 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays);
 // How an instance is drawn in one frame.
 struct DrawnInstance {
     float frame = 0;
+    uint32_t paint = 0;
     Shading shading = Shading::kPerRay;
     uint32_t first_camera = 0;  // in ray batch and ranges
     uint32_t range_level = 0;   // of nodes that tile ranges look at
@@ -30,8 +32,8 @@ struct DrawnInstance {
 
 // By slices.
 struct SlicePath {
-    SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-              const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget);
+    SlicePath(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
+              const RayBatch& rays, const TileRanges& ranges, uint32_t views, uint32_t entries, uint64_t slice_budget);
     SliceCache cache;
     Buffer shaded;
     Shader shader;
@@ -51,13 +53,14 @@ struct InstanceDirectPath {
 
 class Performer {
   public:
-    // For at most so many views. All must outlive it. A budget of 0 bytes: no slice at all, else one at least.
-    Performer(const Device& device, const Field& field, const RayBatch& rays, const TileRanges& ranges, uint32_t views,
-              uint64_t slice_budget);
+    // For at most so many views. All must outlive it. A budget of 0 bytes: no slice at all, but one once a painted
+    // instance is drawn, as without a slice none shows its paint; else one at least.
+    Performer(const Device& device, const Field& field, const Paints& paints, const RayBatch& rays,
+              const TileRanges& ranges, uint32_t views, uint64_t slice_budget);
 
-    // Before a picture is recorded: its instances, those first that shall rather have a slice, and the frames that will
+    // Before a picture is recorded: its instances, those first that shall rather have a slice, and the slices that will
     // be shown next. Makes what is missing on the device.
-    void prepare(std::span<const DrawnInstance> instances, std::span<const float> next_frames = {});
+    void prepare(std::span<const DrawnInstance> instances, std::span<const SliceKey> next = {});
     // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
     // picture must be prepared and recorded anew.
     bool enlarge_slices();
@@ -69,8 +72,10 @@ class Performer {
 
   private:
     void make_slices(uint32_t entries);
+    void make_room(bool any_painted);
     const Device& device_;
     const Field& field_;
+    const Paints& paints_;
     const RayBatch& rays_;
     const TileRanges& ranges_;
     uint32_t views_;
@@ -78,7 +83,8 @@ class Performer {
     LiveLeaves live_;
     std::unique_ptr<SlicePath> slices_;
     std::unique_ptr<InstanceDirectPath> direct_;  // made when first needed
-    std::vector<float> asked_;
+    std::vector<SliceKey> asked_;
+    size_t paints_sliced_ = 0;  // how many paints the slices were made for
 };
 
 // The slices of prepared instances.
