@@ -1,5 +1,5 @@
-// The colour of a leaf under paint (errata 14). What is painted is the leaf's mean colour c = sigmoid(k_00 Y_00): each layer
-// takes it a part w = opacity · alpha of the way to
+// The colour of a leaf under paint (errata 14). What is painted is the leaf's mean colour c = sigmoid(k_00 Y_00): each
+// layer takes it a part w = opacity · alpha of the way to
 //   normal    g, the target
 //   multiply  c g
 //   tint      c g, made as bright as c: as if lit by g

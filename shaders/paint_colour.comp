@@ -1,6 +1,6 @@
 // Paint on a slice, second half: the colours, in the entries of the slice tree (paint.glsl).
-// Reads edits and the nodes that their leaves stand in; reads and writes (n_max+1)² texels of an entry. One thread a painted
-// leaf. Bound by memory: 20 bytes an edit, 16·(n_max+1)² + 32 a leaf whose colour changes.
+// Reads edits and the nodes that their leaves stand in; reads and writes (n_max+1)² texels of an entry. One thread a
+// painted leaf. Bound by memory: 20 bytes an edit, 16·(n_max+1)² + 32 a leaf whose colour changes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/paint.h"

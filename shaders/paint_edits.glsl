@@ -1,5 +1,5 @@
-// The edits of one leaf (shared/paint.h). The includer binds the utextureBuffers `painted_leaves`, `edits`, `edit_sigmas` and
-// `layers`, and pushes a PaintPush.
+// The edits of one leaf (shared/paint.h). The includer binds the utextureBuffers `painted_leaves`, `edits`,
+// `edit_sigmas` and `layers`, and pushes a PaintPush.
 #ifndef NEUVV_PAINT_EDITS_GLSL
 #define NEUVV_PAINT_EDITS_GLSL
 

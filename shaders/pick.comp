@@ -1,7 +1,7 @@
-// Pick: for each ray the leaf of a slice tree in which its transmittance first falls to what is asked for, and how far that
-// is: T exp(−σ s) = T_wanted inside the leaf (errata 14).
-// Reads nodes and first entries; writes a Pick a ray. One thread a ray. Bound by the walk: two dependent fetches a node, one
-// a sample.
+// Pick: for each ray the leaf of a slice tree in which its transmittance first falls to what is asked for, and how
+// far that is: T exp(−σ s) = T_wanted inside the leaf (errata 14).
+// Reads nodes and first entries; writes a Pick a ray. One thread a ray. Bound by the walk: two dependent fetches a
+// node, one a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/pick.h"

@@ -11,6 +11,7 @@
 #include "media/video.h"
 #include "render/frame.h"
 #include "tools/commands.h"
+#include "tools/paint_layers.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
@@ -25,6 +26,7 @@ constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
+    std::vector<std::string> paint;
     std::optional<double> fps;  // the clip's where not given
     uint32_t samples = kDefaultSamples;
     double scale = 1;
@@ -93,6 +95,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     prepare_output_file("--output", output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
     const VOctree tree = read_nvv(options.scene);
+    const PaintStack paint = read_paint_stack(options.paint, painted_field(tree));
     const Playback playback{parse_frame_range(options.frames, tree.frames), double{tree.fps},
                             options.fps.value_or(double{tree.fps})};
     std::vector<ViewStep> path = view_path(options, tree, playback, wanted);
@@ -110,6 +113,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
     const uint32_t samples = options.scale < 1 ? 1 : options.samples;
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     FrameRenderer renderer(device, field, {size.width, size.height, samples, 1, slice_bytes});
+    const uint32_t painted = paint.uses.empty() ? 0 : renderer.paints().add(paint.uses);
     PictureSink sink(output, size, playback.output_fps);
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
@@ -122,6 +126,7 @@ Totals render(const RenderOptions& options, const CommonOptions& common) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
         FrameSettings settings;
         settings.instances[0].frame = static_cast<float>(path[i].frame);
+        settings.instances[0].paint = painted;
         settings.width = size.width;
         settings.height = size.height;
         settings.samples = samples;
@@ -183,11 +188,16 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                         "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
             ->check(number_between(0.1, 1))
             ->excludes(samples);
+    CLI::Option* paint = verb.add_option("--paint", options.paint,
+                                         "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
+                                         "first; normal, multiply, tint or recolour")
+                             ->delimiter(',');
     add_slice_budget_option(verb, options.slice_budget_mb);
     CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
     verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
-        ->excludes(scale);
+        ->excludes(scale)
+        ->excludes(paint);
     verb.add_flag("--json", options.json, "Print JSON: output, pictures, width, height, fps, gpu_seconds, ...");
 }
 

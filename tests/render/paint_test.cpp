@@ -249,6 +249,41 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
         RuntimeFailure);
 }
 
+// All leaves live at once, of which hardly any did: more than slices have room for at first, wherever they are built.
+TEST_F(PaintTest, RevivedLeavesFindRoom) {
+    VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    PaintLayer layer{painted_field(tree), {}};
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        layer.edits.push_back({leaf, 2, 3, {0, leaf % 2 ? 1.0f : 0.5f, 0}, 0.5f, 2});
+    std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 2.5);
+    reference::paint(slices, 1, {{&layer}}, 2.5);
+    const Camera camera = look_at({0.2, 1.5, 5}, {0, 0.4, 0}, kWidth, kHeight, 1.0);
+    Traced truth;
+    for (uint32_t y = 0; y < kHeight; y++)
+        for (uint32_t x = 0; x < kWidth; x++) {
+            const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y));
+            truth.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
+            truth.depth.push_back(static_cast<float>(ray.depth_m));
+        }
+    for (const uint64_t budget : {kSliceBudget, uint64_t{0}}) {
+        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+        const PaintUse use{&layer};
+        const uint32_t paint = renderer.paints().add({&use, 1});
+        FrameSettings settings = settings_of({{2.5f, glm::mat4(1), paint}});
+        settings.stop = 0;
+        renderer.render(camera, settings);
+        const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
+        EXPECT_LE(found.steps, kHalfSteps);
+        EXPECT_GT(found.alpha_mean, 0.1);
+        EXPECT_GT(renderer.performer()->slices()->cache.trees().capacity, tree.leaf_count);
+        settings.instances[0].frame = 3.5f;
+        renderer.render(camera, settings);
+        EXPECT_EQ(renderer.radiance(), std::vector<glm::vec4>(size_t{kWidth} * kHeight)) << "past its last frame";
+    }
+}
+
 TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     const Copies copies;
     const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
