@@ -10,11 +10,11 @@ namespace neuvv {
 
 namespace {
 
-std::optional<PaintBlend> blend_of(const std::string& name) {
-    if (name == "normal") return PaintBlend::kNormal;
-    if (name == "multiply") return PaintBlend::kMultiply;
-    if (name == "tint") return PaintBlend::kTint;
-    if (name == "recolour") return PaintBlend::kRecolour;
+std::optional<BlendMode> blend_of(const std::string& name) {
+    if (name == "normal") return BlendMode::kNormal;
+    if (name == "multiply") return BlendMode::kMultiply;
+    if (name == "tint") return BlendMode::kTint;
+    if (name == "recolour") return BlendMode::kRecolour;
     return std::nullopt;
 }
 
@@ -34,7 +34,7 @@ std::optional<std::string> last_part(const std::string& text) {
 
 }  // namespace
 
-PaintBlend parse_blend(const std::string& option, const std::string& text) {
+BlendMode parse_blend(const std::string& option, const std::string& text) {
     if (const auto blend = blend_of(text)) return *blend;
     throw InputError(option, text, "is no blend", "write normal, multiply, tint or recolour");
 }

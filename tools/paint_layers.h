@@ -10,7 +10,7 @@ namespace neuvv {
 
 // Layers that are read, and how they show.
 struct PaintStack {
-    std::vector<PaintLayer> layers;
+    std::vector<EditLayer> layers;
     std::vector<PaintUse> uses;  // of them, the lowest first
 };
 
@@ -19,6 +19,6 @@ struct PaintStack {
 PaintStack read_paint_stack(const std::vector<std::string>& names, const PaintedField& field);
 
 // normal, multiply, tint, recolour.
-PaintBlend parse_blend(const std::string& option, const std::string& text);
+BlendMode parse_blend(const std::string& option, const std::string& text);
 
 }  // namespace neuvv

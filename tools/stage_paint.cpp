@@ -136,7 +136,7 @@ struct Easel {
     }
     VOctree tree;
     Canvas canvas;
-    PaintLayer layer;
+    EditLayer layer;
 };
 
 // The scene on the device, as the layer paints it, to be picked on.
@@ -154,16 +154,16 @@ struct PickedScene {
     std::vector<float> sigma;
 };
 
-std::vector<PaintEdit> projected(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
+std::vector<LeafEdit> projected(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
     const Image image = read_png(options.image);
     const Camera camera = camera_of(options, easel.tree, {image.width, image.height});
     PickedScene scene(easel, options, common);
-    std::vector<PaintEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
-    for (PaintEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
+    std::vector<LeafEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
+    for (LeafEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
     return edits;
 }
 
-std::vector<PaintEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
+std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
     std::vector<glm::dvec2> pixels;
     for (const std::string& text : options.line) {
         const Numbers at = parse_numbers("--line", text, 2);
@@ -178,13 +178,13 @@ std::vector<PaintEdit> brushed(Easel& easel, const PaintOptions& options, const 
     return stroke(easel.canvas, scene.sigma, brush, points_under(scene.picker, camera, pixels));
 }
 
-std::vector<PaintEdit> filled(const Easel& easel, const PaintOptions& options, const EditFrames& frames) {
+std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, const EditFrames& frames) {
     const Region region = region_of(options);
     // A density brings leaves to life, so it goes to all of them.
     const std::vector<uint32_t> leaves = options.density.value_or(0) > 0
                                              ? all_leaves_in(easel.canvas, region)
                                              : leaves_in(easel.canvas, region, frames.first, frames.last);
-    std::vector<PaintEdit> edits;
+    std::vector<LeafEdit> edits;
     if (options.hue || options.saturation)
         edits = shift_colours(
             easel.tree, leaves, static_cast<float>(options.at),
@@ -192,17 +192,17 @@ std::vector<PaintEdit> filled(const Easel& easel, const PaintOptions& options, c
     else
         edits = fill_leaves(leaves, colour_of(options.colour.empty() ? "black" : options.colour),
                             options.colour.empty() ? 0.0f : 1.0f);
-    for (PaintEdit& edit : edits) {
+    for (LeafEdit& edit : edits) {
         edit.alpha *= static_cast<float>(options.alpha);
         edit.sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
     }
     return edits;
 }
 
-void print_layer(const PaintOptions& options, const PaintLayer& layer) {
+void print_layer(const PaintOptions& options, const EditLayer& layer) {
     std::map<uint32_t, size_t> of_leaf;
     size_t colours = 0, densities_set = 0, erased = 0;
-    for (const PaintEdit& edit : layer.edits) {
+    for (const LeafEdit& edit : layer.edits) {
         of_leaf[edit.leaf]++;
         colours += edit.alpha > 0;
         densities_set += edit.sigma > 0;
@@ -223,13 +223,13 @@ void print_layer(const PaintOptions& options, const PaintLayer& layer) {
 }
 
 // What a verb adds to the layer, as edits without frames.
-using Edits = std::function<std::vector<PaintEdit>(Easel&, const EditFrames&)>;
+using Edits = std::function<std::vector<LeafEdit>(Easel&, const EditFrames&)>;
 
 void paint(const PaintOptions& options, const Edits& make) {
     prepare_output_file("layer", options.layer);
     Easel easel(options);
     const EditFrames frames = frames_of(options, easel.tree.frames);
-    const std::vector<PaintEdit> edits = at_frames(easel.canvas, make(easel, frames), frames);
+    const std::vector<LeafEdit> edits = at_frames(easel.canvas, make(easel, frames), frames);
     if (edits.empty()) fmt::print(stderr, "no leaf is there: the layer stays as it is\n");
     add_edits(easel.layer, edits);
     write_paint(options.layer, easel.layer);

@@ -58,8 +58,8 @@ std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::s
     return points;
 }
 
-std::vector<PaintEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
-                              std::span<const glm::vec3> points) {
+std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
+                             std::span<const glm::vec3> points) {
     if (points.empty()) return {};
     glm::vec3 low = points[0], high = points[0];
     for (const glm::vec3& point : points) {
@@ -73,7 +73,7 @@ std::vector<PaintEdit> stroke(const Canvas& canvas, std::span<const float> sigma
             if (sigma[leaf] > 0 && around(canvas.middles[leaf]))
                 covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], points, brush.radius_m));
     });
-    std::vector<PaintEdit> edits;
+    std::vector<LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < covered.size(); leaf++) {
         const float alpha = brush.alpha * covered[leaf];
         const float density = covered[leaf] >= 0.5f ? brush.sigma : kKeepSigma;
@@ -82,14 +82,14 @@ std::vector<PaintEdit> stroke(const Canvas& canvas, std::span<const float> sigma
     return edits;
 }
 
-std::vector<PaintEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha) {
-    std::vector<PaintEdit> edits;
+std::vector<LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha) {
+    std::vector<LeafEdit> edits;
     for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, colour, alpha});
     return edits;
 }
 
-std::vector<PaintEdit> set_density(std::span<const uint32_t> leaves, float sigma) {
-    std::vector<PaintEdit> edits;
+std::vector<LeafEdit> set_density(std::span<const uint32_t> leaves, float sigma) {
+    std::vector<LeafEdit> edits;
     for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, glm::vec3(0), 0, sigma});
     return edits;
 }
@@ -110,9 +110,9 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
     return glm::clamp(grey + room * chroma, 0.0f, 1.0f);
 }
 
-std::vector<PaintEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
-                                     const ColourShift& shift) {
-    std::vector<PaintEdit> edits;
+std::vector<LeafEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
+                                    const ColourShift& shift) {
+    std::vector<LeafEdit> edits;
     for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, shifted(mean_colour(tree, leaf, frame), shift), 1});
     return edits;
 }

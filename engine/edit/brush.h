@@ -21,13 +21,13 @@ std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::s
 
 // A stroke along points, over leaves that are there (σ > 0): `sigma` as densities() has it. Neighbouring points farther
 // apart than two radii are not joined: the surface ended between them.
-std::vector<PaintEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
-                              std::span<const glm::vec3> points);
+std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
+                             std::span<const glm::vec3> points);
 
 // Every leaf the same: a colour, or a density.
-std::vector<PaintEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha);
-std::vector<PaintEdit> set_density(std::span<const uint32_t> leaves, float sigma);
-inline std::vector<PaintEdit> erase_leaves(std::span<const uint32_t> leaves) {
+std::vector<LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha);
+std::vector<LeafEdit> set_density(std::span<const uint32_t> leaves, float sigma);
+inline std::vector<LeafEdit> erase_leaves(std::span<const uint32_t> leaves) {
     return set_density(leaves, 0);
 }
 
@@ -37,7 +37,7 @@ struct ColourShift {
     float hue_degrees = 0, saturation = 1;
 };
 glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift);
-std::vector<PaintEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
-                                     const ColourShift& shift);
+std::vector<LeafEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
+                                    const ColourShift& shift);
 
 }  // namespace neuvv

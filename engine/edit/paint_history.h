@@ -8,18 +8,18 @@ namespace neuvv {
 class PaintHistory {
   public:
     // The layer is as it was at the last call, and becomes `after`: one step, which undo takes back.
-    void change(PaintLayer& layer, std::vector<PaintEdit> after);
+    void change(EditLayer& layer, std::vector<LeafEdit> after);
     // False where there is nothing to take back or to do again.
-    bool undo(PaintLayer& layer);
-    bool redo(PaintLayer& layer);
+    bool undo(EditLayer& layer);
+    bool redo(EditLayer& layer);
     size_t undo_steps() const { return done_.size(); }
     size_t redo_steps() const { return undone_.size(); }
 
   private:
     struct Change {
-        std::vector<PaintEdit> removed, added;  // in a layer's order
+        std::vector<LeafEdit> removed, added;  // in a layer's order
     };
-    static void apply(PaintLayer& layer, const Change& change);
+    static void apply(EditLayer& layer, const Change& change);
     std::vector<Change> done_, undone_;
 };
 

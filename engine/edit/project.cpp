@@ -126,8 +126,8 @@ struct Projector {
 
 }  // namespace
 
-std::vector<PaintEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
-                               const Camera& camera) {
+std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
+                              const Camera& camera) {
     assert(camera.width == image.width && camera.height == image.height);
     const DepthMap map = depth_map(picker, camera, rays_a_pixel(picker, canvas, sigma, camera));
     const Projector projector{canvas, image, camera, map, glm::inverse(camera.world_from_camera)};
@@ -136,7 +136,7 @@ std::vector<PaintEdit> project(Picker& picker, const Canvas& canvas, std::span<c
         for (size_t leaf = begin; leaf < end; leaf++)
             if (sigma[leaf] > 0) seen[leaf] = projector.seen_at(static_cast<uint32_t>(leaf));
     });
-    std::vector<PaintEdit> edits;
+    std::vector<LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < seen.size(); leaf++) {
         const float alpha = std::min(seen[leaf].a, 1.0f);
         if (alpha < 1.0f / 512) continue;

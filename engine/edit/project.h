@@ -19,7 +19,7 @@ constexpr uint32_t kMaxProjectionRays = 8;
 
 // The camera in the performer's space, of the picture's size; the picker shows the instant that is painted on, `sigma`
 // is densities() at it. Transparent pixels paint nothing.
-std::vector<PaintEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
-                               const Camera& camera);
+std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
+                              const Camera& camera);
 
 }  // namespace neuvv

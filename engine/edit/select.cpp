@@ -104,7 +104,7 @@ std::vector<float> densities(const Canvas& canvas, float frame, std::span<const 
             sigma[leaf] = std::max(dot(row, tree.leaf(static_cast<uint32_t>(leaf))), 0.0f);
     });
     for (const PaintUse& use : paint)
-        for (const PaintEdit& edit : use.layer->edits)
+        for (const LeafEdit& edit : use.layer->edits)
             if (edit.sigma >= 0 && edit.first <= frame && frame <= edit.last)
                 sigma[edit.leaf] = std::lerp(sigma[edit.leaf], edit.sigma, use.opacity);
     return sigma;
@@ -175,10 +175,10 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     return marked(live);
 }
 
-std::vector<PaintEdit> at_frames(const Canvas& canvas, std::span<const PaintEdit> edits, const EditFrames& frames) {
-    std::vector<PaintEdit> result;
+std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames) {
+    std::vector<LeafEdit> result;
     std::vector<float> sigma(canvas.tree.frames);
-    for (PaintEdit edit : edits) {
+    for (LeafEdit edit : edits) {
         std::vector<Span> spans;
         if (frames.follow != Follow::kNot) {
             density_of_frames(canvas.tree.leaf(edit.leaf), canvas.rows, sigma);

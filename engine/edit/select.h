@@ -51,6 +51,6 @@ struct EditFrames {
 
 // Each edit at its frames. Runs reach into the fractions before and after them, where the leaf comes and goes; kRun and
 // kAll hold from first to last in any case.
-std::vector<PaintEdit> at_frames(const Canvas& canvas, std::span<const PaintEdit> edits, const EditFrames& frames);
+std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames);
 
 }  // namespace neuvv

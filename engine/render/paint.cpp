@@ -33,7 +33,7 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     std::vector<uint32_t> next;  // per leaf: where its next edit goes
     for (const PaintUse& use : uses) {
         next.resize(std::max<size_t>(next.size(), use.layer->field.leaf_count + size_t{1}));
-        for (const PaintEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
+        for (const LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
     }
     for (size_t leaf = 1; leaf < next.size(); leaf++) {
         if (next[leaf] > 0) packed.leaves.emplace_back(static_cast<uint32_t>(leaf - 1), next[leaf - 1]);
@@ -45,7 +45,7 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     packed.sigmas.resize(count);
     for (uint32_t i = 0; i < uses.size(); i++) {
         packed.layers.emplace_back(static_cast<uint32_t>(uses[i].blend), std::bit_cast<uint32_t>(uses[i].opacity));
-        for (const PaintEdit& edit : uses[i].layer->edits) {
+        for (const LeafEdit& edit : uses[i].layer->edits) {
             const uint32_t at = next[edit.leaf]++;
             packed.edits[at] = {std::bit_cast<uint32_t>(edit.first), std::bit_cast<uint32_t>(edit.last),
                                 halves(edit.colour.r, edit.colour.g), halves(edit.colour.b, edit.alpha)};
@@ -85,8 +85,8 @@ Paint::Paint(const Device& device, std::span<const PaintUse> uses) {
 }
 
 uint32_t Paints::add(std::span<const PaintUse> layers) {
-    if (layers.size() > kMaxPaintLayers)
-        throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", layers.size(), kMaxPaintLayers));
+    if (layers.size() > kPaintLayerLimit)
+        throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", layers.size(), kPaintLayerLimit));
     for (const PaintUse& use : layers)
         if (use.layer->field.leaf_count != leaf_count_)
             throw RuntimeFailure(fmt::format("paint for {} leaves does not fit a field of {}",

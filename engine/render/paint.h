@@ -13,7 +13,7 @@ struct SliceTrees;
 
 // How a layer's colours go over what is below (paint.glsl): the target; its product with the colour; as if lit by the
 // target, as bright as before; hue and saturation of the target, as bright as before.
-enum class PaintBlend : uint32_t {
+enum class BlendMode : uint32_t {
     kNormal = kPaintNormal,
     kMultiply = kPaintMultiply,
     kTint = kPaintTint,
@@ -22,14 +22,14 @@ enum class PaintBlend : uint32_t {
 
 // A layer as it shows. Layers that do not show are left out of a paint.
 struct PaintUse {
-    const PaintLayer* layer = nullptr;
-    PaintBlend blend = PaintBlend::kNormal;
+    const EditLayer* layer = nullptr;
+    BlendMode blend = BlendMode::kNormal;
     float opacity = 1;
 };
 
 // The layers of one performer: 20 bytes an edit, 8 a leaf that has any.
 struct Paint {
-    // The lowest first, at most kMaxPaintLayers, all of one field. Layers are not needed afterwards.
+    // The lowest first, at most kPaintLayerLimit, all of one field. Layers are not needed afterwards.
     Paint(const Device& device, std::span<const PaintUse> layers);
 
     uint32_t leaf_count;  // that have edits

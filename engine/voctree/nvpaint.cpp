@@ -27,7 +27,7 @@ struct PaintHead {
 };
 static_assert(sizeof(PaintHead) == 24);
 
-float& number_of(PaintEdit& edit, int column) {
+float& number_of(LeafEdit& edit, int column) {
     float* const numbers[kColumns] = {&edit.first,    &edit.last,  &edit.colour.r, &edit.colour.g,
                                       &edit.colour.b, &edit.alpha, &edit.sigma};
     return *numbers[column];
@@ -59,7 +59,7 @@ void expect_next(ChunkReader& file, ChunkHeader& chunk, const char* name) {
 
 }  // namespace
 
-void write_paint(const std::filesystem::path& path, const PaintLayer& layer) {
+void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
     std::string defect = defect_of(layer);
     if (defect.empty() && layer.edits.size() > kMaxEdits) defect = "too many edits";
     if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
@@ -70,13 +70,13 @@ void write_paint(const std::filesystem::path& path, const PaintLayer& layer) {
         file.add(kHeadName, &head, sizeof head);
         std::vector<uint32_t> leaves;
         leaves.reserve(count);
-        for (const PaintEdit& edit : layer.edits) leaves.push_back(edit.leaf);
+        for (const LeafEdit& edit : layer.edits) leaves.push_back(edit.leaf);
         const std::vector<uint8_t> packed = pack_children(leaves);
         file.add(kLeafName, packed.data(), packed.size());
         std::vector<float> column(count);
         for (int i = 0; i < kColumns; i++) {
             for (size_t k = 0; k < count; k++) {
-                PaintEdit edit = layer.edits[k];
+                LeafEdit edit = layer.edits[k];
                 column[k] = number_of(edit, i);
             }
             file.add(kColumnNames[i], column.data(), column.size() * sizeof(float));
@@ -85,14 +85,14 @@ void write_paint(const std::filesystem::path& path, const PaintLayer& layer) {
     });
 }
 
-PaintLayer read_paint(const std::filesystem::path& path, const PaintedField& field) {
+EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field) {
     ChunkReader file(path, {".nvpaint", "neuvv paint"});
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kHeadName)
         throw InputError(path.string(), "", "is not a layer of paint", "name a file that `neuvv paint` wrote");
     const PaintHead head = read_head(file);
     expect_field(file, head, field);
-    PaintLayer layer{field, {}};
+    EditLayer layer{field, {}};
     expect_next(file, chunk, kLeafName);
     const std::vector<uint32_t> leaves = unpack_children(file.take(uint64_t{4} * head.edit_count));
     layer.edits.resize(head.edit_count);

@@ -23,15 +23,15 @@ float just_after(float frame) {
     return std::nextafter(frame, kInfinity);
 }
 
-PaintEdit between(PaintEdit edit, float first, float last) {
+LeafEdit between(LeafEdit edit, float first, float last) {
     edit.first = first;
     edit.last = last;
     return edit;
 }
 
 // Both where both hold: the colour of source over destination, straight alpha.
-PaintEdit over(const PaintEdit& above, const PaintEdit& below) {
-    PaintEdit both = above;
+LeafEdit over(const LeafEdit& above, const LeafEdit& below) {
+    LeafEdit both = above;
     both.alpha = above.alpha + below.alpha * (1 - above.alpha);
     if (both.alpha > 0 && above.alpha < 1)
         both.colour = (above.alpha * above.colour + (both.alpha - above.alpha) * below.colour) / both.alpha;
@@ -40,12 +40,12 @@ PaintEdit over(const PaintEdit& above, const PaintEdit& below) {
     return both;
 }
 
-bool looks_alike(const PaintEdit& a, const PaintEdit& b) {
+bool looks_alike(const LeafEdit& a, const LeafEdit& b) {
     return a.colour == b.colour && a.alpha == b.alpha && a.sigma == b.sigma;
 }
 
 // Adds an edit after those before it, as one with the last where it goes on with the same.
-void append(std::vector<PaintEdit>& edits, const PaintEdit& edit) {
+void append(std::vector<LeafEdit>& edits, const LeafEdit& edit) {
     if (!edits.empty() && looks_alike(edits.back(), edit) && just_after(edits.back().last) == edit.first)
         edits.back().last = edit.last;
     else
@@ -53,15 +53,15 @@ void append(std::vector<PaintEdit>& edits, const PaintEdit& edit) {
 }
 
 // `edits` are one leaf's, in order; so they are afterwards.
-void put_over(std::vector<PaintEdit>& edits, const PaintEdit& top) {
-    std::vector<PaintEdit> result;
+void put_over(std::vector<LeafEdit>& edits, const LeafEdit& top) {
+    std::vector<LeafEdit> result;
     float from = top.first;  // of what is left of `top`
     const auto put_rest_until = [&](float last) {
         if (from <= last) append(result, between(top, from, last));
         from = just_after(last);
     };
     bool done = false;
-    for (const PaintEdit& below : edits) {
+    for (const LeafEdit& below : edits) {
         if (below.last < top.first) {
             append(result, below);
             continue;
@@ -83,9 +83,9 @@ void put_over(std::vector<PaintEdit>& edits, const PaintEdit& top) {
     edits = std::move(result);
 }
 
-void cut_out(std::vector<PaintEdit>& edits, float first, float last) {
-    std::vector<PaintEdit> result;
-    for (const PaintEdit& edit : edits) {
+void cut_out(std::vector<LeafEdit>& edits, float first, float last) {
+    std::vector<LeafEdit> result;
+    for (const LeafEdit& edit : edits) {
         if (edit.last < first || edit.first > last) {
             result.push_back(edit);
             continue;
@@ -111,11 +111,10 @@ PaintedField painted_field(const VOctree& tree) {
     return {XXH3_64bits_digest(state.get()), tree.leaf_count, tree.frames};
 }
 
-void add_edits(PaintLayer& layer, std::span<const PaintEdit> edits) {
-    std::vector<PaintEdit> added(edits.begin(), edits.end());
-    std::stable_sort(added.begin(), added.end(),
-                     [](const PaintEdit& a, const PaintEdit& b) { return a.leaf < b.leaf; });
-    std::vector<PaintEdit> result, of_leaf;
+void add_edits(EditLayer& layer, std::span<const LeafEdit> edits) {
+    std::vector<LeafEdit> added(edits.begin(), edits.end());
+    std::stable_sort(added.begin(), added.end(), [](const LeafEdit& a, const LeafEdit& b) { return a.leaf < b.leaf; });
+    std::vector<LeafEdit> result, of_leaf;
     result.reserve(layer.edits.size() + added.size());
     auto below = layer.edits.begin();
     for (auto above = added.begin(); above != added.end();) {
@@ -130,11 +129,11 @@ void add_edits(PaintLayer& layer, std::span<const PaintEdit> edits) {
     layer.edits = std::move(result);
 }
 
-void remove_edits(PaintLayer& layer, std::span<const uint32_t> leaves, float first, float last) {
+void remove_edits(EditLayer& layer, std::span<const uint32_t> leaves, float first, float last) {
     if (!(first <= last)) return;
     std::vector<uint32_t> sorted(leaves.begin(), leaves.end());
     std::sort(sorted.begin(), sorted.end());
-    std::vector<PaintEdit> result, of_leaf;
+    std::vector<LeafEdit> result, of_leaf;
     result.reserve(layer.edits.size());
     auto next = sorted.begin();
     for (auto edit = layer.edits.begin(); edit != layer.edits.end();) {
@@ -148,11 +147,11 @@ void remove_edits(PaintLayer& layer, std::span<const uint32_t> leaves, float fir
     layer.edits = std::move(result);
 }
 
-std::string defect_of(const PaintLayer& layer) {
+std::string defect_of(const EditLayer& layer) {
     const float end = static_cast<float>(layer.field.frames) - 1;
     const auto in_unit = [](float value) { return value >= 0 && value <= 1; };
     for (size_t i = 0; i < layer.edits.size(); i++) {
-        const PaintEdit& edit = layer.edits[i];
+        const LeafEdit& edit = layer.edits[i];
         const auto of_edit = [i](const char* what) { return fmt::format("edit {} {}", i, what); };
         if (edit.leaf >= layer.field.leaf_count) return of_edit("names a leaf that is not there");
         if (!(edit.first >= 0 && edit.first <= edit.last && edit.last <= end))
@@ -163,7 +162,7 @@ std::string defect_of(const PaintLayer& layer) {
         if (edit.sigma != kKeepSigma && !(edit.sigma >= 0 && edit.sigma <= kMaxPaintSigma))
             return of_edit("has a density that is none");
         if (i == 0) continue;
-        const PaintEdit& before = layer.edits[i - 1];
+        const LeafEdit& before = layer.edits[i - 1];
         if (before.leaf > edit.leaf || (before.leaf == edit.leaf && before.last >= edit.first))
             return of_edit("stands out of order, or over the one before it");
     }

@@ -20,29 +20,29 @@ PaintedField painted_field(const VOctree& tree);
 
 constexpr float kKeepSigma = -1;
 
-struct PaintEdit {
+struct LeafEdit {
     uint32_t leaf = 0;
     float first = 0, last = 0;  // frames, both within: it holds where first <= t <= last
     glm::vec3 colour{0};        // target, linear RGB of 0 to 1
     float alpha = 0;            // how much of it; 0: the colour stays
     float sigma = kKeepSigma;   // target, 1/m; 0 erases; kKeepSigma: the density stays
-    bool operator==(const PaintEdit&) const = default;
+    bool operator==(const LeafEdit&) const = default;
 };
 
 // In order of leaf and first frame; of one leaf, no two edits hold at the same instant.
-struct PaintLayer {
+struct EditLayer {
     PaintedField field;
-    std::vector<PaintEdit> edits;
+    std::vector<LeafEdit> edits;
 };
 
 // Later edits go over earlier ones, those of the layer before all: where both hold, alpha covers (a whole one
 // replaces), and a density replaces; elsewhere the earlier stays as it is. Edits must be sound but for their order.
-void add_edits(PaintLayer& layer, std::span<const PaintEdit> edits);
+void add_edits(EditLayer& layer, std::span<const LeafEdit> edits);
 
 // Takes out what holds on these leaves (in any order) between two frames, both within.
-void remove_edits(PaintLayer& layer, std::span<const uint32_t> leaves, float first, float last);
+void remove_edits(EditLayer& layer, std::span<const uint32_t> leaves, float first, float last);
 
 // What is wrong with a layer, or an empty string: numbers out of range, edits out of order or over each other.
-std::string defect_of(const PaintLayer& layer);
+std::string defect_of(const EditLayer& layer);
 
 }  // namespace neuvv

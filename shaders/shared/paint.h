@@ -10,7 +10,7 @@
 NEUVV_SHARED
 
 CONSTEXPR float kMaxPaintSigma = 65504.0f;  // 1/m: what fp16 holds
-CONSTEXPR uint kMaxPaintLayers = 256u;      // of one paint
+CONSTEXPR uint kPaintLayerLimit = 256u;     // of one paint
 
 // How a layer's colours go over what is below (paint.glsl)
 CONSTEXPR uint kPaintNormal = 0u;

@@ -39,7 +39,7 @@ struct PaintGolden : GpuTest {
     Canvas canvas{tree};
     Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     FrameRenderer renderer{device(), field, {2 * kSide, kSide, 2}};
-    PaintLayer layer{painted_field(tree), {}};
+    EditLayer layer{painted_field(tree), {}};
 
     Image picture(const std::vector<Instance>& instances, const Camera& camera) {
         FrameSettings settings;
@@ -50,7 +50,7 @@ struct PaintGolden : GpuTest {
         settings.resolve.background = {0.18f, 0.21f, 0.25f, 1};
         return renderer.render(camera, settings);
     }
-    void add(const std::vector<PaintEdit>& edits, const EditFrames& frames = {0, 1}) {
+    void add(const std::vector<LeafEdit>& edits, const EditFrames& frames = {0, 1}) {
         add_edits(layer, at_frames(canvas, edits, frames));
         EXPECT_EQ(defect_of(layer), "");
     }
@@ -81,7 +81,7 @@ TEST_F(PaintGolden, StrokesOfABrush) {
     };
     line({0.05f, 0.2f, {0.9f, 0.02f, 0.02f}}, {{50, 60}, {120, 50}});
     line({0.03f, 0.9f, {0.02f, 0.1f, 0.9f}}, {{60, 150}, {80, 140}, {100, 155}, {120, 140}});
-    line({0.09f, 1, glm::vec3(0), 0, 0}, {{108, 30}});  // a bite
+    line({0.09f, 1, glm::vec3(0), 0, 0}, {{105, 45}, {150, 10}});  // a bite
     expect_golden("paint_brush");
 }
 
@@ -108,12 +108,12 @@ TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
 }
 
 TEST_F(PaintGolden, BlendsBesideEachOther) {
-    std::vector<PaintEdit> stripes;
+    std::vector<LeafEdit> stripes;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         if (std::fmod(canvas.middles[leaf].y, 0.16f) < 0.08f)
             stripes.push_back({leaf, 0, 1, {0.1f, 0.3f, 0.9f}, canvas.middles[leaf].x < 0.45f ? 1.0f : 0.5f});
     add(stripes);
-    const PaintBlend blends[] = {PaintBlend::kNormal, PaintBlend::kMultiply, PaintBlend::kTint, PaintBlend::kRecolour};
+    const BlendMode blends[] = {BlendMode::kNormal, BlendMode::kMultiply, BlendMode::kTint, BlendMode::kRecolour};
     const Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kSide, kSide / 2, 1);
     const auto row = [&](bool painted) {
         std::vector<Instance> instances;

@@ -10,7 +10,7 @@
 namespace neuvv::reference {
 
 struct PaintStep {
-    const PaintLayer* layer = nullptr;
+    const EditLayer* layer = nullptr;
     uint32_t blend = kPaintNormal;
     double opacity = 1;
 };

@@ -23,11 +23,11 @@ double as_half(double value) {
 }
 
 // Colours, densities, both, erased leaves, revived ones; at parts of the clip, fractions included.
-PaintLayer random_layer(const VOctree& tree, Random& random) {
-    PaintLayer layer{painted_field(tree), {}};
-    std::vector<PaintEdit> edits;
+EditLayer random_layer(const VOctree& tree, Random& random) {
+    EditLayer layer{painted_field(tree), {}};
+    std::vector<LeafEdit> edits;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
-        PaintEdit edit;
+        LeafEdit edit;
         edit.leaf = random.below(tree.leaf_count);
         const double last = tree.frames - 1.0;
         edit.first = static_cast<float>(std::floor(8 * random.uniform(0, last)) / 8);
@@ -45,8 +45,8 @@ PaintLayer random_layer(const VOctree& tree, Random& random) {
 }
 
 // Where edits covered each other, colours are not of few bits any more.
-void round_to_halves(PaintLayer& layer) {
-    for (PaintEdit& edit : layer.edits) {
+void round_to_halves(EditLayer& layer) {
+    for (LeafEdit& edit : layer.edits) {
         for (int c = 0; c < 3; c++) edit.colour[c] = static_cast<float>(as_half(double{edit.colour[c]}));
         edit.alpha = static_cast<float>(as_half(double{edit.alpha}));
     }
@@ -103,19 +103,19 @@ TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
         const VOctree tree = random_tree(
             {.seed = degree + 40, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         Random random(degree);
-        std::vector<PaintLayer> layers;
+        std::vector<EditLayer> layers;
         for (uint32_t i = 0; i < kBlends; i++) layers.push_back(random_layer(tree, random));
-        for (PaintLayer& layer : layers) round_to_halves(layer);
+        for (EditLayer& layer : layers) round_to_halves(layer);
         for (uint32_t mode = 0; mode < kBlends; mode++)
             for (const float frame : {0.0f, 2.5f, 4.0f}) {
                 SCOPED_TRACE(testing::Message() << "degree " << degree << " blend " << mode << " frame " << frame);
-                const std::vector<PaintUse> one = {{&layers[mode], static_cast<PaintBlend>(mode), 1}};
+                const std::vector<PaintUse> one = {{&layers[mode], static_cast<BlendMode>(mode), 1}};
                 EXPECT_LE(worst_entry(tree, one, frame, false, one), kWorstEntry);
             }
-        const std::vector<PaintUse> all = {{&layers[0], PaintBlend::kTint, 0.75f},
-                                           {&layers[1], PaintBlend::kNormal, 0.5f},
-                                           {&layers[2], PaintBlend::kRecolour, 1},
-                                           {&layers[3], PaintBlend::kMultiply, 0.25f}};
+        const std::vector<PaintUse> all = {{&layers[0], BlendMode::kTint, 0.75f},
+                                           {&layers[1], BlendMode::kNormal, 0.5f},
+                                           {&layers[2], BlendMode::kRecolour, 1},
+                                           {&layers[3], BlendMode::kMultiply, 0.25f}};
         for (const bool in_parts : {false, true})
             EXPECT_LE(worst_entry(tree, all, 1.5f, in_parts, all), kWorstEntry) << "degree " << degree;
     }
@@ -124,16 +124,16 @@ TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
 TEST_F(PaintTest, TheComparisonNoticesAnotherBlendOrOrderOrOpacity) {
     const VOctree tree = random_tree({.seed = 7, .node_levels = 2, .leaves = 300, .hh_degree = 1});
     Random random(7);
-    PaintLayer a = random_layer(tree, random), b = random_layer(tree, random);
-    for (PaintEdit& edit : a.edits) edit.sigma = kKeepSigma;
+    EditLayer a = random_layer(tree, random), b = random_layer(tree, random);
+    for (LeafEdit& edit : a.edits) edit.sigma = kKeepSigma;
     b.edits = a.edits;
-    for (PaintEdit& edit : b.edits) edit.colour = 1.0f - edit.colour;
+    for (LeafEdit& edit : b.edits) edit.colour = 1.0f - edit.colour;
     round_to_halves(a);
     round_to_halves(b);
-    const std::vector<PaintUse> used = {{&a, PaintBlend::kTint, 0.5f}, {&b, PaintBlend::kNormal, 0.5f}};
+    const std::vector<PaintUse> used = {{&a, BlendMode::kTint, 0.5f}, {&b, BlendMode::kNormal, 0.5f}};
     EXPECT_LE(worst_entry(tree, used, 2, false, used), kWorstEntry);
     std::vector<PaintUse> wrong = used;
-    wrong[0].blend = PaintBlend::kRecolour;
+    wrong[0].blend = BlendMode::kRecolour;
     EXPECT_GT(worst_entry(tree, used, 2, false, wrong), 10 * kWorstEntry);
     wrong = used;
     wrong[1].opacity = 0.6f;
@@ -162,7 +162,7 @@ glm::mat4 at(float x) {
 
 struct Copies {
     VOctree tree = random_tree({.seed = 9, .node_levels = 3, .leaves = 3000, .bases = 5, .hh_degree = 1});
-    PaintLayer red{painted_field(tree), {}}, gone{painted_field(tree), {}};
+    EditLayer red{painted_field(tree), {}}, gone{painted_field(tree), {}};
     Copies() {
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
             red.edits.push_back({leaf, 0, 4, {1, 0, 0}, 1});
@@ -181,7 +181,7 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
     const Copies copies;
     const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
     FrameRenderer renderer(device(), field, {kWidth, kHeight}), plain(device(), field, {kWidth, kHeight});
-    const PaintUse red{&copies.red, PaintBlend::kRecolour, 1}, gone{&copies.gone};
+    const PaintUse red{&copies.red, BlendMode::kRecolour, 1}, gone{&copies.gone};
     const uint32_t red_paint = renderer.paints().add({&red, 1}), gone_paint = renderer.paints().add({&gone, 1});
     for (const TraceMode mode : {TraceMode::kTree, TraceMode::kShaded}) {
         const auto alone = [&](FrameRenderer& with, uint32_t paint, float x) {
@@ -213,7 +213,7 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
 TEST_F(PaintTest, IsSeenWhateverTheBudget) {
     const Copies copies;
     const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
-    const PaintUse red{&copies.red, PaintBlend::kNormal, 0.5f}, gone{&copies.gone},
+    const PaintUse red{&copies.red, BlendMode::kNormal, 0.5f}, gone{&copies.gone},
         both[] = {{&copies.red}, {&copies.gone}};
     const uint64_t one = slice_bytes(field, most_entries(field));
     std::pmr::vector<uint8_t> truth;
@@ -254,7 +254,7 @@ TEST_F(PaintTest, RevivedLeavesFindRoom) {
     VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    PaintLayer layer{painted_field(tree), {}};
+    EditLayer layer{painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         layer.edits.push_back({leaf, 2, 3, {0, leaf % 2 ? 1.0f : 0.5f, 0}, 0.5f, 2});
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 2.5);
@@ -288,7 +288,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     const Copies copies;
     const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
     FrameRenderer ahead(device(), field, {kWidth, kHeight}), fresh(device(), field, {kWidth, kHeight});
-    const PaintUse uses[] = {{&copies.red, PaintBlend::kTint, 1}, {&copies.gone}};
+    const PaintUse uses[] = {{&copies.red, BlendMode::kTint, 1}, {&copies.gone}};
     const uint32_t paint = ahead.paints().add(uses);
     ASSERT_EQ(fresh.paints().add(uses), paint);
     FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
@@ -304,7 +304,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
 TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
     VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 1});
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    PaintLayer layer{painted_field(tree), {}};
+    EditLayer layer{painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 10) layer.edits.push_back({leaf, 0, 0, {0, 0, 1}, 1});
     FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slice_bytes(field, most_entries(field))});
     renderer.render(stage_camera(), settings_of({{}, {0, at(2)}}));
@@ -324,10 +324,10 @@ TEST_F(PaintTest, OfAnotherFieldIsRefused) {
     const VOctree tree = random_tree({.seed = 8, .leaves = 200}), other = random_tree({.seed = 8, .leaves = 100});
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     Paints paints(device(), field);
-    const PaintLayer layer{painted_field(other), {}};
+    const EditLayer layer{painted_field(other), {}};
     const PaintUse use{&layer};
     EXPECT_THROW(paints.add({&use, 1}), RuntimeFailure);
-    EXPECT_THROW(paints.add(std::vector<PaintUse>(kMaxPaintLayers + 1, use)), RuntimeFailure);
+    EXPECT_THROW(paints.add(std::vector<PaintUse>(kPaintLayerLimit + 1, use)), RuntimeFailure);
 }
 
 }  // namespace

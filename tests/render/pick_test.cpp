@@ -45,7 +45,7 @@ TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
         std::vector<PickRay> rays;
         for (uint32_t y = 0; y < camera.height; y++)
             for (uint32_t x = 0; x < camera.width; x++) rays.push_back(pick_ray(camera, {x + 0.5, y + 0.5}));
-        PaintLayer layer{painted_field(tree), {}};
+        EditLayer layer{painted_field(tree), {}};
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
             layer.edits.push_back({leaf, 0, 4, glm::vec3(0), 0, leaf % 2 ? 8.0f : 0.0f});
         Picker picker(device(), field);

@@ -32,7 +32,7 @@ float instant(uint32_t step) {
     return static_cast<float>(step) / 8;
 }
 
-void paint_table(Table& table, const PaintEdit& edit) {
+void paint_table(Table& table, const LeafEdit& edit) {
     for (uint32_t step = 0; step < kSteps; step++) {
         if (instant(step) < edit.first || instant(step) > edit.last) continue;
         Look& look = table[edit.leaf][step];
@@ -43,11 +43,11 @@ void paint_table(Table& table, const PaintEdit& edit) {
     }
 }
 
-void expect_table(const PaintLayer& layer, const Table& table) {
+void expect_table(const EditLayer& layer, const Table& table) {
     EXPECT_EQ(defect_of(layer), "");
     Table found;
     std::array<std::array<int, kSteps>, kLeaves> held{};
-    for (const PaintEdit& edit : layer.edits)
+    for (const LeafEdit& edit : layer.edits)
         for (uint32_t step = 0; step < kSteps; step++) {
             if (instant(step) < edit.first || instant(step) > edit.last) continue;
             held[edit.leaf][step]++;
@@ -64,8 +64,8 @@ void expect_table(const PaintLayer& layer, const Table& table) {
         }
 }
 
-PaintEdit random_edit(Random& random) {
-    PaintEdit edit;
+LeafEdit random_edit(Random& random) {
+    LeafEdit edit;
     edit.leaf = random.below(kLeaves);
     const uint32_t a = random.below(kSteps), b = random.below(kSteps);
     edit.first = instant(std::min(a, b));
@@ -82,12 +82,12 @@ PaintEdit random_edit(Random& random) {
 TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
     for (uint32_t seed = 0; seed < 60; seed++) {
         Random random(seed);
-        PaintLayer layer{{1, kLeaves, kFrames}, {}};
+        EditLayer layer{{1, kLeaves, kFrames}, {}};
         Table table{};
         for (int stroke = 0; stroke < 6; stroke++) {
-            std::vector<PaintEdit> edits;
+            std::vector<LeafEdit> edits;
             for (uint32_t i = random.below(6); i > 0; i--) edits.push_back(random_edit(random));
-            for (const PaintEdit& edit : edits) paint_table(table, edit);
+            for (const LeafEdit& edit : edits) paint_table(table, edit);
             add_edits(layer, edits);
             if (random.below(3) == 0) {
                 const std::array<uint32_t, 2> leaves = {2, random.below(2)};
@@ -103,8 +103,8 @@ TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
 }
 
 TEST(PaintLayers, WhatIsTheSameStaysOneEdit) {
-    PaintLayer layer{{1, kLeaves, kFrames}, {}};
-    const PaintEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
+    EditLayer layer{{1, kLeaves, kFrames}, {}};
+    const LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
     add_edits(layer, std::array{red});
     add_edits(layer, std::array{middle});
     ASSERT_EQ(layer.edits.size(), 3u) << "cut in two";
@@ -117,10 +117,10 @@ struct PaintFile : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path path = folder.path / "layer.nvpaint";
     VOctree tree = random_tree({.seed = 5, .leaves = 200});
-    PaintLayer layer{painted_field(tree), {}};
+    EditLayer layer{painted_field(tree), {}};
     PaintFile() {
         Random random(1);
-        std::vector<PaintEdit> edits;
+        std::vector<LeafEdit> edits;
         for (int i = 0; i < 300; i++) {
             edits.push_back(random_edit(random));
             edits.back().leaf = random.below(tree.leaf_count);
@@ -143,23 +143,23 @@ struct PaintFile : testing::Test {
         std::vector<Chunk> all = {head, leaves};
         const auto column = [&](const char* name, auto number) {
             Chunk chunk{name, {}};
-            for (const PaintEdit& edit : layer.edits) append(chunk.raw, number(edit));
+            for (const LeafEdit& edit : layer.edits) append(chunk.raw, number(edit));
             all.push_back(chunk);
         };
-        column("PTF0", [](const PaintEdit& edit) { return edit.first; });
-        column("PTF1", [](const PaintEdit& edit) { return edit.last; });
-        column("PTCR", [](const PaintEdit& edit) { return edit.colour.r; });
-        column("PTCG", [](const PaintEdit& edit) { return edit.colour.g; });
-        column("PTCB", [](const PaintEdit& edit) { return edit.colour.b; });
-        column("PTAL", [](const PaintEdit& edit) { return edit.alpha; });
-        column("PTSG", [](const PaintEdit& edit) { return edit.sigma; });
+        column("PTF0", [](const LeafEdit& edit) { return edit.first; });
+        column("PTF1", [](const LeafEdit& edit) { return edit.last; });
+        column("PTCR", [](const LeafEdit& edit) { return edit.colour.r; });
+        column("PTCG", [](const LeafEdit& edit) { return edit.colour.g; });
+        column("PTCB", [](const LeafEdit& edit) { return edit.colour.b; });
+        column("PTAL", [](const LeafEdit& edit) { return edit.alpha; });
+        column("PTSG", [](const LeafEdit& edit) { return edit.sigma; });
         return all;
     }
     void put(const Bytes& bytes) const {
         std::ofstream(path, std::ios::binary)
             .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     }
-    PaintLayer read() const { return read_paint(path, layer.field); }
+    EditLayer read() const { return read_paint(path, layer.field); }
     void expect_complaint(const std::vector<Chunk>& damaged, const std::string& words) const {
         put(nvv_of(damaged));
         expect_input_error([&] { read(); }, {path.string(), words});

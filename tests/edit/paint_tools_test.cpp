@@ -66,10 +66,10 @@ TEST(EditFrames, FollowWhatIsOpaque) {
     const float dense[8] = {50, 50, 0, 0.001f, 50, 50, 50, -3};
     std::copy(dense, dense + 8, tree.leaf(0));
     const Canvas canvas(tree);
-    const PaintEdit red{0, 0, 0, {1, 0, 0}, 0.5f};
+    const LeafEdit red{0, 0, 0, {1, 0, 0}, 0.5f};
     const auto spans = [&](const EditFrames& frames) {
         std::vector<std::pair<float, float>> found;
-        for (const PaintEdit& edit : at_frames(canvas, {&red, 1}, frames)) found.emplace_back(edit.first, edit.last);
+        for (const LeafEdit& edit : at_frames(canvas, {&red, 1}, frames)) found.emplace_back(edit.first, edit.last);
         return found;
     };
     const std::pair<float, float> early(0, std::nextafter(2.0f, 0.0f)),
@@ -89,7 +89,7 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
     const glm::vec3 a(kHead), b = a + glm::vec3(0, 0.08f, 0), far = a - glm::vec3(0, 0.4f, 0);
     const Brush brush{0.06f, 0.5f, {0, 0, 1}, 0.8f, 12};
     std::set<uint32_t> touched;
-    for (const PaintEdit& edit : stroke(canvas, sigma, brush, std::vector{a, b, far})) {
+    for (const LeafEdit& edit : stroke(canvas, sigma, brush, std::vector{a, b, far})) {
         EXPECT_GT(sigma[edit.leaf], 0);
         const glm::vec3 at = canvas.middles[edit.leaf];
         const float along = glm::clamp((at.y - a.y) / 0.08f, 0.0f, 1.0f);
@@ -122,16 +122,16 @@ TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
 
 TEST(PaintHistories, TakeBackAndDoAgain) {
     Random random(3);
-    PaintLayer layer{{1, 50, 9}, {}};
+    EditLayer layer{{1, 50, 9}, {}};
     PaintHistory history;
-    std::vector<std::vector<PaintEdit>> states = {layer.edits};
+    std::vector<std::vector<LeafEdit>> states = {layer.edits};
     for (int step = 0; step < 12; step++) {
-        std::vector<PaintEdit> edits;
+        std::vector<LeafEdit> edits;
         for (int i = 0; i < 20; i++) {
             const auto first = static_cast<float>(random.below(8));
             edits.push_back({random.below(50), first, first + 1, glm::vec3(static_cast<float>(random.below(2))), 1});
         }
-        PaintLayer next = layer;
+        EditLayer next = layer;
         add_edits(next, edits);
         history.change(layer, next.edits);
         EXPECT_EQ(layer.edits, next.edits);
@@ -184,7 +184,7 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
         const Camera camera = figure_camera(side);
         std::vector<float> alpha(tree.leaf_count);
         std::vector<glm::vec3> colour(tree.leaf_count);
-        for (const PaintEdit& edit : project(picker, canvas, sigma, columns(side), camera)) {
+        for (const LeafEdit& edit : project(picker, canvas, sigma, columns(side), camera)) {
             alpha[edit.leaf] = edit.alpha;
             colour[edit.leaf] = edit.colour;
         }
