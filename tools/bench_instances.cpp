@@ -90,7 +90,8 @@ Shown show(const Device& device, const Field& field, const BenchInstancesOptions
         }
         for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
         if (const SliceCache* slices = renderer.performer()->slices())
-            for (const Instance& instance : instances) shown.slices += slices->find(instance.frame).has_value();
+            for (const Instance& instance : instances)
+                shown.slices += slices->find({instance.frame, instance.paint}).has_value();
     }
     shown.buffer_bytes = device.buffer_bytes() - before;
     return shown;

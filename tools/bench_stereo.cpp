@@ -143,7 +143,7 @@ std::vector<double> play(FrameRenderer& renderer, const std::vector<Camera>& eye
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
         const auto shown = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
         settings.instances[0].frame = static_cast<float>(shown % clip_frames);
-        if (ahead) settings.next_frames = {static_cast<float>((shown + 1) % clip_frames)};
+        if (ahead) settings.next_slices = {{static_cast<float>((shown + 1) % clip_frames)}};
         renderer.render_views(eyes, settings);
         if (i >= kDisplayHz / kClipFps) ms.push_back(milliseconds(renderer));  // the first slice is needed at once
     }

@@ -66,11 +66,16 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                         "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
             ->check(number_between(0.1, 1))
             ->excludes(samples);
+    CLI::Option* paint = verb.add_option("--paint", options.paint,
+                                         "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
+                                         "first; normal, multiply, tint or recolour. Of a stage: its performers' own")
+                             ->delimiter(',');
     add_slice_budget_option(verb, options.slice_budget_mb);
     CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
     verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
-        ->excludes(scale);
+        ->excludes(scale)
+        ->excludes(paint);
     verb.add_option("--blend", options.blend,
                     "Of a stage: performers that stand in each other exactly, or as layers as in the paper")
         ->check(CLI::IsMember({"exact", "paper"}));

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "render/linear_picture.h"
+#include "tools/paint_layers.h"
 #include "tools/render_job.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
@@ -26,6 +27,7 @@ struct RenderPlan {
     PictureOutput output;
     ResolveSettings resolve;
     VOctree tree;
+    PaintStack paint;
     Playback playback;
     std::vector<ViewStep> path;
     PictureSize size;
@@ -40,6 +42,7 @@ RenderPlan plan_render(const RenderOptions& options) {
     prepare_output_file("--output", plan.output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
     plan.tree = read_nvv(options.scene);
+    plan.paint = read_paint_stack(options.paint, painted_field(plan.tree));
     const double clip_fps = plan.tree.fps;
     plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, checked_fps(options, clip_fps)};
     plan.path = view_path(options, plan.tree, plan.playback, wanted);
@@ -55,10 +58,11 @@ RenderPlan plan_render(const RenderOptions& options) {
     return plan;
 }
 
-void render_picture(FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan, uint32_t i,
-                    PictureSink& sink) {
+void render_picture(FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan, uint32_t paint,
+                    uint32_t i, PictureSink& sink) {
     FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
+    settings.instances[0].paint = paint;
     settings.width = plan.size.width;
     settings.height = plan.size.height;
     settings.samples = plan.samples;
@@ -92,14 +96,17 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     facts["scene"] = content_fact(options.scene);
     facts["--camera"] = options.camera.empty() ? "orbit" : content_fact(options.camera);
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
+    for (size_t i = 0; i < plan.paint.files.size(); i++)
+        facts["--paint " + options.paint[i]] = content_fact(plan.paint.files[i]);
     facts["--direct"] = fmt::format("{}", options.direct);
     PictureSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const Device device(common.device);
     const Field field = upload_field(device, plan.tree, WeightPrecision::kHalf);
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
+    const uint32_t paint = plan.paint.uses.empty() ? 0 : renderer.paints().add(plan.paint.uses);
     return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, renderer,
-                           [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
+                           [&](uint32_t i) { render_picture(renderer, options, plan, paint, i, sink); });
 }
 
 }  // namespace neuvv

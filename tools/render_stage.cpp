@@ -69,6 +69,8 @@ std::pair<glm::dvec3, glm::dvec3> stage_box(const Stage& stage, const StageInsta
 void expect_stage_options(const RenderOptions& options) {
     if (!options.frames.empty())
         throw InputError("--frames", options.frames, "is for clips", "choose --time of a stage, in seconds");
+    if (!options.paint.empty())
+        throw InputError("--paint", options.paint[0], "is for clips", "paint performers with `neuvv stage paint`");
     if (options.direct) throw InputError("--direct", "", "is for clips", "leave it out, or choose --slice-budget 0");
 }
 
@@ -136,6 +138,9 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     facts["stage"] = content_fact(options.scene);
     for (const StageClip& clip : plan.stage.clips)
         facts["clip " + clip.path.filename().string()] = content_fact(clip.path);
+    for (const StagePerformer& performer : plan.stage.performers)
+        for (const PaintLayer& layer : performer.settings.paint)
+            facts["paint " + layer.uri] = content_fact(file_of_uri(plan.stage.file, layer.uri, performer.name));
     facts["--camera"] = plan.path ? content_fact(options.camera) : options.orbit ? "orbit" : options.camera;
     facts["--time"] = fmt::format("{}", plan.first_s);
     facts["--blend"] = kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];

@@ -15,8 +15,8 @@ namespace {
 
 constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;  // of each performer
 
-// Three of a slice, three of an instance seen by the eye and as many by the lights, and the rest.
-constexpr uint32_t kMaxScopes = 9 * kMaxInstances + 64;
+// Three of an instance and five of its slice, seen by the eye and by the lights, and the rest.
+constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
 uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
@@ -187,6 +187,7 @@ FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fie
       resolver_(device, target_.rays, picture_, nullptr, set),
       listed_resolver_(device, target_.rays, picture_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {
+    for (const Field* field : fields_) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
     assert(set->views() >= capacity.views);
     shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
@@ -211,6 +212,7 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
             throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
                                              camera.height, settings.width, settings.height));
     assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
+    assert(!is_reference(settings.mode) || settings.instances[0].paint == 0);
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
@@ -316,17 +318,18 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
 
 void FrameRenderer::prepare_performers(const FrameSettings& settings) {
     for (size_t i = performers_.size(); i < fields_.size(); i++) {
-        performers_.push_back(
-            std::make_unique<Performer>(device_, *fields_[i], slice_share(capacity_.slice_budget, fields_.size())));
+        performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
+                                                          slice_share(capacity_.slice_budget, fields_.size())));
         performers_.back()->add_target(target_, capacity_.views);
         if (shadows_) performers_.back()->add_target(shadows_->target(), kMaxShadows);
     }
-    std::vector<std::vector<float>> frames(fields_.size());
+    std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
     for (const auto& group : drawn_)
-        for (const DrawnInstance& instance : group) frames[instance.field].push_back(instance.frame);
+        for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
     if (shadows_)  // these last: a slice shows more where the eye sees it
-        for (const DrawnInstance& instance : shadows_->drawn()) frames[instance.field].push_back(instance.frame);
-    for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(frames[i], settings.next_frames);
+        for (const DrawnInstance& instance : shadows_->drawn()) slices[instance.field].push_back(instance.slice());
+    for (const NextSlice& one : settings.next_slices) next[one.field].push_back(one.slice);
+    for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(slices[i], next[i]);
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn())
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);

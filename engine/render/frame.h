@@ -28,14 +28,19 @@ enum class Blend {
     kPaper,  // each is a layer, blended by depth: the paper's Algorithm 1 (errata 11)
 };
 
+struct NextSlice {
+    SliceKey slice;
+    uint32_t field = 0;
+};
+
 struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
     double scale = 1;      // below 1: so many rays a pixel along each side, upscaled; samples must be 1, no reference
-    std::vector<Fovea> foveae;       // one a view, or none; as scale
-    std::vector<float> next_frames;  // of the clip, that will be shown next, the first first: built ahead,
-    uint32_t parts_ahead = 2;        // so many of kSliceParts parts a slice with each picture
+    std::vector<Fovea> foveae;           // one a view, or none; as scale
+    std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
+    uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each picture
     ResolveSettings resolve;
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
@@ -85,6 +90,9 @@ class FrameRenderer {
     std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 
+    // What instances of a field may be painted with.
+    Paints& paints(uint32_t field = 0) { return *paints_[field]; }
+
     // The next picture slices anew, as if no frame had been shown yet (for measuring).
     void forget_slices();
 
@@ -129,6 +137,7 @@ class FrameRenderer {
     Buffer picture_, readback_;
     Buffer blank_;  // what pictures show where nothing is seen
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
+    std::vector<std::unique_ptr<Paints>> paints_;         // by field
     std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
     std::unique_ptr<Segments> segments_;
     std::unique_ptr<SlotPath> slots_;

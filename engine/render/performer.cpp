@@ -61,22 +61,42 @@ void TargetPasses::forget_segments() {
     direct_into_[static_cast<size_t>(Into::kSegments)].reset();
 }
 
-Performer::Performer(const Device& device, const Field& field, uint64_t slice_budget)
+Performer::Performer(const Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
     : device_(device),
       field_(field),
+      paints_(paints),
       slice_budget_(slice_budget),
       live_(device, field, slice_budget > 0 ? field.leaf_count : 1),
-      finder_(device, field, live_) {
+      finder_(std::make_unique<LiveFinder>(device, field, live_)) {
     if (slice_budget > 0) make_slices(likely_entries(field));
 }
 
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
     slices_.reset();  // before there are others
-    slices_ = std::make_unique<SliceCache>(device_, field_, live_, entries, slice_budget_);
+    slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     counts_readback_ = Buffer(device_, "entries readback", slices_->trees().counts.bytes, MemoryKind::kReadback);
     for (const auto& [target, views] : targets_)
         passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
+    paints_sliced_ = paints_.count();
+}
+
+// Slices where paint needs one, and more of them where there are more paints than they were made for.
+void Performer::make_room(bool any_painted) {
+    if (!slices_ && any_painted) {
+        passes_.clear();  // they are bound to the live leaves
+        finder_.reset();
+        live_ = LiveLeaves(device_, field_, field_.leaf_count);
+        finder_ = std::make_unique<LiveFinder>(device_, field_, live_);
+        make_slices(likely_entries(field_));
+    }
+    if (!slices_ || paints_.count() <= paints_sliced_) return;
+    const SliceTrees& trees = slices_->trees();
+    const bool all_of_clip = trees.slices >= (1 + paints_sliced_) * field_.frames;  // there may be budget for more
+    const uint32_t entries = trees.capacity;
+    paints_sliced_ = paints_.count();
+    if (!all_of_clip || slice_bytes(field_, entries) * (trees.slices + uint64_t{1}) > slice_budget_) return;
+    make_slices(entries);
 }
 
 uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
@@ -86,16 +106,18 @@ uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
     return static_cast<uint32_t>(passes_.size()) - 1;
 }
 
-void Performer::prepare(std::span<const float> frames, std::span<const float> next_frames) {
+void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next) {
+    make_room(std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
     if (!slices_) return;
-    slices_->ask(frames);
+    slices_->ask(slices);
     // Else there is no room, and live leaves serve others.
-    if (std::all_of(frames.begin(), frames.end(), [this](float frame) { return slices_->find(frame).has_value(); }))
-        slices_->ask_ahead(next_frames);
+    if (std::all_of(slices.begin(), slices.end(),
+                    [this](const SliceKey& key) { return slices_->find(key).has_value(); }))
+        slices_->ask_ahead(next);
 }
 
 void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
-    if (slices_ && slices_->find(instance.frame))
+    if (slices_ && (instance.paint != 0 || slices_->find(instance.slice())))
         passes_[target]->need_tree(instance.shading, instance.into, segments);
     else
         passes_[target]->need_direct(instance.into, segments);
@@ -126,13 +148,14 @@ void record_slices_ahead(Commands& commands, Performer& performer, uint32_t part
     copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
 }
 
-void record_instance(Commands& commands, const Performer& performer, uint32_t target, const DrawnInstance& instance,
+void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout) {
     const TargetPasses& passes = *performer.passes_[target];
-    const std::optional<uint32_t> slice = performer.slices() ? performer.slices()->find(instance.frame) : std::nullopt;
+    SliceCache* cache = performer.slices();
+    const std::optional<uint32_t> slice = cache ? record_slice_of(commands, *cache, instance.slice()) : std::nullopt;
     const uint32_t first_camera = instance.rays.first_camera;
     if (!slice) {
-        record_rows(commands, performer.finder_, instance.frame);
+        record_rows(commands, *performer.finder_, instance.frame);
         record_tile_ranges(commands, *passes.direct_ranger_, 0, first_camera, instance.range_level, layout);
         record_direct_instance(commands, *passes.direct_into_[static_cast<size_t>(instance.into)], instance.rays);
         return;

@@ -18,6 +18,7 @@ struct Instance {
     uint32_t field = 0;                 // of the renderer's
     float opacity = 1;                  // below 1 it lets light through, however dense it is (store_instance.glsl)
     bool casts_shadow = true, receives_shadow = true;
+    uint32_t paint = 0;  // of its field's Paints; 0: none
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
@@ -28,10 +29,12 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays);
 struct DrawnInstance {
     uint32_t field = 0;
     float frame = 0;
+    uint32_t paint = 0;
     Shading shading = Shading::kPerRay;
     Into into = Into::kLayer;
     uint32_t range_level = 0;  // of nodes that tile ranges look at
     InstanceRays rays;
+    SliceKey slice() const { return {frame, paint}; }
 };
 
 // The passes of one performer into one target, each made when first needed. All must outlive it.
@@ -49,7 +52,7 @@ class TargetPasses {
     const Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
 
   private:
-    friend void record_instance(Commands&, const class Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    friend void record_instance(Commands&, class Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     static size_t place_of(Shading shading, Into into);
     struct Shaded {
         Buffer entries;
@@ -75,15 +78,17 @@ inline uint64_t slice_share(uint64_t budget, size_t fields) {
 
 class Performer {
   public:
-    // A budget of 0 bytes: no slice at all, else one at least. All must outlive it.
-    Performer(const Device& device, const Field& field, uint64_t slice_budget);
+    // A budget of 0 bytes: no slice at all, but one once a painted instance is drawn, as without a slice none shows its
+    // paint; else one at least. All must outlive it.
+    Performer(const Device& device, const Field& field, const Paints& paints, uint64_t slice_budget);
 
     // Where its instances are drawn, of so many views at most; returns the target's number.
     uint32_t add_target(const RayTarget& target, uint32_t views);
 
-    // Before a picture is recorded: its instances in all targets, those first that shall rather have a slice, and the
-    // frames that will be shown next. Then for each target its instances there; makes what is missing on the device.
-    void prepare(std::span<const float> frames, std::span<const float> next_frames = {});
+    // Before a picture is recorded: what its instances show in all targets, those first that shall rather have a slice,
+    // and the slices that will be shown next. Then for each target its instances there; makes what is missing on the
+    // device.
+    void prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next = {});
     void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
     // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
     // picture must be prepared and recorded anew.
@@ -97,17 +102,20 @@ class Performer {
 
   private:
     friend void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
-    friend void record_instance(Commands&, const Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    friend void record_instance(Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     void make_slices(uint32_t entries);
+    void make_room(bool any_painted);
     const Device& device_;
     const Field& field_;
+    const Paints& paints_;
     uint64_t slice_budget_;
     LiveLeaves live_;
-    LiveFinder finder_;
+    std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
     Buffer counts_readback_;  // LiveCount of each slice as of the last picture
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
+    size_t paints_sliced_ = 0;                           // how many paints the slices were made for
 };
 
 // The slices of prepared instances.
@@ -115,8 +123,9 @@ void record_slices(Commands& commands, Performer& performer);
 // After the picture: so many parts (kSliceParts a slice) of those of the next frames.
 void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
 
-// One prepared instance, into what earlier ones left in the target.
-void record_instance(Commands& commands, const Performer& performer, uint32_t target, const DrawnInstance& instance,
+// One prepared instance, into what earlier ones left in the target. Its slice is built now where it has no place of its
+// own.
+void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout);
 
 }  // namespace neuvv

@@ -28,6 +28,7 @@ std::optional<DrawnInstance> place_instance(const TargetViews& views, const Fiel
     const ViewLayout& layout = views.layout;
     DrawnInstance drawn;
     drawn.field = instance.field;
+    drawn.paint = instance.paint;
     drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field.frames - 1));
     drawn.shading = Shading::kPerLeaf;
     drawn.rays.first_camera = layout.views * (place + 1);

@@ -1,32 +1,40 @@
 #include "render/slice_cache.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "base/error.h"
 
 namespace neuvv {
 
 namespace {
 
 // As many slices as budget, clip and device have room for, one at least.
-uint32_t slice_count(const Device& device, const Field& field, uint32_t entries, uint64_t budget_bytes) {
+uint32_t slice_count(const Device& device, const Field& field, size_t paints, uint32_t entries, uint64_t budget_bytes) {
     const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
     const uint64_t bytes = std::max<uint64_t>(4 * kEntryWords * texels, field.nodes.bytes);
     const uint64_t addressed = device.limits().maxTexelBufferElements / std::max<uint64_t>(texels, field.node_count());
     const uint64_t allocated = device.max_allocation_bytes() / bytes;
-    const uint64_t wanted = std::min<uint64_t>(budget_bytes / slice_bytes(field, entries), field.frames);
+    const uint64_t of_clip = (1 + paints) * field.frames;
+    const uint64_t wanted = std::min<uint64_t>(budget_bytes / slice_bytes(field, entries), of_clip);
     return static_cast<uint32_t>(std::max<uint64_t>(std::min({wanted, addressed, allocated}), 1));
 }
 
 }  // namespace
 
-SliceCache::SliceCache(const Device& device, const Field& field, const LiveLeaves& live, uint32_t entries,
-                       uint64_t budget_bytes)
-    : trees_(device, field, entries, slice_count(device, field, entries, budget_bytes)),
+SliceCache::SliceCache(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
+                       uint32_t entries, uint64_t budget_bytes)
+    : device_(device),
+      field_(field),
+      live_(live),
+      paints_(paints),
+      trees_(device, field, entries, slice_count(device, field, paints.count(), entries, budget_bytes)),
       slicer_(device, field, live, trees_),
       kept_(trees_.slices) {}
 
-SliceCache::Kept* SliceCache::kept_of(float frame) {
-    const auto found =
-        std::find_if(kept_.begin(), kept_.end(), [frame](const Kept& one) { return one.frame == frame; });
+SliceCache::Kept* SliceCache::kept_of(SliceKey key) {
+    const auto found = std::find_if(kept_.begin(), kept_.end(), [key](const Kept& one) { return one.key == key; });
     return found == kept_.end() ? nullptr : &*found;
 }
 
@@ -35,28 +43,65 @@ SliceCache::Kept& SliceCache::oldest() {
                              [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
 }
 
-void SliceCache::ask(std::span<const float> frames) {
-    pictures_++;
-    ahead_.clear();
-    for (const float frame : frames)
-        if (Kept* kept = kept_of(frame)) kept->shown = kept->asked = pictures_;
-    for (const float frame : frames) {
-        if (kept_of(frame)) continue;
-        Kept& place = oldest();
-        if (place.asked == pictures_) return;
-        place = {frame, 0, pictures_, pictures_};
+// The place that a slice may take which is not kept; a painted one may take that of one that is not.
+SliceCache::Kept* SliceCache::place_for(SliceKey key) {
+    Kept& place = oldest();
+    if (place.asked < pictures_) return &place;
+    if (key.paint == 0) return nullptr;
+    const auto plain =
+        std::find_if(kept_.begin(), kept_.end(), [](const Kept& one) { return one.key && one.key->paint == 0; });
+    return plain == kept_.end() ? nullptr : &*plain;
+}
+
+// Where least is lost.
+void SliceCache::lend_place() {
+    const auto least =
+        std::min_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.parts < b.parts; });
+    *least = {std::nullopt, 0, pictures_, pictures_};
+    lent_ = static_cast<uint32_t>(least - kept_.begin());
+}
+
+// Descriptors are written before the picture, not in it.
+void SliceCache::bind(std::span<const SliceKey> keys) {
+    std::erase_if(bound_, [this](const auto& one) { return !paints_.find(one.first); });
+    for (const SliceKey& key : keys) {
+        if (key.paint == 0 || bound_.contains(key.paint)) continue;
+        const Paint* paint = paints_.find(key.paint);
+        if (!paint) throw RuntimeFailure(fmt::format("there is no paint {}", key.paint));
+        if (!painter_) painter_ = std::make_unique<Painter>(device_, field_, live_, trees_);
+        bound_.try_emplace(key.paint, *painter_, *paint);
     }
 }
 
-void SliceCache::ask_ahead(std::span<const float> frames) {
-    ahead_.assign(frames.begin(), frames.end());
-    for (const float frame : ahead_)
-        if (Kept* kept = kept_of(frame)) kept->asked = pictures_;
+void SliceCache::ask(std::span<const SliceKey> keys) {
+    pictures_++;
+    ahead_.clear();
+    lent_.reset();
+    bind(keys);
+    for (const SliceKey& key : keys)
+        if (Kept* kept = kept_of(key)) kept->shown = kept->asked = pictures_;
+    for (const bool painted : {true, false})
+        for (const SliceKey& key : keys) {
+            if ((key.paint != 0) != painted || kept_of(key)) continue;
+            if (Kept* place = place_for(key)) {
+                *place = {key, 0, pictures_, pictures_};
+            } else {
+                if (painted && !lent_) lend_place();
+                break;
+            }
+        }
 }
 
-std::optional<uint32_t> SliceCache::find(float frame) const {
+void SliceCache::ask_ahead(std::span<const SliceKey> keys) {
+    ahead_.assign(keys.begin(), keys.end());
+    bind(keys);
+    for (const SliceKey& key : ahead_)
+        if (Kept* kept = kept_of(key)) kept->asked = pictures_;
+}
+
+std::optional<uint32_t> SliceCache::find(SliceKey key) const {
     for (uint32_t i = 0; i < kept_.size(); i++)
-        if (kept_[i].frame == frame) return i;
+        if (kept_[i].key == key) return i;
     return std::nullopt;
 }
 
@@ -64,34 +109,47 @@ void SliceCache::forget() {
     std::fill(kept_.begin(), kept_.end(), Kept{});
 }
 
+const SlicePaint* SliceCache::paint_of(SliceKey key) const {
+    return key.paint == 0 ? nullptr : &bound_.at(key.paint);
+}
+
 void SliceCache::build(Commands& commands, uint32_t slice, uint32_t parts) {
     Kept& kept = kept_[slice];
+    const SliceKey key = *kept.key;
     for (uint32_t i = 0; i < kept_.size(); i++)  // who else has a part gives up the live leaves
         if (i != slice && kept_[i].parts < kSliceParts) kept_[i].parts = 0;
     if (kept.parts == 0 && parts >= kSliceParts) {
-        record_slice_tree(commands, slicer_, slice, *kept.frame);
+        record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
         kept.parts = kSliceParts;
     }
     for (; parts > 0 && kept.parts < kSliceParts; parts--)
-        record_slice_part(commands, slicer_, slice, *kept.frame, kept.parts++);
+        record_slice_part(commands, slicer_, slice, key.frame, kept.parts++, paint_of(key));
 }
 
 void record_slices(Commands& commands, SliceCache& cache) {
     const auto is_wanted = [&cache](const SliceCache::Kept& kept) {
-        return kept.frame && kept.shown == cache.pictures_ && kept.parts < kSliceParts;
+        return kept.key && kept.shown == cache.pictures_ && kept.parts < kSliceParts;
     };
     for (const bool begun : {true, false})  // first the one that has a part
         for (uint32_t i = 0; i < cache.kept_.size(); i++)
             if (is_wanted(cache.kept_[i]) && (cache.kept_[i].parts > 0) == begun) cache.build(commands, i, kSliceParts);
 }
 
+std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key) {
+    const std::optional<uint32_t> there = cache.find(key);
+    if (there || key.paint == 0 || !cache.lent_) return there;
+    cache.kept_[*cache.lent_] = {key, 0, cache.pictures_, cache.pictures_};
+    cache.build(commands, *cache.lent_, kSliceParts);
+    return cache.lent_;
+}
+
 void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts) {
-    for (const float frame : cache.ahead_) {
-        SliceCache::Kept* kept = cache.kept_of(frame);
+    for (const SliceKey& key : cache.ahead_) {
+        SliceCache::Kept* kept = cache.kept_of(key);
         if (!kept) {
             kept = &cache.oldest();
             if (kept->asked == cache.pictures_) return;
-            *kept = {frame, 0, 0, cache.pictures_};
+            *kept = {key, 0, 0, cache.pictures_};
         }
         const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
         if (wanted > 0) cache.build(commands, static_cast<uint32_t>(kept - cache.kept_.data()), wanted);

@@ -1,6 +1,8 @@
 // Slices of one field that are kept on the device: those shown last, as many as a budget holds.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -11,46 +13,72 @@ namespace neuvv {
 // Bytes that the slices of a performer may take on the device, however many instances and frames are shown.
 constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
 
+// What a slice shows: an instant of the clip, and how it is painted (Paints; 0: not at all).
+struct SliceKey {
+    float frame = 0;
+    uint32_t paint = 0;
+    bool operator==(const SliceKey&) const = default;
+};
+
 class SliceCache {
   public:
-    // Room for as many slices of `entries` entries as the budget allows, one at least. `live` is scratch.
-    SliceCache(const Device& device, const Field& field, const LiveLeaves& live, uint32_t entries,
+    // Room for as many slices of `entries` entries as the budget allows, one at least. `live` is scratch. All must
+    // outlive it; the paints may become more and fewer.
+    SliceCache(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints, uint32_t entries,
                uint64_t budget_bytes);
 
-    // Before a picture: it needs the slices of these frames. Those that are kept stay; the others take the places of
-    // those that were not asked for for longest, the first frames first, until all places are this picture's.
-    void ask(std::span<const float> frames);
-    // Where the slice of a frame that was asked for is; none where there was no room.
-    std::optional<uint32_t> find(float frame) const;
+    // Before a picture: it needs these slices. Those that are kept stay; the others take the places of those that were
+    // not asked for for longest, the painted first, the first of them first, until all places are this picture's. Where
+    // the painted do not all find one, some share one of the places, and are built there while the picture is drawn
+    // (record_slice_of). Throws RuntimeFailure for a paint that is not there.
+    void ask(std::span<const SliceKey> keys);
+    // Where a slice that was asked for is; none where there was no room.
+    std::optional<uint32_t> find(SliceKey key) const;
     void forget();
 
-    // After ask(): the slices of these frames will be needed next. The first of them that is not kept is built in parts
+    // After ask(): these slices will be needed next. The first of them that is not kept is built in parts
     // (record_ahead), in the place of one that this picture does not need, if there is any.
-    void ask_ahead(std::span<const float> frames);
+    void ask_ahead(std::span<const SliceKey> keys);
 
     const SliceTrees& trees() const { return trees_; }
 
   private:
     friend void record_slices(Commands& commands, SliceCache& cache);
+    friend std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key);
     friend void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);
     struct Kept {
-        std::optional<float> frame;
+        std::optional<SliceKey> key;
         uint32_t parts = 0;  // of kSliceParts that are built
         uint64_t shown = 0;  // by which picture last
         uint64_t asked = 0;  // the same, or ahead of one
     };
-    Kept* kept_of(float frame);
+    Kept* kept_of(SliceKey key);
     Kept& oldest();
+    Kept* place_for(SliceKey key);
+    void lend_place();
+    void bind(std::span<const SliceKey> keys);
+    const SlicePaint* paint_of(SliceKey key) const;
     void build(Commands& commands, uint32_t slice, uint32_t parts);
+    const Device& device_;
+    const Field& field_;
+    const LiveLeaves& live_;
+    const Paints& paints_;
     SliceTrees trees_;
     TreeSlicer slicer_;
-    std::vector<Kept> kept_;  // per slice; of one at most a part is built, which then has the live leaves
-    std::vector<float> ahead_;
+    std::vector<Kept> kept_;        // per slice; of one at most a part is built, which then has the live leaves
+    std::optional<uint32_t> lent_;  // the place that painted slices share in this picture
+    std::vector<SliceKey> ahead_;
     uint64_t pictures_ = 0;
+    std::unique_ptr<Painter> painter_;  // made when first needed
+    std::map<uint32_t, SlicePaint> bound_;
 };
 
-// Builds the slices that were asked for and are not there.
+// Builds the slices that were asked for and are not there, but for those that share a place.
 void record_slices(Commands& commands, SliceCache& cache);
+
+// Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them is.
+// None where there was no room for one without paint.
+std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key);
 
 // Builds so many parts of those that were asked for ahead.
 void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "base/error.h"
 
@@ -80,17 +81,12 @@ void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice) 
 
 void record_slice_begin(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
     fill(commands, slicer.live_.node_live, 0);
-    update(commands, slicer.trees_.counts, LiveCount{0, 1, 1, 0, 0}, slice * sizeof(LiveCount));
+    const LiveCount none{0, 1, 1, 0, 0};  // the overflow stays: trees with any are replaced (Performer::enlarge_slices)
+    update(commands, slicer.trees_.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
     record_rows(commands, slicer.finder_, frame);
 }
 
-void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
-    {
-        const PassScope scope(commands, "slice density");
-        record_slice_begin(commands, slicer, slice, frame);
-        record_density(commands, slicer.finder_, 0, slicer.field_.leaf_count);
-    }
-    record_nodes(commands, slicer, slice);
+void record_entries(Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
     const PassScope scope(commands, "slice entries");
     dispatch_indirect(
         commands, slicer.entries_, slicer.entries_set_, slicer.live_.live, 0,
@@ -98,7 +94,21 @@ void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t sl
     compute_barrier(commands);
 }
 
-void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part) {
+void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
+                       const SlicePaint* paint) {
+    {
+        const PassScope scope(commands, "slice density");
+        record_slice_begin(commands, slicer, slice, frame);
+        record_density(commands, slicer.finder_, 0, slicer.field_.leaf_count);
+    }
+    if (paint) record_paint_density(commands, *paint, frame);
+    record_nodes(commands, slicer, slice);
+    record_entries(commands, slicer, slice);
+    if (paint) record_paint_colour(commands, *paint, slice, frame);
+}
+
+void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
+                       const SlicePaint* paint) {
     constexpr uint32_t kDensityParts = 3, kEntryParts = kSliceParts - kDensityParts - 1;
     const uint32_t leaves = slicer.field_.leaf_count, slots = slicer.trees_.capacity;
     if (part < kDensityParts) {
@@ -107,14 +117,22 @@ void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t sl
         const auto share = [leaves](uint64_t i) { return static_cast<uint32_t>(leaves * i / kDensityParts); };
         record_density(commands, slicer.finder_, share(part), share(part + 1));
     } else if (part == kDensityParts) {
+        if (paint) record_paint_density(commands, *paint, frame);
         record_nodes(commands, slicer, slice);
     } else {
-        const PassScope scope(commands, "slice entries");
         const auto share = [slots](uint64_t i) { return static_cast<uint32_t>(slots * i / kEntryParts); };
-        const uint32_t first = share(part - kDensityParts - 1), end = share(part - kDensityParts);
-        dispatch(commands, slicer.entries_, slicer.entries_set_, (end - first + kSliceGroup - 1) / kSliceGroup,
-                 SliceEntriesPush{leaves, std::min(end, slicer.live_.capacity), slicer.trees_.node_base(slice), first});
-        compute_barrier(commands);
+        const uint32_t first = share(part - kDensityParts - 1);
+        // Leaves that paint erased have their slots still, and may keep others beyond as many as there are entries.
+        const bool last = part + 1 == kSliceParts;
+        const uint32_t end = last && paint ? slicer.live_.capacity : share(part - kDensityParts);
+        {
+            const PassScope scope(commands, "slice entries");
+            dispatch(
+                commands, slicer.entries_, slicer.entries_set_, (end - first + kSliceGroup - 1) / kSliceGroup,
+                SliceEntriesPush{leaves, std::min(end, slicer.live_.capacity), slicer.trees_.node_base(slice), first});
+            compute_barrier(commands);
+        }
+        if (last && paint) record_paint_colour(commands, *paint, slice, frame);
     }
 }
 

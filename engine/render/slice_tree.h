@@ -2,6 +2,7 @@
 // finds them. Built on the device in one go.
 #pragma once
 
+#include "render/paint.h"
 #include "render/slice.h"
 #include "shared/slice_tree.h"
 
@@ -35,9 +36,11 @@ class TreeSlicer {
   private:
     friend void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice);
     friend void record_slice_begin(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
-    friend void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
+    friend void record_entries(Commands& commands, const TreeSlicer& slicer, uint32_t slice);
     friend void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
-                                  uint32_t part);
+                                  uint32_t part, const SlicePaint* paint);
+    friend void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
+                                  const SlicePaint* paint);
     const Field& field_;
     const LiveLeaves& live_;
     const SliceTrees& trees_;
@@ -46,12 +49,15 @@ class TreeSlicer {
     BindingSet nodes_set_, entries_set_;
 };
 
-// `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9).
-void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
+// `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9); painted, where
+// there is paint (bound to these trees). What finds no room is added to what LiveCount::overflow counts already.
+void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
+                       const SlicePaint* paint = nullptr);
 
 // The same in parts of about as much work each, 0 to kSliceParts − 1, between which nothing else may use the live
 // leaves.
 constexpr uint32_t kSliceParts = 6;
-void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part);
+void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
+                       const SlicePaint* paint = nullptr);
 
 }  // namespace neuvv

@@ -1,8 +1,11 @@
 #include "render/stage_renderer.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "voctree/half.h"
+#include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -49,7 +52,9 @@ StageRenderer::StageRenderer(const Device& device, const Stage& stage, const Fra
     : device_(device), stage_(stage), capacity_(capacity) {
     fields_.reserve(stage.clips.size());  // renderers keep their addresses
     for (const StageClip& clip : stage.clips) {
-        fields_.push_back(upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf));
+        const VOctree tree = read_nvv(clip.path);
+        fields_.push_back(upload_field(device, tree, WeightPrecision::kHalf));
+        painted_.push_back(painted_field(tree));
         if (loaded) loaded(fields_.size(), stage.clips.size());
     }
     std::optional<Image> environment;
@@ -61,6 +66,22 @@ StageRenderer::StageRenderer(const Device& device, const Stage& stage, const Fra
     std::vector<const Field*> fields;
     for (const Field& field : fields_) fields.push_back(&field);
     frames_ = std::make_unique<FrameRenderer>(device, std::move(fields), capacity, set_.get());
+    for (const StagePerformer& performer : stage.performers) paints_.push_back(add_paint(performer));
+}
+
+// The layers of a performer that show, as a paint of its clip; 0: none do.
+uint32_t StageRenderer::add_paint(const StagePerformer& performer) {
+    std::vector<EditLayer> layers;
+    std::vector<PaintUse> uses;
+    for (size_t i = 0; i < performer.settings.paint.size(); i++) {
+        const PaintLayer& layer = performer.settings.paint[i];
+        if (!layer.visible || layer.opacity <= 0) continue;
+        const std::string place = fmt::format("{}: paint layer {}", performer.name, i);
+        layers.push_back(read_paint(file_of_uri(stage_.file, layer.uri, place), painted_[performer.clip]));
+        uses.push_back({nullptr, layer.blend, static_cast<float>(layer.opacity)});
+    }
+    for (size_t i = 0; i < layers.size(); i++) uses[i].layer = &layers[i];
+    return uses.empty() ? 0 : frames_->paints(performer.clip).add(uses);
 }
 
 void StageRenderer::show(const StageInstant& instant) {
@@ -112,7 +133,8 @@ FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {
     for (const InstantPerformer& performer : instant.performers) {
         if (!performer.visible) continue;
         settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer), performer.clip,
-                                      performer.opacity, performer.casts_shadow, performer.receives_shadow});
+                                      performer.opacity, performer.casts_shadow, performer.receives_shadow,
+                                      paints_[performer.performer]});
     }
     return settings;
 }

@@ -11,8 +11,9 @@ namespace neuvv {
 
 class StageRenderer {
   public:
-    // Reads the clips and the environment; calls `loaded` with what has been read of how many files. The stage must
-    // outlive it. Throws InputError for files that cannot be read and RuntimeFailure where the device has no room.
+    // Reads the clips, their paint and the environment; calls `loaded` with what has been read of how many files. The
+    // stage must outlive it. Throws InputError for files that cannot be read and RuntimeFailure where the device has no
+    // room.
     StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
                   const std::function<void(size_t, size_t)>& loaded = {});
 
@@ -29,10 +30,13 @@ class StageRenderer {
     std::span<const Field> fields() const { return fields_; }  // as Stage::clips
 
   private:
+    uint32_t add_paint(const StagePerformer& performer);
     const Device& device_;
     const Stage& stage_;
     FrameCapacity capacity_;
     std::vector<Field> fields_;
+    std::vector<PaintedField> painted_;  // by clip
+    std::vector<uint32_t> paints_;       // by performer: of its clip's Paints
     std::unique_ptr<SetRaster> set_;
     std::unique_ptr<FrameRenderer> frames_;
 };

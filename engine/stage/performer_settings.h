@@ -13,6 +13,8 @@ constexpr const char* kPerformerExtension = "NEUVV_performer";
 constexpr size_t kMaxPaintLayers = 64;
 constexpr double kMaxSpin = 1e6;  // degrees per second
 
+// How a layer's colours go over what is below (paint.glsl): the target; its product with the colour; as if lit by the
+// target, as bright as before; hue and saturation of the target, as bright as before.
 enum class PaintBlend { kNormal, kMultiply, kTint, kRecolour };
 constexpr const char* kPaintBlendNames[] = {"normal", "multiply", "tint", "recolour"};
 

@@ -140,12 +140,12 @@ void ChunkWriter::finish() {
                         path_, raw_bytes_, file_bytes_));
 }
 
-ChunkReader::ChunkReader(const std::filesystem::path& path) : path_(path.string()) {
+ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind) : path_(path.string()) {
     std::error_code error;
     if (!std::filesystem::exists(path, error))
-        throw InputError(path_, "", "no such file", "check the path; `neuvv train` writes such files");
+        throw InputError(path_, "", "no such file", fmt::format("check the path; `{}` writes such files", kind.writer));
     if (!std::filesystem::is_regular_file(path, error))
-        throw InputError(path_, "", "is not a regular file", "name an .nvv file");
+        throw InputError(path_, "", "is not a regular file", fmt::format("name an {} file", kind.ending));
     file_bytes_ = std::filesystem::file_size(path, error);
     file_.open(path, std::ios::binary);
     if (error || !file_) throw InputError(path_, "", "cannot open", "check its permissions");
@@ -153,7 +153,8 @@ ChunkReader::ChunkReader(const std::filesystem::path& path) : path_(path.string(
     FileStart start{};
     get(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
     if (std::memcmp(start.magic, kMagic, 4) != 0)
-        throw InputError(path_, "", "is not an .nvv file", "name a file that `neuvv train` wrote");
+        throw InputError(path_, "", fmt::format("is not an {} file", kind.ending),
+                         fmt::format("name a file that `{}` wrote", kind.writer));
     if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0)
         throw InputError(path_, "", "was damaged by a text-mode transfer", "copy it again as binary");
     get(&start.version, sizeof start.version);

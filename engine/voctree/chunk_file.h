@@ -1,5 +1,5 @@
-// The container of .nvv: a magic, a version, then named, checksummed, compressed chunks up to END. What the chunks mean
-// is nvv.cpp's business. Byte layout: README.md beside this file.
+// The container of .nvv and .nvpaint: a magic, a version, then named, checksummed, compressed chunks up to END. What
+// the chunks mean is the business of nvv.cpp and nvpaint.cpp. Byte layout: README.md beside this file.
 #pragma once
 
 #include <cstdint>
@@ -47,10 +47,15 @@ class ChunkWriter {
     std::vector<std::string> names_;
 };
 
+// What a file of ours is called in errors, and who writes such.
+struct FileKind {
+    std::string ending = ".nvv", writer = "neuvv train";
+};
+
 // Reads a container front to back, one chunk in memory at a time. Every method throws InputError.
 class ChunkReader {
   public:
-    explicit ChunkReader(const std::filesystem::path& path);
+    explicit ChunkReader(const std::filesystem::path& path, const FileKind& kind = {});
 
     // Opens the next chunk; false at END, after which the file is known to be whole. Each chunk must be taken or
     // skipped.
@@ -63,6 +68,7 @@ class ChunkReader {
     void skip(bool verify);
 
     uint64_t file_bytes() const { return file_bytes_; }
+    const std::string& path() const { return path_; }
     [[noreturn]] void fail(const std::string& problem, const std::string& mend) const;  // at the open chunk
     [[noreturn]] void fail_damaged(const std::string& problem) const;
 

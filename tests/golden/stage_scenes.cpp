@@ -4,9 +4,9 @@
 
 #include "edit/operations.h"
 #include "render/stage_renderer.h"
-#include "support/figure_tree.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
+#include "support/waver_tree.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {
@@ -20,7 +20,7 @@ struct Builder {
     std::filesystem::path clip = folder.path / "figure.nvv";
     StageFile file = new_stage(folder.path / "stage.gltf");
 
-    Builder() { write_nvv(clip, figure_tree()); }
+    Builder() { write_nvv(clip, waver_tree()); }
 
     uint32_t add(const std::string& name, glm::dvec3 at, glm::dvec3 turn_deg = glm::dvec3(0), PerformerEdit edit = {}) {
         Placement place;
@@ -56,7 +56,7 @@ Image render(const Device& device, const Builder& builder, const Camera& camera,
 }
 
 Camera wide_camera() {
-    return look_at({0, 1.9, 5}, {0, 0.85, 0}, kWidth, kHeight, 2.0);
+    return look_at({0, 1.9, 5}, {0, 0.8, 0}, kWidth, kHeight, 1.15);
 }
 
 // Turned, stretched and sheared, in one row.
@@ -106,7 +106,7 @@ Image ring(const Device& device) {
     copies.distance_m = 2.2;
     copies.stagger = {1, true};
     duplicate_node(builder.file, node, copies);
-    return render(device, builder, look_at({0, 4.2, 6}, {0, 0.3, -0.5}, kWidth, kHeight, 1.7));
+    return render(device, builder, look_at({0, 4.6, 6.5}, {0, 0.3, -0.4}, kWidth, kHeight, 0.95));
 }
 
 // Two that walked into each other, one of them translucent or not.
@@ -117,7 +117,7 @@ Image blend(const Device& device, StageBlend way, double opacity) {
     builder.add("one", {-0.15, 0, 0}, {0, 40, 0}, edit);
     builder.add("other", {0.15, 0, 0.05}, {0, -50, 12});
     builder.ambient(0.8);
-    return render(device, builder, look_at({0, 1.3, 3.4}, {0, 0.95, 0}, kWidth, kHeight, 2.2), 0,
+    return render(device, builder, look_at({0, 1.3, 3.4}, {0, 0.9, 0}, kWidth, kHeight, 0.95), 0,
                   [way](Stage& stage) { stage.settings.blend = way; });
 }
 

@@ -209,7 +209,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     const auto draw = [&](FrameRenderer& renderer, float frame, const std::vector<float>& next) {
         FrameSettings settings = settings_of({{frame}}, TraceMode::kTree);
-        settings.next_frames = next;
+        for (const float later : next) settings.next_slices.push_back({later});
         settings.parts_ahead = 1;
         return renderer.render(stage_camera(), settings).rgba;
     };

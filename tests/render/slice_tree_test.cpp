@@ -11,86 +11,12 @@
 #include "reference/trace.h"
 #include "render/tile_range.h"
 #include "support/gpu_test.h"
+#include "support/host_tree.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
 
 namespace neuvv::test {
 namespace {
-
-struct HostTree {
-    std::vector<glm::uvec4> nodes;
-    std::vector<glm::uvec2> entries;
-    std::vector<uint32_t> leaves;
-    LiveCount count;
-};
-
-// The first of the trees.
-HostTree download_tree(const Device& device, const Field& field, const SliceTrees& tree) {
-    HostTree host;
-    host.nodes.resize(field.node_count());
-    host.entries.resize(size_t{tree.capacity} * sh_count(field.hh_degree));
-    host.leaves.resize(tree.capacity);
-    download(device, tree.nodes, host.nodes.data(), host.nodes.size() * sizeof(glm::uvec4));
-    download(device, tree.entries, host.entries.data(), host.entries.size() * sizeof(glm::uvec2));
-    download(device, tree.entry_leaf, host.leaves.data(), host.leaves.size() * sizeof(uint32_t));
-    download(device, tree.counts, &host.count, sizeof(LiveCount));
-    return host;
-}
-
-double number(uint32_t word, int shift) {
-    return float_from_half(static_cast<uint16_t>(word >> shift));
-}
-
-// Walks what the device built as a shader does, and ticks off the leaves it meets.
-struct TreeCheck {
-    const HostTree& host;
-    const VOctree& tree;
-    const std::vector<reference::LeafSlice>& truth;
-    std::vector<bool> met = std::vector<bool>(tree.leaf_count);
-    uint32_t entries = 0;
-    double worst = 0;  // of σ and coefficients, relative to the largest of a leaf
-
-    void visit(uint32_t node, uint32_t level) {
-        const glm::uvec4 words = host.nodes[node];
-        uint32_t entry = words.z;
-        const uint64_t live = uint64_t{words.y} << 32 | words.x;
-        ASSERT_NE(live, 0u) << "a dead node is reached";
-        for (uint32_t bit = 0; bit < 64; bit++) {
-            if (!(live >> bit & 1)) continue;
-            const bool wide = words.w >> (bit / 8) & 1;
-            ASSERT_LT(entry, host.leaves.size());
-            entries++;
-            const glm::uvec2 first = host.entries[size_t{entry} * sh_count(tree.hh_degree)];
-            if (first.x & kEntryIsNode) {
-                EXPECT_EQ(host.leaves[entry], kNoLeaf);
-                ASSERT_LT(level + 1, tree.node_levels);
-                visit(first.y, level + 1);
-            } else {
-                check_leaf(host.leaves[entry], entry, 2 * level + (wide ? 1 : 2));
-            }
-            entry++;
-            if (wide) bit += 7;
-        }
-    }
-
-    void check_leaf(uint32_t leaf, uint32_t entry, uint32_t depth) {
-        ASSERT_LT(leaf, tree.leaf_count);
-        EXPECT_FALSE(met[leaf]) << "leaf " << leaf << " twice";
-        met[leaf] = true;
-        EXPECT_EQ(leaf_places(tree)[leaf].depth, depth);
-        const auto relative = [](double value, double expected, double scale) {
-            return std::abs(value - expected) / std::max(scale, 1e-3);
-        };
-        const size_t functions = sh_count(tree.hh_degree);
-        const glm::uvec2* words = &host.entries[size_t{entry} * functions];
-        worst = std::max(worst, relative(number(words[0].x, 0), truth[leaf].sigma, truth[leaf].sigma));
-        for (size_t j = 0; j < functions; j++)
-            for (size_t c = 0; c < 3; c++) {
-                const double k = c == 0 ? number(words[j].x, 16) : number(words[j].y, c == 1 ? 0 : 16);
-                worst = std::max(worst, relative(k, truth[leaf].k[c][j], std::abs(truth[leaf].k[c][j])));
-            }
-    }
-};
 
 using SliceTreeTest = GpuTest;
 

@@ -9,9 +9,9 @@
 
 namespace neuvv::test {
 
-constexpr uint32_t kFigureFrames = 8;
+constexpr uint32_t kWaverFrames = 8;
 
-namespace figure {
+namespace waver {
 
 struct Part {
     glm::dvec3 from, to;
@@ -27,7 +27,7 @@ inline double distance_to(const Part& part, glm::dvec3 place) {
 
 // Its left side is +X, and its arms differ: what is mirrored shows.
 inline std::vector<Part> parts_at(uint32_t frame) {
-    const double angle = std::numbers::pi * (0.15 + 0.6 * frame / (kFigureFrames - 1.0));  // from straight down
+    const double angle = std::numbers::pi * (0.15 + 0.6 * frame / (kWaverFrames - 1.0));  // from straight down
     const glm::dvec3 shoulder(0.24, 1.32, 0);
     return {{{0, 1.62, 0}, {0, 1.66, 0}, 0.13, {0.8, 0.5, 0.35}},
             {{0, 1.62, 0.13}, {0, 1.6, 0.15}, 0.03, {0.6, 0.1, 0.1}},  // nose
@@ -41,18 +41,18 @@ inline std::vector<Part> parts_at(uint32_t frame) {
 }  // namespace figure
 
 // Leaves of 3 cm; each frame has a basis of its own.
-inline VOctree figure_tree() {
+inline VOctree waver_tree() {
     constexpr uint32_t kSide = 64, kDepth = 6;
     constexpr double kEdge = 1.92 / kSide;
     VOctree tree;
     tree.box_min = {-0.96f, 0, -0.96f};
     tree.box_size = glm::vec3(1.92f);
     tree.node_levels = 3;
-    tree.frames = tree.bases = kFigureFrames;
+    tree.frames = tree.bases = kWaverFrames;
     tree.fps = 4;
     tree.hh_degree = 0;
-    tree.sigma_basis.assign(size_t{kFigureFrames} * kFigureFrames, 0);
-    for (uint32_t i = 0; i < kFigureFrames; i++) tree.sigma_basis[i * kFigureFrames + i] = 1;
+    tree.sigma_basis.assign(size_t{kWaverFrames} * kWaverFrames, 0);
+    for (uint32_t i = 0; i < kWaverFrames; i++) tree.sigma_basis[i * kWaverFrames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
     std::vector<LeafPlace> places;
     std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of frames in which it is solid, colour
@@ -61,9 +61,9 @@ inline VOctree figure_tree() {
         const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(place.x, place.y, place.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);
-        for (uint32_t frame = 0; frame < kFigureFrames; frame++)
-            for (const figure::Part& part : figure::parts_at(frame))
-                if (figure::distance_to(part, at) < 0) {
+        for (uint32_t frame = 0; frame < kWaverFrames; frame++)
+            for (const waver::Part& part : waver::parts_at(frame))
+                if (waver::distance_to(part, at) < 0) {
                     frames |= 1u << frame;
                     colour = part.colour;
                 }
@@ -76,7 +76,7 @@ inline VOctree figure_tree() {
     const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
-        for (uint32_t frame = 0; frame < kFigureFrames; frame++)
+        for (uint32_t frame = 0; frame < kWaverFrames; frame++)
             weights[frame] = seen[leaf].first >> frame & 1 ? 120.0f : -1.0f;
         for (int channel = 0; channel < 3; channel++) {
             const double colour = seen[leaf].second[channel];

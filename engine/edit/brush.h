@@ -1,0 +1,43 @@
+// A sphere-tipped brush on a performer's surface, and what a tool makes of chosen leaves. Edits come without frames:
+// at_frames says when they hold.
+#pragma once
+
+#include "edit/select.h"
+#include "render/pick.h"
+
+namespace neuvv {
+
+struct Brush {
+    float radius_m = 0.03f;     // performer's metres
+    float hardness = 0.7f;      // the part of the radius that is painted whole; beyond it paint fades
+    glm::vec3 colour{1, 0, 0};  // linear
+    float alpha = 1;            // 0: no colour
+    float sigma = kKeepSigma;   // of leaves that the brush covers by half or more
+};
+
+// Where a line over the picture meets the performer as the picker shows it, a pixel at a time. The camera in the
+// performer's space.
+std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels);
+
+// A stroke along points, over leaves that are there (σ > 0): `sigma` as densities() has it. Neighbouring points farther
+// apart than two radii are not joined: the surface ended between them.
+std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
+                             std::span<const glm::vec3> points);
+
+// Every leaf the same: a colour, or a density.
+std::vector<LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha);
+std::vector<LeafEdit> set_density(std::span<const uint32_t> leaves, float sigma);
+inline std::vector<LeafEdit> erase_leaves(std::span<const uint32_t> leaves) {
+    return set_density(leaves, 0);
+}
+
+// Each leaf's own mean colour at a frame, its hue turned, its saturation multiplied (about its luminance, which stays
+// as far as there is room).
+struct ColourShift {
+    float hue_degrees = 0, saturation = 1;
+};
+glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift);
+std::vector<LeafEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
+                                    const ColourShift& shift);
+
+}  // namespace neuvv

@@ -1,0 +1,197 @@
+#include "edit/select.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kGrain = 4096;  // leaves that a core takes at once
+
+// A frame of the clip as two rows and how far it is between them (errata 9).
+struct Between {
+    uint32_t first, second;
+    float part;
+};
+
+Between between(float frame, uint32_t frames) {
+    const float at = std::clamp(frame, 0.0f, static_cast<float>(frames - 1));
+    const auto first = static_cast<uint32_t>(at);
+    return {first, std::min(first + 1, frames - 1), at - static_cast<float>(first)};
+}
+
+std::vector<float> row_at(const std::vector<float>& rows, uint32_t bases, const Between& at) {
+    std::vector<float> row(bases);
+    for (uint32_t c = 0; c < bases; c++)
+        row[c] = std::lerp(rows[size_t{at.first} * bases + c], rows[size_t{at.second} * bases + c], at.part);
+    return row;
+}
+
+float dot(const std::vector<float>& row, const float* weights) {
+    float sum = 0;
+    for (size_t c = 0; c < row.size(); c++) sum += row[c] * weights[c];
+    return sum;
+}
+
+float sigmoid(float x) {
+    return 1 / (1 + std::exp(-x));
+}
+
+std::vector<uint32_t> marked(const std::vector<uint8_t>& marks) {
+    std::vector<uint32_t> leaves;
+    for (uint32_t leaf = 0; leaf < marks.size(); leaf++)
+        if (marks[leaf]) leaves.push_back(leaf);
+    return leaves;
+}
+
+using Span = std::pair<float, float>;  // of frames, both ends within
+
+// Runs of frames in which a leaf is opaque: all, or those that touch first to last.
+std::vector<Span> opaque_runs(const std::vector<float>& sigma, float threshold, const EditFrames& frames) {
+    const auto count = static_cast<uint32_t>(sigma.size());
+    std::vector<Span> runs;
+    for (uint32_t frame = 0; frame < count; frame++) {
+        if (!(sigma[frame] > threshold)) continue;
+        uint32_t end = frame;
+        while (end + 1 < count && sigma[end + 1] > threshold) end++;
+        const auto first = static_cast<float>(frame), last = static_cast<float>(end);
+        const Span run(frame == 0 ? 0 : std::nextafter(first - 1, first),
+                       end + 1 == count ? last : std::nextafter(last + 1, last));
+        if (frames.follow == Follow::kAll || (run.first <= frames.last && run.second >= frames.first))
+            runs.push_back(run);
+        frame = end;
+    }
+    return runs;
+}
+
+// In order, and none over another.
+std::vector<Span> joined(std::vector<Span> spans) {
+    std::sort(spans.begin(), spans.end());
+    std::vector<Span> result;
+    for (const Span& span : spans) {
+        if (!result.empty() && span.first <= result.back().second)
+            result.back().second = std::max(result.back().second, span.second);
+        else
+            result.push_back(span);
+    }
+    return result;
+}
+
+}  // namespace
+
+Canvas::Canvas(const VOctree& field) : tree(field), rows(basis_entries(field.sigma_basis, field.bases)) {
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    middles.reserve(places.size());
+    edges_m.reserve(places.size());
+    for (const LeafPlace& place : places) {
+        const float side = std::ldexp(1.0f, -static_cast<int>(place.depth));
+        const glm::vec3 middle = (glm::vec3(place.x, place.y, place.z) + 0.5f) * side;
+        middles.push_back(tree.box_min + middle * tree.box_size);
+        edges_m.push_back(leaf_edge_m(tree, place.depth));
+    }
+}
+
+std::vector<float> densities(const Canvas& canvas, float frame, std::span<const PaintUse> paint) {
+    const VOctree& tree = canvas.tree;
+    const std::vector<float> row = row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames));
+    std::vector<float> sigma(tree.leaf_count);
+    parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t leaf = begin; leaf < end; leaf++)
+            sigma[leaf] = std::max(dot(row, tree.leaf(static_cast<uint32_t>(leaf))), 0.0f);
+    });
+    for (const PaintUse& use : paint)
+        for (const LeafEdit& edit : use.layer->edits)
+            if (edit.sigma >= 0 && edit.first <= frame && frame <= edit.last)
+                sigma[edit.leaf] = std::lerp(sigma[edit.leaf], edit.sigma, use.opacity);
+    return sigma;
+}
+
+glm::vec3 mean_colour(const VOctree& tree, uint32_t leaf, float frame) {
+    constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
+    const float* weights = tree.leaf(leaf);
+    const std::vector<float> row = row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames));
+    const float c = std::cos(kPi * sigmoid(dot(row, weights + tree.bases)));
+    // R_n0(γ) of degrees n = 0 to 3 (errata 1, 2), and where H_n00 stands.
+    const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
+    constexpr uint32_t kFunction[] = {0, 1, 5, 14};
+    glm::vec3 colour;
+    for (uint32_t channel = 0; channel < 3; channel++) {
+        const float* hh = weights + 2 * tree.bases + channel * hh_count(tree.hh_degree);
+        float k = 0;
+        for (uint32_t n = 0; n <= tree.hh_degree; n++) k += std::sqrt(2 / kPi) * radial[n] * hh[kFunction[n]];
+        colour[static_cast<int>(channel)] = sigmoid(kY00 * k);
+    }
+    return colour;
+}
+
+Region box_region(glm::vec3 low, glm::vec3 high) {
+    return [=](glm::vec3 at) {
+        return glm::all(glm::greaterThanEqual(at, low)) && glm::all(glm::lessThanEqual(at, high));
+    };
+}
+
+Region sphere_region(glm::vec3 middle, float radius_m) {
+    return [=](glm::vec3 at) { return glm::distance(at, middle) <= radius_m; };
+}
+
+Region either(Region a, Region b) {
+    return [a = std::move(a), b = std::move(b)](glm::vec3 at) { return a(at) || b(at); };
+}
+
+Region both(Region a, Region b) {
+    return [a = std::move(a), b = std::move(b)](glm::vec3 at) { return a(at) && b(at); };
+}
+
+Region without(Region a, Region b) {
+    return [a = std::move(a), b = std::move(b)](glm::vec3 at) { return a(at) && !b(at); };
+}
+
+std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region) {
+    std::vector<uint32_t> leaves;
+    for (uint32_t leaf = 0; leaf < canvas.tree.leaf_count; leaf++)
+        if (region(canvas.middles[leaf])) leaves.push_back(leaf);
+    return leaves;
+}
+
+std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last) {
+    // Between two frames a density is largest at one of them, or at an end of what is asked for.
+    std::vector<std::vector<float>> rows;
+    const VOctree& tree = canvas.tree;
+    for (const float frame : {first, last})
+        rows.push_back(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames)));
+    for (float frame = std::floor(first) + 1; frame < last; frame++)
+        rows.push_back(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames)));
+    std::vector<uint8_t> live(tree.leaf_count);
+    parallel_for(live.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t leaf = begin; leaf < end; leaf++)
+            live[leaf] = region(canvas.middles[leaf]) && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
+                             return dot(row, tree.leaf(static_cast<uint32_t>(leaf))) > 0;
+                         });
+    });
+    return marked(live);
+}
+
+std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames) {
+    std::vector<LeafEdit> result;
+    std::vector<float> sigma(canvas.tree.frames);
+    for (LeafEdit edit : edits) {
+        std::vector<Span> spans;
+        if (frames.follow != Follow::kNot) {
+            density_of_frames(canvas.tree.leaf(edit.leaf), canvas.rows, sigma);
+            spans = opaque_runs(sigma, -std::log(1 - frames.opaque) / canvas.edges_m[edit.leaf], frames);
+        }
+        spans.emplace_back(frames.first, frames.last);
+        for (const auto& [first, last] : joined(std::move(spans))) {
+            edit.first = first;
+            edit.last = last;
+            result.push_back(edit);
+        }
+    }
+    return result;
+}
+
+}  // namespace neuvv

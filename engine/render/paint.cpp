@@ -1,0 +1,148 @@
+#include "render/paint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "base/error.h"
+#include "render/slice_tree.h"
+#include "voctree/half.h"
+
+#include "spirv/paint_colour.comp.h"
+#include "spirv/paint_density.comp.h"
+
+namespace neuvv {
+
+namespace {
+
+// A paint as its shaders read it.
+struct PackedPaint {
+    std::vector<glm::uvec2> leaves, layers;
+    std::vector<glm::uvec4> edits;
+    std::vector<uint32_t> sigmas;
+};
+
+uint32_t halves(float low, float high) {
+    return half_from_float(low) | uint32_t{half_from_float(high)} << 16;
+}
+
+// Per leaf its edits, those of the lowest layer first: each layer has its leaves in order already.
+PackedPaint pack(std::span<const PaintUse> uses) {
+    PackedPaint packed;
+    std::vector<uint32_t> next;  // per leaf: where its next edit goes
+    for (const PaintUse& use : uses) {
+        next.resize(std::max<size_t>(next.size(), use.layer->field.leaf_count + size_t{1}));
+        for (const LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
+    }
+    for (size_t leaf = 1; leaf < next.size(); leaf++) {
+        if (next[leaf] > 0) packed.leaves.emplace_back(static_cast<uint32_t>(leaf - 1), next[leaf - 1]);
+        next[leaf] += next[leaf - 1];
+    }
+    const uint32_t count = next.empty() ? 0 : next.back();
+    packed.leaves.emplace_back(0, count);
+    packed.edits.resize(count);
+    packed.sigmas.resize(count);
+    for (uint32_t i = 0; i < uses.size(); i++) {
+        packed.layers.emplace_back(static_cast<uint32_t>(uses[i].blend), std::bit_cast<uint32_t>(uses[i].opacity));
+        for (const LeafEdit& edit : uses[i].layer->edits) {
+            const uint32_t at = next[edit.leaf]++;
+            packed.edits[at] = {std::bit_cast<uint32_t>(edit.first), std::bit_cast<uint32_t>(edit.last),
+                                halves(edit.colour.r, edit.colour.g), halves(edit.colour.b, edit.alpha)};
+            packed.sigmas[at] = half_from_float(edit.sigma) | i << 16;
+        }
+    }
+    return packed;
+}
+
+template <typename T>
+Buffer uploaded(const Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
+    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
+    if (!values.empty()) upload(device, buffer, values.data(), values.size() * sizeof(T));
+    return buffer;
+}
+
+PaintPush paint_push(const Paint& paint, float frame) {
+    PaintPush push{};
+    push.frame = frame;
+    push.leaves = paint.leaf_count;
+    return push;
+}
+
+uint32_t groups(const Paint& paint) {
+    return (paint.leaf_count + kSliceGroup - 1) / kSliceGroup;
+}
+
+}  // namespace
+
+Paint::Paint(const Device& device, std::span<const PaintUse> uses) {
+    const PackedPaint packed = pack(uses);
+    leaf_count = static_cast<uint32_t>(packed.leaves.size() - 1);
+    leaves = uploaded(device, "painted leaves", packed.leaves, VK_FORMAT_R32G32_UINT);
+    edits = uploaded(device, "paint edits", packed.edits, VK_FORMAT_R32G32B32A32_UINT);
+    sigmas = uploaded(device, "paint densities", packed.sigmas, VK_FORMAT_R32_UINT);
+    layers = uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
+}
+
+uint32_t Paints::add(std::span<const PaintUse> layers) {
+    if (layers.size() > kPaintLayerLimit)
+        throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", layers.size(), kPaintLayerLimit));
+    for (const PaintUse& use : layers)
+        if (use.layer->field.leaf_count != leaf_count_)
+            throw RuntimeFailure(fmt::format("paint for {} leaves does not fit a field of {}",
+                                             use.layer->field.leaf_count, leaf_count_));
+    paints_.try_emplace(++last_, device_, layers);
+    return last_;
+}
+
+const Paint* Paints::find(uint32_t paint) const {
+    const auto found = paints_.find(paint);
+    return found == paints_.end() ? nullptr : &found->second;
+}
+
+Painter::Painter(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
+    : field_(field),
+      live_(live),
+      trees_(trees),
+      density_(device, "paint density", paint_density_comp),
+      colour_(device, "paint colour", paint_colour_comp, {field.hh_degree}) {}
+
+SlicePaint::SlicePaint(const Painter& passes, const Paint& layers)
+    : painter(passes),
+      paint(layers),
+      density_set(passes.density_, {{kPaintLeaves, &layers.leaves},
+                                    {kPaintEdits, &layers.edits},
+                                    {kPaintSigmas, &layers.sigmas},
+                                    {kPaintLayers, &layers.layers},
+                                    {kPaintHead, &passes.live_.head},
+                                    {kPaintSlots, &passes.live_.slot_leaf},
+                                    {kPaintLive, &passes.live_.live},
+                                    {kPaintCells, &passes.field_.leaf_cells},
+                                    {kPaintNodeLive, &passes.live_.node_live}}),
+      colour_set(passes.colour_, {{kPaintLeaves, &layers.leaves},
+                                  {kPaintEdits, &layers.edits},
+                                  {kPaintSigmas, &layers.sigmas},
+                                  {kPaintLayers, &layers.layers},
+                                  {kPaintCells, &passes.field_.leaf_cells},
+                                  {kPaintNodes, &passes.trees_.nodes},
+                                  {kPaintEntries, &passes.trees_.entries}}) {}
+
+void record_paint_density(Commands& commands, const SlicePaint& paint, float frame) {
+    if (paint.paint.leaf_count == 0) return;
+    const PassScope scope(commands, "paint density");
+    PaintPush push = paint_push(paint.paint, frame);
+    push.capacity = paint.painter.live_.capacity;
+    dispatch(commands, paint.painter.density_, paint.density_set, groups(paint.paint), push);
+    compute_barrier(commands);
+}
+
+void record_paint_colour(Commands& commands, const SlicePaint& paint, uint32_t slice, float frame) {
+    if (paint.paint.leaf_count == 0) return;
+    const PassScope scope(commands, "paint colour");
+    PaintPush push = paint_push(paint.paint, frame);
+    push.node_base = paint.painter.trees_.node_base(slice);
+    dispatch(commands, paint.painter.colour_, paint.colour_set, groups(paint.paint), push);
+    compute_barrier(commands);
+}
+
+}  // namespace neuvv

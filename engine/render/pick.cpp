@@ -1,0 +1,75 @@
+#include "render/pick.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+
+#include "spirv/pick.comp.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint32_t kRaysAtOnce = 1u << 18;
+
+}  // namespace
+
+PickRay pick_ray(const Camera& camera, glm::dvec2 at) {
+    const glm::dvec3 line((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
+    const glm::dvec3 direction = glm::normalize(glm::dmat3(camera.world_from_camera) * line);
+    return {glm::vec4(glm::vec3(camera.world_from_camera[3]), 0), glm::vec4(glm::vec3(direction), 0)};
+}
+
+Picker::Picker(const Device& device, const Field& field)
+    : device_(device),
+      field_(field),
+      live_(device, field, field.leaf_count),
+      trees_(device, field, most_entries(field), 1),
+      slicer_(device, field, live_, trees_),
+      painter_(device, field, live_, trees_),
+      rays_(device, "pick rays", sizeof(PickRay) * kRaysAtOnce, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT),
+      picks_(device, "picks", sizeof(Pick) * kRaysAtOnce, MemoryKind::kReadback, VK_FORMAT_R32G32_UINT),
+      pass_(device, "pick", pick_comp, {field.hh_degree, field.node_levels, field.top_levels}),
+      set_(pass_, {{kPickTop, &field.top},
+                   {kPickNodes, &trees_.nodes},
+                   {kPickEntries, &trees_.entries},
+                   {kPickLeaves, &trees_.entry_leaf},
+                   {kPickRays, &rays_},
+                   {kPickOut, &picks_}}) {}
+
+void Picker::show(float frame, std::span<const PaintUse> uses) {
+    const Paint paint(device_, uses);
+    const SlicePaint bound(painter_, paint);
+    run_once(device_, "slice to pick on",
+             [&](Commands& commands) { record_slice_tree(commands, slicer_, 0, frame, &bound); });
+}
+
+std::vector<Picked> Picker::pick_some(std::span<const PickRay> rays, float alpha) {
+    std::copy(rays.begin(), rays.end(), rays_.as<PickRay>());
+    const auto count = static_cast<uint32_t>(rays.size());
+    run_once(device_, "pick", [&](Commands& commands) {
+        const PickPush push{
+            glm::vec4(field_.box_min, 1 - alpha), glm::vec4(field_.box_size, 0), field_.top_box, 0, 0, 0, count};
+        dispatch(commands, pass_, set_, (count + kPickGroup - 1) / kPickGroup, push);
+        host_barrier(commands);
+    });
+    std::vector<Picked> picked(rays.size());
+    const Pick* from = picks_.as<Pick>();
+    for (size_t i = 0; i < picked.size(); i++) picked[i] = {from[i].leaf, std::bit_cast<float>(from[i].metres)};
+    return picked;
+}
+
+std::vector<Picked> Picker::pick(std::span<const PickRay> rays, float alpha) {
+    assert(alpha > 0 && alpha < 1);
+    std::vector<Picked> picked;
+    picked.reserve(rays.size());
+    for (size_t first = 0; first < rays.size(); first += kRaysAtOnce) {
+        const std::vector<Picked> some =
+            pick_some(rays.subspan(first, std::min<size_t>(kRaysAtOnce, rays.size() - first)), alpha);
+        picked.insert(picked.end(), some.begin(), some.end());
+    }
+    return picked;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,115 @@
+#include "voctree/nvpaint.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "voctree/chunk_file.h"
+#include "voctree/pack.h"
+
+namespace neuvv {
+
+namespace {
+
+// In file order: PTHD first, then columns of the edits.
+enum ColumnIndex { kFirst, kLast, kRed, kGreen, kBlue, kAlpha, kSigma, kColumns };
+constexpr const char* kHeadName = "PTHD";
+constexpr const char* kLeafName = "PTLF";
+constexpr const char* kColumnNames[kColumns] = {"PTF0", "PTF1", "PTCR", "PTCG", "PTCB", "PTAL", "PTSG"};
+constexpr uint32_t kMaxEdits = 1u << 28;
+constexpr const char* kWriteAgain = "write the file again";
+
+struct PaintHead {
+    uint64_t topology;
+    uint32_t leaf_count, frames, edit_count, reserved;
+};
+static_assert(sizeof(PaintHead) == 24);
+
+float& number_of(LeafEdit& edit, int column) {
+    float* const numbers[kColumns] = {&edit.first,    &edit.last,  &edit.colour.r, &edit.colour.g,
+                                      &edit.colour.b, &edit.alpha, &edit.sigma};
+    return *numbers[column];
+}
+
+PaintHead read_head(ChunkReader& file) {
+    PaintHead head;
+    std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
+    if (head.edit_count > kMaxEdits)
+        file.fail(fmt::format("edit_count is {}, must be 0 to {}", head.edit_count, kMaxEdits), kWriteAgain);
+    if (head.reserved != 0) file.fail("has numbers that this program does not know", "open it with a newer neuvv");
+    return head;
+}
+
+void expect_field(const ChunkReader& file, const PaintHead& head, const PaintedField& field) {
+    const PaintedField painted{head.topology, head.leaf_count, head.frames};
+    if (painted == field) return;
+    const bool other_clip = painted.topology == field.topology && painted.leaf_count == field.leaf_count;
+    file.fail(other_clip ? fmt::format("is paint for a clip of {} frames, not {}", head.frames, field.frames)
+                         : fmt::format("is paint for another scene or another training of it ({} leaves, here {})",
+                                       head.leaf_count, field.leaf_count),
+              "use the .nvv that it was painted on, or paint anew");
+}
+
+void expect_next(ChunkReader& file, ChunkHeader& chunk, const char* name) {
+    if (!file.next(chunk)) throw InputError(file.path(), "", fmt::format("ends before chunk {}", name), kWriteAgain);
+    if (chunk.name != name) file.fail_damaged(fmt::format("stands where {} must", name));
+}
+
+}  // namespace
+
+void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
+    std::string defect = defect_of(layer);
+    if (defect.empty() && layer.edits.size() > kMaxEdits) defect = "too many edits";
+    if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
+    const auto count = static_cast<uint32_t>(layer.edits.size());
+    write_file_atomically(path, [&](const ByteSink& sink) {
+        ChunkWriter file(path.string(), sink, 3);
+        const PaintHead head{layer.field.topology, layer.field.leaf_count, layer.field.frames, count, 0};
+        file.add(kHeadName, &head, sizeof head);
+        std::vector<uint32_t> leaves;
+        leaves.reserve(count);
+        for (const LeafEdit& edit : layer.edits) leaves.push_back(edit.leaf);
+        const std::vector<uint8_t> packed = pack_children(leaves);
+        file.add(kLeafName, packed.data(), packed.size());
+        std::vector<float> column(count);
+        for (int i = 0; i < kColumns; i++) {
+            for (size_t k = 0; k < count; k++) {
+                LeafEdit edit = layer.edits[k];
+                column[k] = number_of(edit, i);
+            }
+            file.add(kColumnNames[i], column.data(), column.size() * sizeof(float));
+        }
+        file.finish();
+    });
+}
+
+EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field) {
+    ChunkReader file(path, {".nvpaint", "neuvv paint"});
+    ChunkHeader chunk;
+    if (!file.next(chunk) || chunk.name != kHeadName)
+        throw InputError(path.string(), "", "is not a layer of paint", "name a file that `neuvv paint` wrote");
+    const PaintHead head = read_head(file);
+    expect_field(file, head, field);
+    EditLayer layer{field, {}};
+    expect_next(file, chunk, kLeafName);
+    const std::vector<uint32_t> leaves = unpack_children(file.take(uint64_t{4} * head.edit_count));
+    layer.edits.resize(head.edit_count);
+    for (size_t i = 0; i < leaves.size(); i++) layer.edits[i].leaf = leaves[i];
+    for (int i = 0; i < kColumns; i++) {
+        expect_next(file, chunk, kColumnNames[i]);
+        const std::vector<uint8_t> bytes = file.take(uint64_t{4} * head.edit_count);
+        for (size_t k = 0; k < layer.edits.size(); k++)
+            std::memcpy(&number_of(layer.edits[k], i), &bytes[4 * k], sizeof(float));
+    }
+    while (file.next(chunk)) {
+        if (!is_ancillary(chunk.name)) file.fail("is unknown to this program", "open the file with a newer neuvv");
+        file.skip(true);
+    }
+    const std::string defect = defect_of(layer);
+    if (!defect.empty()) throw InputError(path.string(), "", defect, kWriteAgain);
+    return layer;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,62 @@
+// Paint on a slice, second half: the colours, in the entries of the slice tree (paint.glsl).
+// Reads edits and the nodes that their leaves stand in; reads and writes (n_max+1)² texels of an entry. One thread a
+// painted leaf. Bound by memory: 20 bytes an edit, 16·(n_max+1)² + 32 a leaf whose colour changes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/paint.h"
+#include "shared/slice_tree.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(binding = kPaintLeaves) uniform utextureBuffer painted_leaves;
+layout(binding = kPaintEdits) uniform utextureBuffer edits;
+layout(binding = kPaintSigmas) uniform utextureBuffer edit_sigmas;
+layout(binding = kPaintLayers) uniform utextureBuffer layers;
+layout(binding = kPaintCells) uniform utextureBuffer leaf_cells;
+layout(binding = kPaintNodes) uniform utextureBuffer nodes;
+layout(binding = kPaintEntries, rg32ui) uniform uimageBuffer entries;
+layout(push_constant) uniform Push { PaintPush push; };
+#include "node.glsl"
+#include "paint.glsl"
+#include "paint_edits.glsl"
+
+// The first texel of the leaf's entry; false where the leaf is dead.
+bool entry_of(uint leaf, out int first) {
+    const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
+    const uvec4 own = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
+    const Node node = Node(own.xy, own.xy, own.z, own.w);
+    const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
+    first = int(node_child(node, bit) * sh_count(kHhDegree));
+    return node_lives(node, bit);
+}
+
+vec3 coefficient(uvec2 words) { return vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y)); }
+
+void store_coefficient(int at, uint low_word, vec3 k) {
+    const vec3 in_range = clamp(k, -kMaxEntryNumber, kMaxEntryNumber);
+    const uint red = packHalf2x16(vec2(0.0, in_range.r)) | (low_word & 0xffffu);
+    imageStore(entries, at, uvec4(red, packHalf2x16(in_range.gb), 0u, 0u));
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint at = group * kSliceGroup + gl_LocalInvocationID.x;
+    if (at >= push.leaves) return;
+    const uvec2 own = texelFetch(painted_leaves, int(at)).xy;
+    const uint end = texelFetch(painted_leaves, int(at + 1u)).y;
+    int first;
+    if (!entry_of(own.x, first)) return;
+    const uvec2 mean = imageLoad(entries, first).xy;
+    Painted leaf = Painted(1.0 / (1.0 + exp(-kShConstant * coefficient(mean))), 1.0, 0.0);
+    bool changed = false;
+    for (uint i = own.y; i < end; i++) {
+        Edit edit;
+        if (!edit_holds(i, edit) || edit.alpha * edit.opacity == 0.0) continue;
+        paint_over(leaf, edit.blend, edit.alpha * edit.opacity, edit.target);
+        changed = true;
+    }
+    if (!changed) return;
+    store_coefficient(first, mean.x, painted_mean(leaf));
+    for (int j = 1; j < int(sh_count(kHhDegree)); j++)
+        store_coefficient(first + j, 0u, painted_coefficient(leaf, coefficient(imageLoad(entries, first + j).xy)));
+}

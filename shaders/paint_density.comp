@@ -1,0 +1,65 @@
+// Paint on a slice, first half: the densities. After σ of all leaves is there, leaves whose edits hold at this
+// instant get theirs; one that was dead and gets a density takes a slot, one that gets none dies: its cells are taken
+// out of the live ones, and its slot is passed over.
+// Reads edits (20 bytes each, those of a leaf one after the other); reads and writes head, live cells and count. One
+// thread a painted leaf. Bound by memory: 16 bytes an edit, 60 a leaf whose density changes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/paint.h"
+#include "shared/slice.h"
+
+layout(local_size_x = kSliceGroup) in;
+layout(binding = kPaintLeaves) uniform utextureBuffer painted_leaves;
+layout(binding = kPaintEdits) uniform utextureBuffer edits;
+layout(binding = kPaintSigmas) uniform utextureBuffer edit_sigmas;
+layout(binding = kPaintLayers) uniform utextureBuffer layers;
+layout(binding = kPaintHead, rg32ui) uniform uimageBuffer head;
+layout(binding = kPaintSlots, r32ui) writeonly uniform uimageBuffer slot_leaf;
+layout(binding = kPaintLive, std430) buffer Live { LiveCount live; };
+layout(binding = kPaintCells) uniform utextureBuffer leaf_cells;
+layout(binding = kPaintNodeLive, std430) buffer NodeLive { uint node_live[]; };
+layout(push_constant) uniform Push { PaintPush push; };
+#include "paint_edits.glsl"
+
+// False: there is no room.
+bool take_slot(uint leaf, out uint slot) {
+    slot = atomicAdd(live.slots, 1u);
+    if (slot >= push.capacity) {
+        atomicAdd(live.overflow, 1u);
+        return false;
+    }
+    atomicMax(live.groups_x, slot / kSliceGroup + 1u);
+    imageStore(slot_leaf, int(slot), uvec4(leaf));
+    return true;
+}
+
+void set_sigma(uint leaf, float sigma) {
+    const uvec2 was = imageLoad(head, int(leaf)).xy;
+    const bool lived = uintBitsToFloat(was.x) > 0.0, lives = sigma > 0.0;
+    const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
+    uint slot = was.y;
+    if (lives && !lived) {
+        if (!take_slot(leaf, slot)) return;
+        atomicOr(node_live[cells.x], cells.y);
+    }
+    if (lived && !lives) atomicAnd(node_live[cells.x], ~cells.y);
+    imageStore(head, int(leaf), uvec4(floatBitsToUint(sigma), slot, 0u, 0u));
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint at = group * kSliceGroup + gl_LocalInvocationID.x;
+    if (at >= push.leaves) return;
+    const uvec2 own = texelFetch(painted_leaves, int(at)).xy;
+    const uint end = texelFetch(painted_leaves, int(at + 1u)).y;
+    float sigma = 0.0;
+    bool changed = false;
+    for (uint i = own.y; i < end; i++) {
+        Edit edit;
+        if (!edit_holds(i, edit) || edit.sigma < 0.0) continue;
+        if (!changed) sigma = uintBitsToFloat(imageLoad(head, int(own.x)).x);
+        sigma = mix(sigma, edit.sigma, edit.opacity);
+        changed = true;
+    }
+    if (changed) set_sigma(own.x, sigma);
+}

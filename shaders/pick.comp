@@ -1,0 +1,45 @@
+// Pick: for each ray the leaf of a slice tree in which its transmittance first falls to what is asked for, and how
+// far that is: T exp(−σ s) = T_wanted inside the leaf (errata 14).
+// Reads nodes and first entries; writes a Pick a ray. One thread a ray. Bound by the walk: two dependent fetches a
+// node, one a sample.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/pick.h"
+
+layout(local_size_x = kPickGroup) in;
+layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(constant_id = 1) const uint kNodeLevels = 4u;
+layout(constant_id = 2) const uint kTopLevels = 2u;
+const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true;
+layout(binding = kPickTop) uniform utextureBuffer tree_top;
+layout(binding = kPickNodes) uniform utextureBuffer nodes;
+layout(binding = kPickEntries) uniform utextureBuffer entries;
+layout(binding = kPickLeaves) uniform utextureBuffer entry_leaf;
+layout(binding = kPickRays) uniform textureBuffer rays;
+layout(binding = kPickOut, rg32ui) writeonly uniform uimageBuffer picks;
+layout(push_constant) uniform Push { PickPush push; };
+#include "tree_sample.glsl"
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint ray = group * kPickGroup + gl_LocalInvocationID.x;
+    if (ray >= push.rays) return;
+    const vec3 origin = texelFetch(rays, int(2u * ray)).xyz, direction = texelFetch(rays, int(2u * ray + 1u)).xyz;
+    sample_begin(direction, 0u);
+    const float wanted = push.box_min.w;
+    float left = -log(wanted);  // optical depth that is still to come
+    uvec2 pick = uvec2(kNoLeaf, floatBitsToUint(0.0));
+    March march = march_begin((origin - push.box_min.xyz) / push.box_size.xyz, direction / push.box_size.xyz,
+                              vec2(0.0, 1e30));
+    MarchSegment part;
+    while (left > 0.0 && march_enter(march))
+        while (left > 0.0 && march_leaf(march, part)) {
+            const float depth = sigma * (part.t_out - part.t_in);
+            if (depth >= left) {
+                const uint leaf = texelFetch(entry_leaf, int(entry / sh_count(kHhDegree))).x;
+                pick = uvec2(leaf, floatBitsToUint(part.t_in + left / sigma));
+            }
+            left -= depth;
+        }
+    imageStore(picks, int(ray), uvec4(pick, 0u, 0u));
+}

@@ -1,0 +1,250 @@
+// Tools on a figure: which leaves they choose, with which colours, and when.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "edit/brush.h"
+#include "edit/paint_history.h"
+#include "edit/project.h"
+#include "reference/sample.h"
+#include "reference/slice.h"
+#include "reference/trace.h"
+#include "support/figure.h"
+#include "support/gpu_test.h"
+#include "support/random_tree.h"
+
+namespace neuvv::test {
+namespace {
+
+TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
+    for (uint32_t degree = 0; degree <= 3; degree++) {
+        const VOctree tree = random_tree({.seed = 4 + degree, .node_levels = 2, .leaves = 300, .hh_degree = degree});
+        const Canvas canvas(tree);
+        for (const float frame : {0.0f, 1.25f, 4.0f}) {
+            const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, double{frame});
+            const std::vector<float> sigma = densities(canvas, frame);
+            for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+                EXPECT_NEAR(sigma[leaf], truth[leaf].sigma, 1e-4);
+                const glm::vec3 colour = mean_colour(tree, leaf, frame);
+                for (int c = 0; c < 3; c++) {
+                    const double k = truth[leaf].k[static_cast<size_t>(c)][0];
+                    EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
+                }
+                const glm::dvec3 at =
+                    (glm::dvec3(canvas.middles[leaf]) - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
+                EXPECT_EQ(find_leaf(tree, at), leaf);
+            }
+        }
+    }
+}
+
+TEST(Regions, CombineAndChooseTheLeavesThatLive) {
+    const VOctree tree = figure_tree();
+    const Canvas canvas(tree);
+    const Region head = sphere_region(glm::vec3(kHead), static_cast<float>(kHeadRadius));
+    const Region right = box_region({0.45f, 0, 0}, {1, 1, 1});
+    const auto count = [&](const Region& region, float first, float last) {
+        const std::vector<uint32_t> leaves = leaves_in(canvas, region, first, last);
+        for (const uint32_t leaf : leaves) EXPECT_TRUE(region(canvas.middles[leaf]));
+        return leaves.size();
+    };
+    const double cells = 4.0 / 3 * M_PI * std::pow(kHeadRadius * kFigureSide, 3);
+    EXPECT_NEAR(static_cast<double>(count(head, 0, 0)), cells, 0.02 * cells);
+    EXPECT_EQ(count(both(head, right), 0, 0) + count(without(head, right), 0, 0), count(head, 0, 0));
+    EXPECT_EQ(count(either(head, right), 0, 0), count(right, 0, 0) + count(without(head, right), 0, 0));
+    EXPECT_LT(count(head, 1, 1), count(head, 0, 0)) << "the head has left some of it";
+    EXPECT_EQ(count(head, 0.5f, 0.75f), count(head, 0, 0)) << "between the frames both are there";
+    EXPECT_EQ(count(head, 0.5f, 0.75f), count(head, 0, 1));
+    EXPECT_EQ(all_leaves_in(canvas, [](glm::vec3) { return true; }).size(), tree.leaf_count);
+}
+
+TEST(EditFrames, FollowWhatIsOpaque) {
+    VOctree tree = random_tree({.seed = 2, .leaves = 1, .bases = 8, .frames = 8});
+    for (uint32_t i = 0; i < 64; i++) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // a basis a frame
+    const float dense[8] = {50, 50, 0, 0.001f, 50, 50, 50, -3};
+    std::copy(dense, dense + 8, tree.leaf(0));
+    const Canvas canvas(tree);
+    const LeafEdit red{0, 0, 0, {1, 0, 0}, 0.5f};
+    const auto spans = [&](const EditFrames& frames) {
+        std::vector<std::pair<float, float>> found;
+        for (const LeafEdit& edit : at_frames(canvas, {&red, 1}, frames)) found.emplace_back(edit.first, edit.last);
+        return found;
+    };
+    const std::pair<float, float> early(0, std::nextafter(2.0f, 0.0f)),
+        late(std::nextafter(3.0f, 4.0f), std::nextafter(7.0f, 6.0f));
+    using Spans = std::vector<std::pair<float, float>>;
+    EXPECT_EQ(spans({5, 5, Follow::kNot}), (Spans{{5, 5}}));
+    EXPECT_EQ(spans({5, 5, Follow::kRun}), Spans{late});
+    EXPECT_EQ(spans({5, 5, Follow::kAll}), (Spans{early, late}));
+    EXPECT_EQ(spans({3, 3, Follow::kRun}), (Spans{{3, 3}})) << "hardly there";
+    EXPECT_EQ(spans({1, 3, Follow::kRun}), (Spans{{0, 3}})) << "joined, so that no alpha counts twice";
+}
+
+TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
+    const VOctree tree = figure_tree();
+    const Canvas canvas(tree);
+    const std::vector<float> sigma = densities(canvas, 0);
+    const glm::vec3 a(kHead), b = a + glm::vec3(0, 0.08f, 0), far = a - glm::vec3(0, 0.4f, 0);
+    const Brush brush{0.06f, 0.5f, {0, 0, 1}, 0.8f, 12};
+    std::set<uint32_t> touched;
+    for (const LeafEdit& edit : stroke(canvas, sigma, brush, std::vector{a, b, far})) {
+        EXPECT_GT(sigma[edit.leaf], 0);
+        const glm::vec3 at = canvas.middles[edit.leaf];
+        const float along = glm::clamp((at.y - a.y) / 0.08f, 0.0f, 1.0f);
+        const float away = std::min(glm::distance(at, a + along * (b - a)), glm::distance(at, far));
+        EXPECT_LT(away, brush.radius_m);
+        EXPECT_NEAR(edit.alpha, away < 0.03f ? 0.8f : 0.8f * glm::smoothstep(0.06f, 0.03f, away), 1e-3f);
+        EXPECT_EQ(edit.sigma >= 0, edit.alpha >= 0.4f);
+        touched.insert(edit.leaf);
+    }
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        const bool inside = glm::distance(canvas.middles[leaf], a) < 0.059f && sigma[leaf] > 0;
+        EXPECT_TRUE(!inside || touched.contains(leaf));
+    }
+    EXPECT_FALSE(touched.contains(find_leaf(tree, glm::dvec3(glm::mix(b, far, 0.5f))))) << "not joined over a gap";
+}
+
+TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
+    const auto luminance = [](glm::vec3 c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
+    const glm::vec3 skin(0.6f, 0.4f, 0.3f);
+    EXPECT_LT(glm::distance(shifted(skin, {}), skin), 1e-6f);
+    EXPECT_LT(glm::distance(shifted(skin, {360, 1}), skin), 1e-5f);
+    const glm::vec3 grey = shifted(skin, {0, 0});
+    EXPECT_NEAR(grey.r, grey.b, 1e-6f);
+    for (float hue = 0; hue < 360; hue += 15)
+        EXPECT_NEAR(luminance(shifted(skin, {hue, 1.5f})), luminance(skin), 1e-5f) << hue;
+    const glm::vec3 turned = shifted(skin, {120, 1});
+    EXPECT_GT(turned.g, turned.r);
+    EXPECT_GT(turned.g, turned.b) << "red turns to green";
+}
+
+TEST(PaintHistories, TakeBackAndDoAgain) {
+    Random random(3);
+    EditLayer layer{{1, 50, 9}, {}};
+    PaintHistory history;
+    std::vector<std::vector<LeafEdit>> states = {layer.edits};
+    for (int step = 0; step < 12; step++) {
+        std::vector<LeafEdit> edits;
+        for (int i = 0; i < 20; i++) {
+            const auto first = static_cast<float>(random.below(8));
+            edits.push_back({random.below(50), first, first + 1, glm::vec3(static_cast<float>(random.below(2))), 1});
+        }
+        EditLayer next = layer;
+        add_edits(next, edits);
+        history.change(layer, next.edits);
+        EXPECT_EQ(layer.edits, next.edits);
+        states.push_back(layer.edits);
+    }
+    for (size_t i = states.size() - 1; i-- > 0;) {
+        ASSERT_TRUE(history.undo(layer));
+        EXPECT_EQ(layer.edits, states[i]);
+        EXPECT_EQ(defect_of(layer), "");
+    }
+    EXPECT_FALSE(history.undo(layer));
+    for (size_t i = 1; i < 6; i++) {
+        ASSERT_TRUE(history.redo(layer));
+        EXPECT_EQ(layer.edits, states[i]);
+    }
+    history.change(layer, {});
+    EXPECT_FALSE(history.redo(layer)) << "another way was taken";
+    EXPECT_EQ(history.undo_steps(), 6u);
+}
+
+using ToolsTest = GpuTest;
+
+// Columns of red, transparent, green and blue; white below.
+Image columns(uint32_t side) {
+    Image image(side, side);
+    for (uint32_t y = 0; y < side; y++)
+        for (uint32_t x = 0; x < side; x++) {
+            const uint32_t column = 4 * x / side;
+            uint8_t* to = image.at(x, y);
+            to[0] = column == 0 || y > side / 2 ? 255 : 0;
+            to[1] = column == 2 || y > side / 2 ? 255 : 0;
+            to[2] = column == 3 || y > side / 2 ? 255 : 0;
+            to[3] = column == 1 ? 0 : 255;
+        }
+    return image;
+}
+
+// Whatever the camera sees with its rays is painted, whether pixels are finer than leaves or coarser; what lies behind
+// the surface is not; and colours are those of the picture where the leaf's middle is seen.
+TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
+    const VOctree tree = figure_tree();
+    const Canvas canvas(tree);
+    const std::vector<float> sigma = densities(canvas, 0);
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    Picker picker(device(), field);
+    picker.show(0);
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
+    for (const uint32_t side : {12u, 40u, 200u}) {
+        SCOPED_TRACE(side);
+        const Camera camera = figure_camera(side);
+        std::vector<float> alpha(tree.leaf_count);
+        std::vector<glm::vec3> colour(tree.leaf_count);
+        for (const LeafEdit& edit : project(picker, canvas, sigma, columns(side), camera)) {
+            alpha[edit.leaf] = edit.alpha;
+            colour[edit.leaf] = edit.colour;
+        }
+        const Camera fine = figure_camera(240);
+        uint32_t seen = 0, holes = 0, wrong = 0;
+        std::set<uint32_t> visible;
+        for (uint32_t y = 1; y < 240; y += 3)
+            for (uint32_t x = 1; x < 240; x += 2) {
+                const uint32_t column = 4 * x / 240, within = x % 60;
+                const uint32_t margin = side < 40 ? 24 : 9;
+                if (within < margin || within > 60 - margin || (y > 100 && y < 140)) continue;
+                const PickRay pick = pick_ray(fine, {x + 0.5, y + 0.5});
+                reference::Ray ray;
+                ray.origin = glm::dvec3(pick.origin);
+                ray.direction = glm::dvec3(pick.direction);
+                double transmittance = 1;
+                for (const reference::Segment& segment : reference::intersect(tree, ray)) {
+                    const double density = slices[segment.leaf].sigma;
+                    if (density <= 0) continue;
+                    visible.insert(segment.leaf);
+                    seen++;
+                    if (column == 1) {
+                        wrong += alpha[segment.leaf] > 0.5f;
+                    } else {
+                        holes += alpha[segment.leaf] < 0.5f;
+                        glm::vec3 want(column == 0, column == 2, column == 3);
+                        if (y > 120) want = glm::vec3(1);
+                        wrong += alpha[segment.leaf] > 0.5f && glm::distance(colour[segment.leaf], want) > 0.3f;
+                    }
+                    transmittance *= std::exp(-density * (segment.t_exit - segment.t_enter));
+                    if (transmittance < 0.5) break;
+                }
+            }
+        EXPECT_GT(seen, 500u);
+        EXPECT_EQ(holes, 0u);
+        EXPECT_LE(wrong, seen / 100) << "beside the borders of columns";
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+            const glm::vec3 at = canvas.middles[leaf];
+            const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // a leaf within its outline reaches so far
+            EXPECT_TRUE(!behind || alpha[leaf] == 0) << "behind the head";
+        }
+    }
+}
+
+TEST_F(ToolsTest, BrushGoesOverTheSurfaceUnderALineOfPixels) {
+    const VOctree tree = figure_tree();
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    Picker picker(device(), field);
+    picker.show(0);
+    const Camera camera = figure_camera(100);
+    const std::vector<glm::dvec2> line = {{2, 40}, {98, 40}};
+    const std::vector<glm::vec3> points = points_under(picker, camera, line);
+    ASSERT_GT(points.size(), 30u);
+    EXPECT_LT(points.size(), 90u) << "beside the head there is nothing";
+    for (const glm::vec3& point : points) {
+        EXPECT_LT(glm::distance(glm::dvec3(point), kHead), kHeadRadius + 0.02);
+        EXPECT_GT(glm::distance(glm::dvec3(point), kHead), kHeadRadius - 0.05);
+        EXPECT_GT(point.z, kHead.z - 0.05);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test

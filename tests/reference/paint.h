@@ -1,0 +1,24 @@
+// Paint: edits of leaves over a slice (errata 14).
+#pragma once
+
+#include <vector>
+
+#include "reference/slice.h"
+#include "shared/paint.h"
+#include "voctree/paint.h"
+
+namespace neuvv::reference {
+
+struct PaintStep {
+    const EditLayer* layer = nullptr;
+    uint32_t blend = kPaintNormal;
+    double opacity = 1;
+};
+
+// A colour under one layer that covers it whole.
+glm::dvec3 blend(uint32_t mode, glm::dvec3 colour, glm::dvec3 target);
+
+// Slices (by leaf index) at a frame under these layers, the lowest first.
+void paint(std::vector<LeafSlice>& slices, uint32_t degree, const std::vector<PaintStep>& steps, double frame);
+
+}  // namespace neuvv::reference

@@ -1,0 +1,64 @@
+// A figure that is recognised at once, for pictures: a head on shoulders, of small solid leaves that move to the right
+// by half a head in the second frame.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/look_at.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::test {
+
+constexpr glm::dvec3 kHead(0.45, 0.62, 0.5);  // of the first frame, in the unit box
+constexpr double kHeadRadius = 0.24, kFigureStep = 0.12;
+constexpr uint32_t kFigureDepth = 6, kFigureSide = 1u << kFigureDepth;
+
+// At a frame; 1 in the head, 2 in the shoulders, 0 beside them.
+inline int figure_part(glm::dvec3 at, uint32_t frame) {
+    at.x -= kFigureStep * frame;
+    if (glm::distance(at, kHead) < kHeadRadius) return 1;
+    const glm::dvec3 shoulders = (at - glm::dvec3(kHead.x, 0.12, kHead.z)) / glm::dvec3(0.34, 0.27, 0.2);
+    return glm::length(shoulders) < 1 ? 2 : 0;
+}
+
+inline VOctree figure_tree() {
+    VOctree tree;
+    tree.node_levels = kFigureDepth / 2;
+    tree.frames = tree.bases = 2;
+    tree.hh_degree = 1;
+    tree.sigma_basis = {1, 0, 0, 1};
+    tree.gamma_basis = {0, 0, 0, 0};
+    std::vector<LeafPlace> places;
+    const auto middle = [](const LeafPlace& p) { return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide}; };
+    for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
+        const LeafPlace place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
+                              kFigureDepth};
+        if (figure_part(middle(place), 0) || figure_part(middle(place), 1)) places.push_back(place);
+    }
+    build_topology(tree, places);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        float* weights = tree.leaf(leaf);
+        int part = 0;
+        for (uint32_t frame = 0; frame < 2; frame++) {
+            const int now = figure_part(middle(places[leaf]), frame);
+            weights[frame] = now ? 250.0f : -1.0f;
+            part = std::max(part, now);
+        }
+        // γ = π/2: R_00 = √(2/π) carries the mean colour, R_11 the side that the light comes from (+x, +y).
+        const glm::dvec3 colour = part == 1 ? glm::dvec3(0.75, 0.5, 0.35) : glm::dvec3(0.2, 0.35, 0.25);
+        const uint32_t functions = hh_count(1);
+        for (int c = 0; c < 3; c++) {
+            float* hh = weights + 2 * tree.bases + static_cast<uint32_t>(c) * functions;
+            hh[0] = static_cast<float>(std::log(colour[c] / (1 - colour[c])) / 0.2820948 / std::sqrt(2 / M_PI));
+            hh[2] = hh[4] = -0.7f;
+        }
+    }
+    return tree;
+}
+
+inline Camera figure_camera(uint32_t side) {
+    return look_at({0.55, 0.62, 2.1}, {0.5, 0.45, 0.5}, side, side, 1.6);
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,251 @@
+// Layers of paint: the invariant of their edits against a plain table of instants, and their file, damaged ones
+// included.
+#include "voctree/paint.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "support/input_error.h"
+#include "support/nvv_bytes.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+#include "voctree/chunk_file.h"
+#include "voctree/nvpaint.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr uint32_t kLeaves = 3, kFrames = 5, kSteps = 33;  // instants an eighth of a frame apart
+
+struct Look {
+    glm::dvec3 premultiplied{0};
+    double alpha = 0, sigma = -1;
+};
+using Table = std::array<std::array<Look, kSteps>, kLeaves>;
+
+float instant(uint32_t step) {
+    return static_cast<float>(step) / 8;
+}
+
+void paint_table(Table& table, const LeafEdit& edit) {
+    for (uint32_t step = 0; step < kSteps; step++) {
+        if (instant(step) < edit.first || instant(step) > edit.last) continue;
+        Look& look = table[edit.leaf][step];
+        look.premultiplied =
+            double{edit.alpha} * glm::dvec3(edit.colour) + (1.0 - double{edit.alpha}) * look.premultiplied;
+        look.alpha = double{edit.alpha} + (1.0 - double{edit.alpha}) * look.alpha;
+        if (edit.sigma >= 0) look.sigma = double{edit.sigma};
+    }
+}
+
+void expect_table(const EditLayer& layer, const Table& table) {
+    EXPECT_EQ(defect_of(layer), "");
+    Table found;
+    std::array<std::array<int, kSteps>, kLeaves> held{};
+    for (const LeafEdit& edit : layer.edits)
+        for (uint32_t step = 0; step < kSteps; step++) {
+            if (instant(step) < edit.first || instant(step) > edit.last) continue;
+            held[edit.leaf][step]++;
+            found[edit.leaf][step] = {glm::dvec3(edit.colour) * double{edit.alpha}, double{edit.alpha},
+                                      double{edit.sigma}};
+        }
+    for (uint32_t leaf = 0; leaf < kLeaves; leaf++)
+        for (uint32_t step = 0; step < kSteps; step++) {
+            const Look &a = found[leaf][step], &b = table[leaf][step];
+            EXPECT_LE(held[leaf][step], 1);
+            EXPECT_NEAR(a.alpha, b.alpha, 1e-6);
+            EXPECT_LE(glm::distance(a.premultiplied, b.premultiplied), 1e-6);
+            EXPECT_EQ(a.sigma, b.sigma) << "leaf " << leaf << " at " << instant(step);
+        }
+}
+
+LeafEdit random_edit(Random& random) {
+    LeafEdit edit;
+    edit.leaf = random.below(kLeaves);
+    const uint32_t a = random.below(kSteps), b = random.below(kSteps);
+    edit.first = instant(std::min(a, b));
+    edit.last = instant(std::max(a, b));
+    const uint32_t kind = random.below(4);
+    if (kind != 0) {
+        edit.colour = glm::vec3(random.below(2), random.below(3) * 0.5, random.below(5) * 0.25);
+        edit.alpha = kind == 1 ? 0.5f : 1.0f;
+    }
+    if (kind == 0 || random.below(3) == 0) edit.sigma = static_cast<float>(random.below(3));
+    return edit;
+}
+
+TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
+    for (uint32_t seed = 0; seed < 60; seed++) {
+        Random random(seed);
+        EditLayer layer{{1, kLeaves, kFrames}, {}};
+        Table table{};
+        for (int stroke = 0; stroke < 6; stroke++) {
+            std::vector<LeafEdit> edits;
+            for (uint32_t i = random.below(6); i > 0; i--) edits.push_back(random_edit(random));
+            for (const LeafEdit& edit : edits) paint_table(table, edit);
+            add_edits(layer, edits);
+            if (random.below(3) == 0) {
+                const std::array<uint32_t, 2> leaves = {2, random.below(2)};
+                const float first = instant(random.below(kSteps)), last = instant(random.below(kSteps));
+                remove_edits(layer, leaves, first, last);
+                for (uint32_t leaf : leaves)
+                    for (uint32_t step = 0; step < kSteps; step++)
+                        if (instant(step) >= first && instant(step) <= last) table[leaf][step] = {};
+            }
+            expect_table(layer, table);
+        }
+    }
+}
+
+TEST(PaintLayers, WhatIsTheSameStaysOneEdit) {
+    EditLayer layer{{1, kLeaves, kFrames}, {}};
+    const LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
+    add_edits(layer, std::array{red});
+    add_edits(layer, std::array{middle});
+    ASSERT_EQ(layer.edits.size(), 3u) << "cut in two";
+    EXPECT_EQ(layer.edits[0].last, std::nextafter(2.0f, 0.0f));
+    add_edits(layer, std::array{red});
+    EXPECT_EQ(layer.edits, std::vector{red}) << "and covered again";
+}
+
+struct PaintFile : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path path = folder.path / "layer.nvpaint";
+    VOctree tree = random_tree({.seed = 5, .leaves = 200});
+    EditLayer layer{painted_field(tree), {}};
+    PaintFile() {
+        Random random(1);
+        std::vector<LeafEdit> edits;
+        for (int i = 0; i < 300; i++) {
+            edits.push_back(random_edit(random));
+            edits.back().leaf = random.below(tree.leaf_count);
+        }
+        add_edits(layer, edits);
+    }
+    // By hand, from the specification.
+    std::vector<Chunk> chunks() const {
+        Chunk head{"PTHD", {}}, leaves{"PTLF", {}};
+        append(head.raw, layer.field.topology);
+        append(head.raw, layer.field.leaf_count);
+        append(head.raw, layer.field.frames);
+        append(head.raw, static_cast<uint32_t>(layer.edits.size()));
+        append(head.raw, uint32_t{0});
+        for (int byte = 0; byte < 4; byte++)
+            for (size_t i = 0; i < layer.edits.size(); i++) {
+                const uint32_t step = layer.edits[i].leaf - (i ? layer.edits[i - 1].leaf : 0);
+                leaves.raw.push_back(static_cast<uint8_t>(step >> 8 * byte));
+            }
+        std::vector<Chunk> all = {head, leaves};
+        const auto column = [&](const char* name, auto number) {
+            Chunk chunk{name, {}};
+            for (const LeafEdit& edit : layer.edits) append(chunk.raw, number(edit));
+            all.push_back(chunk);
+        };
+        column("PTF0", [](const LeafEdit& edit) { return edit.first; });
+        column("PTF1", [](const LeafEdit& edit) { return edit.last; });
+        column("PTCR", [](const LeafEdit& edit) { return edit.colour.r; });
+        column("PTCG", [](const LeafEdit& edit) { return edit.colour.g; });
+        column("PTCB", [](const LeafEdit& edit) { return edit.colour.b; });
+        column("PTAL", [](const LeafEdit& edit) { return edit.alpha; });
+        column("PTSG", [](const LeafEdit& edit) { return edit.sigma; });
+        return all;
+    }
+    void put(const Bytes& bytes) const {
+        std::ofstream(path, std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    }
+    EditLayer read() const { return read_paint(path, layer.field); }
+    void expect_complaint(const std::vector<Chunk>& damaged, const std::string& words) const {
+        put(nvv_of(damaged));
+        expect_input_error([&] { read(); }, {path.string(), words});
+    }
+};
+
+TEST_F(PaintFile, ComesBackAndIsAsSpecified) {
+    write_paint(path, layer);
+    EXPECT_EQ(read().edits, layer.edits);
+    ChunkReader file(path);
+    ChunkHeader header;
+    for (const Chunk& chunk : chunks()) {
+        ASSERT_TRUE(file.next(header));
+        EXPECT_EQ(header.name, chunk.name);
+        EXPECT_EQ(file.take(header.raw_bytes), chunk.raw);
+    }
+    EXPECT_FALSE(file.next(header));
+    put(nvv_of(chunks()));
+    EXPECT_EQ(read().edits, layer.edits);
+    layer.edits.clear();
+    write_paint(path, layer);
+    EXPECT_TRUE(read().edits.empty());
+}
+
+TEST_F(PaintFile, OfAnotherFieldIsRefused) {
+    write_paint(path, layer);
+    const VOctree other = random_tree({.seed = 6, .leaves = 200});
+    expect_input_error([&] { read_paint(path, painted_field(other)); }, {"PTHD", "another", "painted on"});
+    PaintedField longer = layer.field;
+    longer.frames++;
+    expect_input_error([&] { read_paint(path, longer); }, {"5 frames, not 6"});
+    VOctree same = tree;
+    same.weights[0] += 1;
+    EXPECT_EQ(painted_field(same), painted_field(tree)) << "the same leaves, however they look";
+    write_nvv(path, tree);
+    expect_input_error([&] { read(); }, {"not a layer of paint"});
+    expect_input_error([&] { read_paint(folder.path / "none.nvpaint", layer.field); }, {"no such file", "neuvv paint"});
+}
+
+TEST_F(PaintFile, EveryDamagedByteAndEveryMissingEndIsRefused) {
+    write_paint(path, layer);
+    const std::vector<uint8_t> sound = read_file(path);
+    for (size_t i = 0; i < sound.size(); i += 3) {
+        Bytes damaged = sound;
+        damaged[i] ^= static_cast<uint8_t>(1u << i % 8);
+        put(damaged);
+        EXPECT_THROW(read(), InputError) << "byte " << i;
+        put(Bytes(sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(i)));
+        EXPECT_THROW(read(), InputError) << "cut at " << i;
+    }
+}
+
+TEST_F(PaintFile, NumbersThatAreNoneAreRefused) {
+    const auto with = [&](size_t chunk, size_t at, auto value) {
+        std::vector<Chunk> damaged = chunks();
+        std::memcpy(&damaged[chunk].raw[at], &value, sizeof value);
+        return damaged;
+    };
+    expect_complaint(with(0, 16, 0xffffffffu), "edit_count");
+    expect_complaint(with(0, 16, 7u), "bytes");
+    expect_complaint(with(0, 20, 1u), "does not know");
+    expect_complaint(with(1, 3 * layer.edits.size(), uint8_t{9}), "not there");
+    expect_complaint(with(2, 0, NAN), "frames");
+    expect_complaint(with(2, 0, -1.0f), "frames");
+    expect_complaint(with(3, 40, 5.0f), "frames");
+    expect_complaint(with(4, 8, 1.5f), "colour");
+    expect_complaint(with(6, 8, static_cast<float>(INFINITY)), "colour");
+    expect_complaint(with(7, 0, NAN), "alpha");
+    expect_complaint(with(8, 0, -2.0f), "density");
+    expect_complaint(with(8, 0, 1e6f), "density");
+    std::vector<Chunk> swapped = chunks();
+    std::swap(swapped[2], swapped[3]);
+    expect_complaint(swapped, "stands where PTF0 must");
+    std::vector<Chunk> less = chunks();
+    less.pop_back();
+    expect_complaint(less, "before chunk PTSG");
+    std::vector<Chunk> more = chunks();
+    more.push_back({"PTXX", {1}});
+    expect_complaint(more, "unknown");
+    more.back().name = "ptXX";
+    put(nvv_of(more));
+    EXPECT_EQ(read().edits, layer.edits) << "ancillary";
+    std::swap(layer.edits[0], layer.edits[20]);
+    expect_complaint(chunks(), "out of order");
+    EXPECT_THROW(write_paint(path, layer), RuntimeFailure);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,64 @@
+#include "tools/paint_layers.h"
+
+#include <charconv>
+#include <optional>
+
+#include "base/error.h"
+#include "voctree/nvpaint.h"
+
+namespace neuvv {
+
+namespace {
+
+std::optional<PaintBlend> blend_of(const std::string& name) {
+    for (size_t i = 0; i < std::size(kPaintBlendNames); i++)
+        if (name == kPaintBlendNames[i]) return static_cast<PaintBlend>(i);
+    return std::nullopt;
+}
+
+std::optional<float> opacity_of(const std::string& text) {
+    float value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= 1)) return std::nullopt;
+    return value;
+}
+
+// Takes what stands behind the last colon off, which a file's name may have, too.
+std::optional<std::string> last_part(const std::string& text) {
+    const size_t colon = text.rfind(':');
+    if (colon == std::string::npos) return std::nullopt;
+    return text.substr(colon + 1);
+}
+
+}  // namespace
+
+PaintBlend parse_blend(const std::string& option, const std::string& text) {
+    if (const auto blend = blend_of(text)) return *blend;
+    throw InputError(option, text, "is no blend", "write normal, multiply, tint or recolour");
+}
+
+PaintStack read_paint_stack(const std::vector<std::string>& names, const PaintedField& field) {
+    PaintStack stack;
+    for (std::string file : names) {
+        PaintUse use;
+        const auto last = last_part(file);
+        if (const auto opacity = last ? opacity_of(*last) : std::nullopt) {
+            file.resize(file.size() - last->size() - 1);
+            use.opacity = *opacity;
+            const auto blend = last_part(file);
+            if (!blend) throw InputError("--paint", file, "has an opacity but no blend", "write FILE:normal:0.5");
+            use.blend = parse_blend("--paint", *blend);
+            file.resize(file.size() - blend->size() - 1);
+        } else if (last && blend_of(*last)) {
+            use.blend = *blend_of(*last);
+            file.resize(file.size() - last->size() - 1);
+        }
+        stack.layers.push_back(read_paint(file, field));
+        stack.uses.push_back(use);
+        stack.files.push_back(file);
+    }
+    for (size_t i = 0; i < stack.uses.size(); i++) stack.uses[i].layer = &stack.layers[i];
+    return stack;
+}
+
+}  // namespace neuvv
