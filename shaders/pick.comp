@@ -10,7 +10,7 @@ layout(local_size_x = kPickGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
-const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true;
+const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true, kColourless = true;
 layout(binding = kPickTop) uniform utextureBuffer tree_top;
 layout(binding = kPickNodes) uniform utextureBuffer nodes;
 layout(binding = kPickEntries) uniform utextureBuffer entries;

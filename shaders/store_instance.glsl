@@ -1,6 +1,7 @@
 // A ray's result as one of several instances' (trace_rays.glsl): a layer over or under what earlier ones left, or its segments,
 // for merge.comp; or alone. kInto says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
-// The includer binds imageBuffers `radiance` and `depth`, storage buffers `pages` and `heads`, and what shadow.glsl asks for.
+// The includer binds imageBuffers `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
+// shadow.glsl asks for.
 #ifndef NEUVV_STORE_INSTANCE_GLSL
 #define NEUVV_STORE_INSTANCE_GLSL
 #include "layers.glsl"
@@ -19,6 +20,11 @@ bool is_hidden(Ray ray) {
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
+
+// Whether the ray is one of a group's: where no other member is seen, a layer is the same for less.
+bool is_shared(Ray ray) {
+    return kInto == kIntoSegments && texelFetch(sharing, int(ray.index / kTilePixels)).x > 1u;
+}
 
 // `next`: the page that follows, or kLastPage | its segments.
 void close_page(Ray ray, uint next) {
@@ -41,7 +47,7 @@ bool page_has_room(Ray ray) {
 
 // `before`, `after`: transmittance of the solid instance.
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
-    if (kInto != kIntoSegments || before == after || !page_has_room(ray)) return;
+    if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
     const vec2 metres = ray.world_metres * vec2(part.t_in, part.t_out);
@@ -76,7 +82,7 @@ void store_ray(Ray ray, vec4 light, float metres) {
         return;
     }
     const float world_metres = metres * ray.world_metres;
-    if (kInto == kIntoSegments) {
+    if (is_shared(ray)) {
         if (page == 0u) return;
         close_page(ray, kLastPage | in_page);
         pages[first_page * kPageWords].z = bits_of_light(light_on(ray, world_metres));

@@ -9,6 +9,7 @@ layout(binding = kRangeTiles) uniform utextureBuffer tile_ranges;
 layout(binding = kRangeList, r32ui) writeonly uniform uimageBuffer tile_list;
 layout(binding = kRangeCount, std430) buffer Count { LiveCount count; };
 layout(binding = kRangeSeen, r32ui) writeonly uniform uimageBuffer seen;
+layout(binding = kRangeSharing, r32ui) uniform uimageBuffer sharing;
 layout(push_constant) uniform Push { TileRangePush push; };
 
 void main() {
@@ -17,6 +18,7 @@ void main() {
     if (tile >= push.views * push.tiles_across * push.tiles_down) return;
     if (texelFetch(tile_ranges, int(tile)).x == kNoTile) return;
     imageStore(seen, int(tile), uvec4(1u));
+    if (push.counted != 0u) imageStore(sharing, int(tile), imageLoad(sharing, int(tile)) + 1u);
     const uint at = atomicAdd(count.slots, 1u);
     imageStore(tile_list, int(at), uvec4(tile));
     atomicMax(count.groups_x, min(at + 1u, kListRow));

@@ -32,6 +32,7 @@ layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
 layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
 layout(binding = kTraceLights, std140) uniform Lights { ShaderLights lights; };
 layout(binding = kTraceSetShadows) uniform textureBuffer set_shadow_maps;
+layout(binding = kTraceSharing) uniform utextureBuffer sharing;
 layout(binding = kTracePerformerShadows) uniform textureBuffer performer_shadows;
 layout(push_constant) uniform Push { TracePush push; };
 

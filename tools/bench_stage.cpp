@@ -32,7 +32,6 @@ struct Way {
     bool shadows = true, falloff = true;
     StageBlend blend = StageBlend::kExact;
     std::vector<double> ms;
-    std::vector<PassSum> passes;
 };
 
 // A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
@@ -60,7 +59,8 @@ Camera camera_of_bench(const Stage& stage, PictureSize size, double distance_m) 
     return camera;
 }
 
-// GPU milliseconds of one picture; slices are there already where the budget holds them.
+// Milliseconds of one picture by the host's clock (Commands::milliseconds); slices are there already where the budget
+// holds them.
 double draw(StageRenderer& renderer, Stage& stage, const Camera& camera, Way& way, Image& picture) {
     stage.settings.shadows = way.shadows;
     stage.settings.falloff = way.falloff;
@@ -68,9 +68,7 @@ double draw(StageRenderer& renderer, Stage& stage, const Camera& camera, Way& wa
     const StageInstant instant = stage_at(stage, 0);
     renderer.show(instant);
     picture = renderer.frames().render(camera, renderer.settings_at(instant));
-    double sum = 0;
-    for (const PassTime& pass : renderer.frames().pass_times()) sum += pass.milliseconds;
-    return sum;
+    return renderer.frames().milliseconds();
 }
 
 struct Result {
@@ -100,7 +98,6 @@ std::vector<Way> measure_ways(const Device& device, const BenchStageOptions& opt
             if (way.shadows && way.falloff && way.blend == StageBlend::kExact) picture = shown;
             if (i == 0) continue;  // slices, pipelines, caches
             way.ms.push_back(ms);
-            add_picture(way.passes, renderer.frames().pass_times());
         }
         progress.update(i);
     }
@@ -130,8 +127,7 @@ void print(const Result& result, const Device& device, const BenchStageOptions& 
                options.size, options.together ? "in each other" : "beside each other");
     for (size_t i = 0; i < result.ways.size(); i++) {
         const Way& way = result.ways[i];
-        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n    {} ms\n", way.name, median(way.ms), 100 * growth(result, i),
-                   passes_text(way.passes));
+        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", way.name, median(way.ms), 100 * growth(result, i));
     }
     fmt::print("{} copies: {:.1f} MiB of buffers, {:.4f} times those of one\n", options.copies,
                static_cast<double>(result.all_bytes) / 1048576,
@@ -186,7 +182,7 @@ void add_bench_stage(CLI::App& bench, CommonOptions& common) {
     verb->footer(
         std::string(
             "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
-            "there already, and prints GPU time of a picture and each pass; then device memory of copies.\n") +
+            "there already, and prints the time of a picture; then device memory of copies.\n") +
         kDeviceHelp + kExamplesHead + "  neuvv bench stage build/performer.nvv");
     verb->callback([options, &common] { run(*options, common); });
 }

@@ -79,8 +79,10 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--blend", options.blend,
                     "Of a stage: performers that stand in each other exactly, or as layers as in the paper")
         ->check(CLI::IsMember({"exact", "paper"}));
-    verb.add_flag("--shadows,!--no-shadows", options.shadows, "Of a stage: whether lights cast shadows");
-    verb.add_flag("--falloff,!--no-falloff", options.falloff, "Of a stage: whether lights shine on performers");
+    verb.add_option("--shadows", options.shadows, "on or off. Of a stage: whether lights cast shadows")
+        ->check(CLI::IsMember({"on", "off"}));
+    verb.add_option("--falloff", options.falloff, "on or off. Of a stage: whether lights shine on performers")
+        ->check(CLI::IsMember({"on", "off"}));
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered pictures always can; a video can if it was begun "
                   "so, and keeps its pictures beside it until it is whole");

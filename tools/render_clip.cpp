@@ -81,8 +81,8 @@ void expect_no_stage_options(const RenderOptions& options) {
     const char* mend = "leave it out, or render a stage (neuvv stage new)";
     if (!options.time.empty()) throw InputError("--time", options.time, "is for stages", "choose --frames of a clip");
     if (options.blend) throw InputError("--blend", *options.blend, "is for stages", mend);
-    if (options.shadows) throw InputError("--shadows", "", "is for stages", mend);
-    if (options.falloff) throw InputError("--falloff", "", "is for stages", mend);
+    if (options.shadows) throw InputError("--shadows", *options.shadows, "is for stages", mend);
+    if (options.falloff) throw InputError("--falloff", *options.falloff, "is for stages", mend);
 }
 
 }  // namespace

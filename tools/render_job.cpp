@@ -83,7 +83,7 @@ RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& 
         if (!sink.has(i)) {
             render(i);
             ++totals.rendered;
-            for (const PassTime& pass : renderer.pass_times()) totals.seconds += pass.milliseconds / 1000;
+            totals.seconds += renderer.milliseconds() / 1000;
             if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));
         }
         progress.update(i + 1);

@@ -21,7 +21,7 @@ struct RenderOptions {
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
     std::optional<std::string> blend;
-    std::optional<bool> shadows, falloff;
+    std::optional<std::string> shadows, falloff;  // on, off
 };
 
 struct RenderTotals {

@@ -76,8 +76,8 @@ void expect_stage_options(const RenderOptions& options) {
 
 void override_settings(const RenderOptions& options, Stage& stage) {
     if (options.blend) stage.settings.blend = *options.blend == "paper" ? StageBlend::kPaper : StageBlend::kExact;
-    if (options.shadows) stage.settings.shadows = *options.shadows;
-    if (options.falloff) stage.settings.falloff = *options.falloff;
+    if (options.shadows) stage.settings.shadows = *options.shadows == "on";
+    if (options.falloff) stage.settings.falloff = *options.falloff == "on";
 }
 
 bool is_path_file(const std::string& camera) {

@@ -37,7 +37,8 @@ std::vector<ClipMemory> measure_memory(const Stage& stage, const InfoOptions& op
         const uint64_t before = device.buffer_bytes();
         const Field field = upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf);
         const uint64_t with_field = device.buffer_bytes();
-        const Performer performer(device, field, slice_share(budget, stage.clips.size()));
+        const Paints paints(device, field);
+        const Performer performer(device, field, paints, slice_share(budget, stage.clips.size()));
         all.push_back({with_field - before, device.buffer_bytes() - with_field});
     }
     return all;

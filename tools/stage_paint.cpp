@@ -13,11 +13,14 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "edit/brush.h"
 #include "edit/project.h"
 #include "tools/commands.h"
+#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
+#include "training/camera_path_file.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
@@ -46,7 +49,7 @@ struct PaintOptions {
     std::string colour;
     double alpha = 1;
     std::optional<double> density, hue, saturation;
-    bool json = false;
+    bool every_frame = false, json = false;
 };
 
 // "1,2,3" of so many numbers.
@@ -77,11 +80,10 @@ Region sphere_of(const std::string& option, const std::string& text) {
     return sphere_region({n[0], n[1], n[2]}, static_cast<float>(n[3]));
 }
 
-// Any of the boxes and spheres, in all those to be within, in none of those without.
+// Any of the boxes and spheres, where there are none everywhere; in all those to be within, in none of those without.
 Region region_of(const PaintOptions& options) {
-    if (options.boxes.empty() && options.spheres.empty())
-        throw InputError("neuvv paint", "", "no leaves are chosen", "give --box X0,Y0,Z0,X1,Y1,Z1 or --sphere X,Y,Z,R");
-    Region region = [](glm::vec3) { return false; };
+    const bool anywhere = options.boxes.empty() && options.spheres.empty();
+    Region region = [anywhere](glm::vec3) { return anywhere; };
     for (const std::string& text : options.boxes) region = either(region, box_of("--box", text));
     for (const std::string& text : options.spheres) region = either(region, sphere_of("--sphere", text));
     for (const std::string& text : options.within_boxes) region = both(region, box_of("--within-box", text));
@@ -106,11 +108,11 @@ EditFrames frames_of(const PaintOptions& options, uint32_t clip_frames) {
 Camera camera_of(const PaintOptions& options, const VOctree& tree, PictureSize size) {
     const Playback still{{0, 0}, 25, 25};
     if (!options.camera.empty()) {
-        const std::vector<CameraKey> keys = load_camera_path(options.camera);
-        if (options.key >= keys.size())
+        const CameraPath path = read_camera_path(options.camera, 1);
+        if (options.key >= path.keys.size())
             throw InputError(options.camera, fmt::format("frame {}", options.key), "is not there",
-                             fmt::format("choose --key 0 to {}", keys.size() - 1));
-        return key_path({{keys[options.key].camera, {}}}, still, tree.frames, size, size)[0].camera;
+                             fmt::format("choose --key 0 to {}", path.keys.size() - 1));
+        return camera_at(path, path.keys[options.key].time_s, size.width, size.height);
     }
     const auto box = occupied_box(tree);
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
@@ -144,9 +146,12 @@ struct PickedScene {
     PickedScene(const Easel& easel, const PaintOptions& options, const CommonOptions& common)
         : device(common.device),
           field(upload_field(device, easel.tree, WeightPrecision::kHalf)),
-          picker(device, field),
-          sigma(densities(easel.canvas, static_cast<float>(options.at), std::array{PaintUse{&easel.layer}})) {
-        picker.show(static_cast<float>(options.at), std::array{PaintUse{&easel.layer}});
+          picker(device, field) {
+        show(easel, static_cast<float>(options.at));
+    }
+    void show(const Easel& easel, float frame) {
+        sigma = densities(easel.canvas, frame, std::array{PaintUse{&easel.layer}});
+        picker.show(frame, std::array{PaintUse{&easel.layer}});
     }
     Device device;
     Field field;
@@ -154,13 +159,46 @@ struct PickedScene {
     std::vector<float> sigma;
 };
 
-std::vector<LeafEdit> projected(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
+// Those in the region.
+std::vector<LeafEdit> held_in(std::vector<LeafEdit> edits, const Canvas& canvas, const Region& region) {
+    std::erase_if(edits, [&](const LeafEdit& edit) { return !region(canvas.middles[edit.leaf]); });
+    return edits;
+}
+
+// Through each frame's own surface: as if a projector stood there while the clip plays.
+std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const Image& image, const Camera& camera,
+                                         const EditFrames& frames) {
+    std::vector<LeafEdit> all;
+    const auto first = static_cast<uint32_t>(std::ceil(frames.first)), last = static_cast<uint32_t>(frames.last);
+    Progress progress("project", last - first + 1);
+    for (uint32_t frame = first; frame <= last; frame++) {
+        if (stop_requested()) throw RuntimeFailure("stopped before the end");
+        const auto at = static_cast<float>(frame);
+        scene.show(easel, at);
+        const std::vector<LeafEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
+        // Half a frame to both sides, where slow motion shows more of this frame than of others.
+        const EditFrames around{std::max(at - 0.5f, 0.0f),
+                                std::min(std::nextafter(at + 0.5f, 0.0f), static_cast<float>(easel.tree.frames - 1))};
+        const std::vector<LeafEdit> held = at_frames(easel.canvas, edits, around);
+        all.insert(all.end(), held.begin(), held.end());
+        progress.update(frame - first + 1);
+    }
+    return all;
+}
+
+// With their frames.
+std::vector<LeafEdit> projected(Easel& easel, const PaintOptions& options, const EditFrames& frames,
+                                const CommonOptions& common) {
+    catch_stop_signals();
     const Image image = read_png(options.image);
     const Camera camera = camera_of(options, easel.tree, {image.width, image.height});
     PickedScene scene(easel, options, common);
-    std::vector<LeafEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
+    std::vector<LeafEdit> edits =
+        options.every_frame
+            ? projected_on_every(easel, scene, image, camera, frames)
+            : at_frames(easel.canvas, project(scene.picker, easel.canvas, scene.sigma, image, camera), frames);
     for (LeafEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
-    return edits;
+    return held_in(std::move(edits), easel.canvas, region_of(options));
 }
 
 std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
@@ -175,7 +213,8 @@ std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const C
                       static_cast<float>(options.density.value_or(double{kKeepSigma}))};
     PickedScene scene(easel, options, common);
     const Camera camera = camera_of(options, easel.tree, parse_size(options.size));
-    return stroke(easel.canvas, scene.sigma, brush, points_under(scene.picker, camera, pixels));
+    return held_in(stroke(easel.canvas, scene.sigma, brush, points_under(scene.picker, camera, pixels)), easel.canvas,
+                   region_of(options));
 }
 
 std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, const EditFrames& frames) {
@@ -222,21 +261,27 @@ void print_layer(const PaintOptions& options, const EditLayer& layer) {
                    layer.edits.size(), of_leaf.size(), layer.field.leaf_count, colours, densities_set, erased);
 }
 
-// What a verb adds to the layer, as edits without frames.
+// What a verb adds to the layer.
 using Edits = std::function<std::vector<LeafEdit>(Easel&, const EditFrames&)>;
 
 void paint(const PaintOptions& options, const Edits& make) {
     prepare_output_file("layer", options.layer);
     Easel easel(options);
     const EditFrames frames = frames_of(options, easel.tree.frames);
-    const std::vector<LeafEdit> edits = at_frames(easel.canvas, make(easel, frames), frames);
+    const std::vector<LeafEdit> edits = make(easel, frames);
     if (edits.empty()) fmt::print(stderr, "no leaf is there: the layer stays as it is\n");
     add_edits(easel.layer, edits);
     write_paint(options.layer, easel.layer);
     print_layer(options, easel.layer);
 }
 
+void expect_region(const PaintOptions& options) {
+    if (options.boxes.empty() && options.spheres.empty())
+        throw InputError("neuvv paint", "", "no leaves are chosen", "give --box X0,Y0,Z0,X1,Y1,Z1 or --sphere X,Y,Z,R");
+}
+
 void restore(const PaintOptions& options) {
+    expect_region(options);
     prepare_output_file("layer", options.layer);
     Easel easel(options);
     const EditFrames frames = frames_of(options, easel.tree.frames);
@@ -257,7 +302,7 @@ void add_frame_options(CLI::App& verb, PaintOptions& options) {
 
 void add_camera_options(CLI::App& verb, PaintOptions& options) {
     CLI::Option* camera =
-        verb.add_option("--camera", options.camera, "A transforms.json, of which --key is the camera");
+        verb.add_option("--camera", options.camera, "A camera path or transforms.json, of which --key is the camera");
     verb.add_option("--key", options.key, "Which of its frames, from 0")->needs(camera)->capture_default_str();
     verb.add_option("--orbit", options.orbit, "In place of it, degrees around the scene: 0 is the front, +Z")
         ->excludes(camera)
@@ -325,22 +370,33 @@ void add_stage_paint(CLI::App& app, CommonOptions& common) {
     add_density_option(*region, *options);
     CLI::App* erase = verb->add_subcommand("erase", "All leaves of a region: no density");
     CLI::App* back = verb->add_subcommand("restore", "Takes the layer's edits of a region out, at --frames");
-    for (CLI::App* one : {region, erase, back}) add_region_options(*one, *options);
+    image->add_flag(
+        "--every-frame", options->every_frame,
+        "Onto each of --frames as it is then, as a projector would: nothing is left bare when the performer "
+        "moves");
+    for (CLI::App* one : {image, brush, region, erase, back}) add_region_options(*one, *options);
     for (CLI::App* one : {image, brush, region, erase, back}) add_frame_options(*one, *options);
     CLI::App* info = verb->add_subcommand("info", "What the layer holds");
 
     image->callback([options, &common] {
-        paint(*options, [&](Easel& easel, const EditFrames&) { return projected(easel, *options, common); });
+        paint(*options,
+              [&](Easel& easel, const EditFrames& frames) { return projected(easel, *options, frames, common); });
     });
     brush->callback([options, &common] {
-        paint(*options, [&](Easel& easel, const EditFrames&) { return brushed(easel, *options, common); });
+        paint(*options, [&](Easel& easel, const EditFrames& frames) {
+            return at_frames(easel.canvas, brushed(easel, *options, common), frames);
+        });
     });
-    region->callback([options] {
-        paint(*options, [&](Easel& easel, const EditFrames& frames) { return filled(easel, *options, frames); });
-    });
-    erase->callback([options] {
+    const auto fill = [options] {
+        expect_region(*options);
+        paint(*options, [&](Easel& easel, const EditFrames& frames) {
+            return at_frames(easel.canvas, filled(easel, *options, frames), frames);
+        });
+    };
+    region->callback(fill);
+    erase->callback([options, fill] {
         options->density = 0;
-        paint(*options, [&](Easel& easel, const EditFrames& frames) { return filled(easel, *options, frames); });
+        fill();
     });
     back->callback([options] { restore(*options); });
     info->callback([options] {
@@ -352,7 +408,8 @@ void add_stage_paint(CLI::App& app, CommonOptions& common) {
         "  neuvv paint build/performer.nvv build/look.nvpaint region --box -1,0,-1,1,0.9,1 --hue 120\n"
         "  neuvv paint build/performer.nvv build/look.nvpaint brush --line 300,200 420,220 --colour '#d02020' "
         "--follow all\n"
-        "  neuvv paint build/performer.nvv build/logo.nvpaint project --image build/logo.png --orbit 20\n"
+        "  neuvv paint build/performer.nvv build/logo.nvpaint project --image tools/performer/starry.png --every-frame "
+        "--box -1,0.8,-1,1,1.5,1\n"
         "  neuvv paint build/performer.nvv build/look.nvpaint info\n"
         "  neuvv render build/performer.nvv -o build/turn.mp4 --paint build/look.nvpaint,build/logo.nvpaint:tint");
 }

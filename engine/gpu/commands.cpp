@@ -52,6 +52,7 @@ void Commands::submit() {
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
+    submitted_ = std::chrono::steady_clock::now();
     check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
     in_flight_ = true;
 }
@@ -59,6 +60,7 @@ void Commands::submit() {
 void Commands::wait() {
     if (!in_flight_) return;
     check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);
+    milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - submitted_).count();
     check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
     in_flight_ = false;
 }

@@ -1,6 +1,7 @@
 // Recording and submitting work on the one queue: dispatches, barriers, copies, and how long each pass took.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ class Commands {
 
     // GPU time of each PassScope of the last finished submission, in recording order.
     std::vector<PassTime> pass_times() const;
+    // From submit() until wait() knew that the work was done, by the host's clock. Software devices that draw, too,
+    // leave compute passes out of their timestamps.
+    double milliseconds() const { return milliseconds_; }
 
   private:
     friend class PassScope;
@@ -45,6 +49,8 @@ class Commands {
     VkQueryPool timestamps_ = VK_NULL_HANDLE;
     std::vector<std::string> scopes_;
     bool in_flight_ = false;
+    std::chrono::steady_clock::time_point submitted_;
+    double milliseconds_ = 0;
 };
 
 // Names a pass in captures and times it on the GPU, for as long as the scope lives.

@@ -80,6 +80,9 @@ void record_group(Commands& commands, FrameRenderer& r, std::span<const DrawnIns
         record_instance(commands, *r.performers_[group[0].field], kEyeTarget, group[0], r.layout_);
         return;
     }
+    record_unshared(commands, r.target_.ranges);
+    for (const DrawnInstance& instance : group)
+        record_sharing(commands, *r.performers_[instance.field], kEyeTarget, instance, r.layout_);
     for (uint32_t band = 0; band < r.segments_->bands(); band++) {
         const TileSpan tiles = r.segments_->band(band, r.layout_.ray_tiles());
         record_merge_begin(commands, *r.segments_);

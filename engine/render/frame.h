@@ -112,6 +112,8 @@ class FrameRenderer {
 
     // GPU time of each pass of the last picture.
     std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    // From its submission until it was there (Commands::milliseconds).
+    double milliseconds() const { return commands_.milliseconds(); }
 
   private:
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);

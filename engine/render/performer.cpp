@@ -148,24 +148,36 @@ void record_slices_ahead(Commands& commands, Performer& performer, uint32_t part
     copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
 }
 
-void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
-                     const ViewLayout& layout) {
+// Where the instance may be seen. Its slice; none: it is drawn without, and its rows are there.
+std::optional<uint32_t> record_ranges(Commands& commands, Performer& performer, uint32_t target,
+                                      const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
     const TargetPasses& passes = *performer.passes_[target];
     SliceCache* cache = performer.slices();
     const std::optional<uint32_t> slice = cache ? record_slice_of(commands, *cache, instance.slice()) : std::nullopt;
-    const uint32_t first_camera = instance.rays.first_camera;
+    if (!slice) record_rows(commands, *performer.finder_, instance.frame);
+    record_tile_ranges(commands, slice ? *passes.tree_ranger_ : *passes.direct_ranger_, slice.value_or(0),
+                       instance.rays.first_camera, instance.range_level, layout, counted);
+    return slice;
+}
+
+void record_sharing(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+                    const ViewLayout& layout) {
+    record_ranges(commands, performer, target, instance, layout, true);
+}
+
+void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+                     const ViewLayout& layout) {
+    const TargetPasses& passes = *performer.passes_[target];
+    const std::optional<uint32_t> slice = record_ranges(commands, performer, target, instance, layout, false);
     if (!slice) {
-        record_rows(commands, *performer.finder_, instance.frame);
-        record_tile_ranges(commands, *passes.direct_ranger_, 0, first_camera, instance.range_level, layout);
         record_direct_instance(commands, *passes.direct_into_[static_cast<size_t>(instance.into)], instance.rays);
         return;
     }
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
-        const RangeView& seen = passes.target_.ranges.views.as<RangeView>()[first_camera + view];
+        const RangeView& seen = passes.target_.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
         record_shade(commands, passes.shaded_->shader, *slice, view, glm::vec3(seen.eye));
     }
-    record_tile_ranges(commands, *passes.tree_ranger_, *slice, first_camera, instance.range_level, layout);
     record_trace_tree(commands, *passes.trees_into_[TargetPasses::place_of(instance.shading, instance.into)], *slice,
                       instance.rays);
 }

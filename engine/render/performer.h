@@ -15,10 +15,10 @@ namespace neuvv {
 struct Instance {
     float frame = 0;                    // 0..frames−1, fractions allowed
     glm::mat4 world_from_performer{1};  // affine and invertible
+    uint32_t paint = 0;                 // of its field's Paints; 0: none
     uint32_t field = 0;                 // of the renderer's
     float opacity = 1;                  // below 1 it lets light through, however dense it is (store_instance.glsl)
     bool casts_shadow = true, receives_shadow = true;
-    uint32_t paint = 0;  // of its field's Paints; 0: none
 };
 
 // Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
@@ -52,7 +52,9 @@ class TargetPasses {
     const Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
 
   private:
-    friend void record_instance(Commands&, class Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    friend std::optional<uint32_t> record_ranges(Commands&, class Performer&, uint32_t, const DrawnInstance&,
+                                                 const ViewLayout&, bool);
+    friend void record_instance(Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     static size_t place_of(Shading shading, Into into);
     struct Shaded {
         Buffer entries;
@@ -102,6 +104,8 @@ class Performer {
 
   private:
     friend void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
+    friend std::optional<uint32_t> record_ranges(Commands&, Performer&, uint32_t, const DrawnInstance&,
+                                                 const ViewLayout&, bool);
     friend void record_instance(Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     void make_slices(uint32_t entries);
     void make_room(bool any_painted);
@@ -122,6 +126,10 @@ class Performer {
 void record_slices(Commands& commands, Performer& performer);
 // After the picture: so many parts (kSliceParts a slice) of those of the next frames.
 void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
+
+// One prepared instance of a group: counts it among those that share the tiles where it may be seen (record_unshared).
+void record_sharing(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+                    const ViewLayout& layout);
 
 // One prepared instance, into what earlier ones left in the target. Its slice is built now where it has no place of its
 // own.

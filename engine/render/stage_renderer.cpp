@@ -132,9 +132,9 @@ FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {
     settings.instances.clear();
     for (const InstantPerformer& performer : instant.performers) {
         if (!performer.visible) continue;
-        settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer), performer.clip,
-                                      performer.opacity, performer.casts_shadow, performer.receives_shadow,
-                                      paints_[performer.performer]});
+        settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer),
+                                      paints_[performer.performer], performer.clip, performer.opacity,
+                                      performer.casts_shadow, performer.receives_shadow});
     }
     return settings;
 }

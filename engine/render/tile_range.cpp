@@ -73,6 +73,7 @@ TileRanges::TileRanges(const Device& device, uint32_t ray_tiles, uint32_t pictur
       list(device, "tile list", list_bytes(ray_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), MemoryKind::kDevice),
       seen(device, "tiles seen", uint64_t{4} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      sharing(device, "tiles shared", uint64_t{4} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       picture_list(device, "pictures' tile list", list_bytes(picture_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
 
@@ -92,7 +93,8 @@ TileRanger::TileRanger(const Device& device, const Field& field, const SliceTree
       list_set_(list_, {{kRangeTiles, &ranges.ranges},
                         {kRangeList, &ranges.list},
                         {kRangeCount, &ranges.count},
-                        {kRangeSeen, &ranges.seen}}) {}
+                        {kRangeSeen, &ranges.seen},
+                        {kRangeSharing, &ranges.sharing}}) {}
 
 void record_unseen(Commands& commands, const TileRanges& ranges) {
     fill(commands, ranges.seen, 0);
@@ -101,8 +103,13 @@ void record_unseen(Commands& commands, const TileRanges& ranges) {
     compute_barrier(commands);
 }
 
+void record_unshared(Commands& commands, const TileRanges& ranges) {
+    fill(commands, ranges.sharing, 0);
+    compute_barrier(commands);
+}
+
 void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
-                        uint32_t level, const ViewLayout& layout) {
+                        uint32_t level, const ViewLayout& layout, bool counted) {
     const PassScope scope(commands, "tile ranges");
     const Field& field = ranger.field_;
     const TileRangePush push{glm::vec4(field.box_min, 0),
@@ -113,7 +120,8 @@ void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t s
                              first_view,
                              layout.views,
                              layout.tiles_across(),
-                             layout.tiles_down()};
+                             layout.tiles_down(),
+                             counted ? 1u : 0u};
     fill(commands, ranger.ranges_.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
     fill(commands, ranger.ranges_.list, kNoTile, list_bytes(layout.ray_tiles()));
     update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});

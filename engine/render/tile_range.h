@@ -18,6 +18,7 @@ struct TileRanges {
     Buffer list;                         // tiles of rays where an instance may be seen, then kNoTile
     Buffer count;                        // LiveCount of these
     Buffer seen;                         // per tile of rays: whether any instance of the frame may be seen there
+    Buffer sharing;                      // and how many of a group
     Buffer picture_list, picture_count;  // tiles of the pictures that such rays add to, as list and count
 };
 
@@ -39,8 +40,7 @@ class TileRanger {
                const TileRanges& ranges);
 
   private:
-    friend void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
-                                   uint32_t level, const ViewLayout& layout);
+    friend void record_tile_ranges(Commands&, const TileRanger&, uint32_t, uint32_t, uint32_t, const ViewLayout&, bool);
     const Field& field_;
     const SliceTrees* trees_;
     const TileRanges& ranges_;
@@ -53,7 +53,11 @@ void record_unseen(Commands& commands, const TileRanges& ranges);
 
 // `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
 // not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.
+// `counted`: the instance is added to those that share its tiles.
 void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
-                        uint32_t level, const ViewLayout& layout);
+                        uint32_t level, const ViewLayout& layout, bool counted = false);
+
+// Before the first instance of a group is counted: none shares any tile.
+void record_unshared(Commands& commands, const TileRanges& ranges);
 
 }  // namespace neuvv

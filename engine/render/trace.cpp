@@ -115,6 +115,7 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTraceLights, &no_lights_},
                    {kTraceSetShadows, &rays.depth},
                    {kTracePerformerShadows, &rays.depth},
+                   {kTraceSharing, &rays.tiles},
                    {kTraceRadiance, &rays.radiance},
                    {kTraceDepth, &rays.depth}}) {}
 
@@ -140,6 +141,7 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
                    {kTraceLights, target.around.lights},
                    {kTraceSetShadows, target.around.set_shadows},
                    {kTracePerformerShadows, target.around.performer_shadows},
+                   {kTraceSharing, &target.ranges.sharing},
                    {kTraceRadiance, &target.rays.radiance},
                    {kTraceDepth, &target.rays.depth}}) {
     assert((into == Into::kSegments) == (segments != nullptr));

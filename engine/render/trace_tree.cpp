@@ -29,6 +29,7 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
                    {kTraceLights, target.around.lights},
                    {kTraceSetShadows, target.around.set_shadows},
                    {kTracePerformerShadows, target.around.performer_shadows},
+                   {kTraceSharing, &target.ranges.sharing},
                    {kTraceRadiance, &target.rays.radiance},
                    {kTraceDepth, &target.rays.depth}}) {
     assert((into == Into::kSegments) == (segments != nullptr));

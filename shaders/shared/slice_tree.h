@@ -78,6 +78,7 @@ CONSTEXPR uint kRangeViews = 3u;   // a RangeView each
 CONSTEXPR uint kRangeTiles = 4u;   // per tile: bits of the least distance, and the complement of those of the largest
 CONSTEXPR uint kRangeList = 5u;    // tiles of rays where the instance may be seen, then kNoTile
 CONSTEXPR uint kRangeCount = 6u;   // a LiveCount of them
+CONSTEXPR uint kRangeSharing = 9u;  // per tile of rays: how many instances of a group may be seen there
 CONSTEXPR uint kRangeSeen = 7u;    // per tile of rays: whether any instance of the frame may be seen there
 CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras: where rays stand is as the first `views` of them say
 
@@ -102,6 +103,7 @@ struct TileRangePush {
     uint views;
     uint tiles_across;  // of a view's rays
     uint tiles_down;
+    uint counted;  // tile_list.comp: 1 adds the instance to kRangeSharing
 };
 
 NEUVV_SHARED_END
@@ -111,6 +113,6 @@ static_assert(sizeof(neuvv::SliceNodesPush) == 20);
 static_assert(sizeof(neuvv::SliceEntriesPush) == 16);
 static_assert(sizeof(neuvv::ShadePush) == 60);
 static_assert(sizeof(neuvv::RangeView) == 64);
-static_assert(sizeof(neuvv::TileRangePush) == 60);
+static_assert(sizeof(neuvv::TileRangePush) == 64);
 #endif
 #endif

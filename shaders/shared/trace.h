@@ -34,6 +34,7 @@ CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel
 CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
 CONSTEXPR uint kTraceSetShadows = 20u;
 CONSTEXPR uint kTracePerformerShadows = 21u;
+CONSTEXPR uint kTraceSharing = 22u;  // as kRangeSharing
 
 // Whether the stage's lights shine on an instance, and whether shadows fall on it
 CONSTEXPR uint kLit = 1u;

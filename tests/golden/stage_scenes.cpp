@@ -69,7 +69,7 @@ Image space(const Device& device) {
     Placement sheared;
     sheared.matrix = glm::dmat4({1, 0, 0, 0}, {0.5, 1, 0, 0}, {0, 0, 1, 0}, {1.3, 0, 0, 1});
     place_node(builder.file, builder.add("sheared", {0, 0, 0}), sheared);
-    return render(device, builder, wide_camera());
+    return render(device, builder, look_at({0, 2.1, 6.8}, {0, 0.75, 0}, kWidth, kHeight, 1.15));
 }
 
 // Twelve instants half a second apart, side by side: the clip has eight frames at four a second.

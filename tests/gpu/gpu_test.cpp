@@ -157,8 +157,14 @@ TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
     const Buffer picture(device(), "picture", 256, MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     const Buffer plain(device(), "plain", 256, MemoryKind::kDevice), none;
     const auto bind = [&](const Buffer& in, uint32_t last) {
-        BindingSet(pass,
-                   {{kResolveRadiance, &in}, {kResolveDepth, &depth}, {kResolveTiles, &picture}, {last, &picture}});
+        BindingSet(pass, {{kResolveRadiance, &in},
+                          {kResolveDepth, &depth},
+                          {kResolveTiles, &picture},
+                          {kResolveCameras, &radiance},
+                          {kResolveSetColour, &radiance},
+                          {kResolveSetFront, &radiance},
+                          {kResolveSetDepth, &depth},
+                          {last, &picture}});
     };
     EXPECT_NO_THROW(bind(radiance, kResolvePicture));
     expect_failure([&] { bind(radiance, 17); }, "no buffer for binding 2");

@@ -59,11 +59,11 @@ glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
 
 // Three that stand in each other, of two fields, one of them translucent; one before them and one behind.
 std::vector<Instance> a_crowd() {
-    return {{1.3f, glm::mat4(1), 0, 1},
-            {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 1, 1},
-            {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0.6f},
-            {3.0f, placed({0.8f, 0.3f, 4}, 0.2f, glm::vec3(0.5f)), 1, 0.7f},
-            {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 1}};
+    return {{1.3f, glm::mat4(1), 0, 0, 1},
+            {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 0, 1, 1},
+            {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0, 0.6f},
+            {3.0f, placed({0.8f, 0.3f, 4}, 0.2f, glm::vec3(0.5f)), 0, 1, 0.7f},
+            {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 0, 1}};
 }
 
 FrameSettings settings_of(std::vector<Instance> instances, Blend blend) {
@@ -161,7 +161,7 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     const Crowd crowd(device());
     FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
     const auto radiance = [&](float opacity) {
-        renderer.render(crowd_camera(), settings_of({{1.3f, glm::mat4(1), 0, opacity}}, Blend::kExact));
+        renderer.render(crowd_camera(), settings_of({{1.3f, glm::mat4(1), 0, 0, opacity}}, Blend::kExact));
         return renderer.radiance();
     };
     const std::vector<glm::vec4> solid = radiance(1), half = radiance(0.5f);

@@ -147,5 +147,23 @@ TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
     expect_refused({"bench", "stereo", scene, "--size", "64"}, 2, {"--size"});
 }
 
+TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
+    const std::vector<std::string> command = {"bench",     "stage", scene,      "--size", "64x48",
+                                              "--repeats", "1",     "--copies", "5"};
+    const ProgramResult table = run_neuvv(command);
+    ASSERT_EQ(table.code, 0) << table.err;
+    for (const char* word : {"plain", "shadows and falloff", "paper", "5 copies", "times those of one"})
+        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+    std::vector<std::string> as_json = command;
+    as_json.insert(as_json.end(), {"--json", "--together", "--picture", file("stage.png")});
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    ASSERT_EQ(json["ways"].size(), 5u);
+    for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
+    EXPECT_GT(json["one_bytes"], 10000);
+    EXPECT_EQ(read_png(file("stage.png")).width, 64u);
+    expect_refused({"bench", "stage", scene, "--copies", "0"}, 2, {"--copies"});
+    expect_refused({"bench", "stage", file("none.nvv")}, 2, {"none.nvv"});
+}
+
 }  // namespace
 }  // namespace neuvv

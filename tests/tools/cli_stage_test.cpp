@@ -44,8 +44,8 @@ TEST_F(CliStage, EveryEditAndSwitchShows) {
     const Image before = still();
     EXPECT_EQ(before.rgba, still().rgba);
     EXPECT_NE(before.rgba, still({"--time", "1"}).rgba);
-    EXPECT_NE(before.rgba, still({"--no-shadows"}).rgba);
-    EXPECT_NE(before.rgba, still({"--no-falloff"}).rgba);
+    EXPECT_NE(before.rgba, still({"--shadows", "off"}).rgba);
+    EXPECT_NE(before.rgba, still({"--falloff", "off"}).rgba);
     EXPECT_NE(before.rgba, still({"--orbit"}).rgba);
     EXPECT_NE(before.rgba, still({"--depth"}).rgba);
     done({"stage", "set", show, "anna", "--opacity", "0.4"});
