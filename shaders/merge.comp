@@ -52,9 +52,10 @@ void add_list(uint list, float begin, inout Stretch stretch) {
         return;
     }
     const vec2 first = unpackHalf2x16(segment.z);
-    stretch.end = min(stretch.end, uintBitsToFloat(segment.y));
-    stretch.sigma += first.x;
-    stretch.light += first.x * light_of_bits(header.z) * vec3(first.y, unpackHalf2x16(segment.w));
+    const float t_out = uintBitsToFloat(segment.y), sigma = first.x / (t_out - t_in);
+    stretch.end = min(stretch.end, t_out);
+    stretch.sigma += sigma;
+    stretch.light += sigma * light_of_bits(header.z) * vec3(first.y, unpackHalf2x16(segment.w));
 }
 
 void main() {

@@ -20,6 +20,7 @@ bool is_hidden(Ray ray) {
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
+bool no_room = false;
 
 // Whether the ray is one of a group's: where no other member is seen, a layer is the same for less.
 bool is_shared(Ray ray) {
@@ -36,8 +37,10 @@ void close_page(Ray ray, uint next) {
 // pages that are taken tells.
 bool page_has_room(Ray ray) {
     if (page != 0u && in_page < kPageSegments) return true;
+    if (no_room) return false;
     const uint fresh = atomicAdd(heads[0], 1u) + 1u;
-    if ((fresh + 1u) * kPageWords > uint(pages.length())) return false;
+    no_room = fresh >= uint(pages.length()) / kPageWords;
+    if (no_room) return false;
     if (page != 0u) close_page(ray, fresh);
     if (page == 0u) first_page = fresh;
     page = fresh;
@@ -51,11 +54,10 @@ void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 c
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
     const vec2 metres = ray.world_metres * vec2(part.t_in, part.t_out);
-    // The solid one's own density where it can: no digits are lost then.
+    // The solid one's own where it can: no digits are lost then.
     const float depth = opacity == 1.0 ? sigma * (part.t_out - part.t_in) : log(through.x / max(through.y, 1e-30));
-    const float world_sigma = min(depth / (metres.y - metres.x), 65504.0);
     in_page++;
-    pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres), packHalf2x16(vec2(world_sigma, colour.r)),
+    pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres), packHalf2x16(vec2(min(depth, 65504.0), colour.r)),
                                                packHalf2x16(colour.gb));
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "base/error.h"
@@ -18,7 +19,8 @@ constexpr double kMinFps = 0.01, kMaxFps = 1000;
 }  // namespace
 
 bool is_stage(const std::string& scene) {
-    const std::string extension = std::filesystem::path(scene).extension().string();
+    std::string extension = std::filesystem::path(scene).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension == ".gltf" || extension == ".glb";
 }
 

@@ -23,7 +23,8 @@ struct StagePlan {
     PictureOutput output;
     ResolveSettings resolve;
     Stage stage;
-    std::optional<CameraPath> path;  // else a camera of the stage, or where it has none a turn around it
+    std::optional<CameraPath> path;  // else a camera of the stage,
+    std::vector<ViewStep> turn;      // or where it has none a turn around it
     double first_s = 0, fps = 25;
     uint32_t pictures = 1;
     PictureSize size;
@@ -84,6 +85,39 @@ bool is_path_file(const std::string& camera) {
     return std::filesystem::path(camera).extension() == ".json";
 }
 
+// One turn around the stage, for stages that nobody has put a camera on.
+std::vector<ViewStep> turn_around(const StagePlan& plan) {
+    const double seconds = std::max(kTurnSeconds, plan.pictures / plan.fps);
+    Playback turn;  // as if a clip of that many frames played
+    turn.clip_fps = turn.output_fps = plan.fps;
+    turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
+    return orbit_path(stage_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, plan.size);
+}
+
+// The camera of picture i.
+Camera camera_of(const RenderOptions& options, const StagePlan& plan, const StageInstant& instant, uint32_t i) {
+    const PictureSize size = plan.size;
+    if (plan.path) return camera_at(*plan.path, plan.time_s(i), size.width, size.height);
+    if (!plan.turn.empty()) return plan.turn[i % plan.turn.size()].camera;
+    return camera_of(plan.stage, options.camera, instant, size.width, size.height);
+}
+
+// Nearest and farthest that anything stands in pictures of depth, by some instants of them all.
+void set_depth_range(const RenderOptions& options, StagePlan& plan) {
+    constexpr uint32_t kInstants = 32;
+    double nearest = INFINITY, farthest = 0;
+    for (uint32_t k = 0; k < std::min(kInstants, plan.pictures); k++) {
+        const auto i = static_cast<uint32_t>(uint64_t{plan.pictures} * k / std::min(kInstants, plan.pictures));
+        const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
+        const auto [near, far] =
+            depth_range({{camera_of(options, plan, instant, i), 0}}, stage_box(plan.stage, instant));
+        nearest = std::min(nearest, near);
+        farthest = std::max(farthest, far);
+    }
+    plan.resolve.depth_near_m = static_cast<float>(nearest);
+    plan.resolve.depth_far_m = static_cast<float>(farthest);
+}
+
 StagePlan plan_stage(const RenderOptions& options) {
     expect_stage_options(options);
     StagePlan plan;
@@ -114,30 +148,28 @@ StagePlan plan_stage(const RenderOptions& options) {
                                                 : kDefaultSize;
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
+    const StageInstant first = stage_at(plan.stage, plan.first_s);
+    if (!plan.path && (options.orbit || (first.cameras.empty() && options.camera.empty())))
+        plan.turn = turn_around(plan);
+    camera_of(options, plan, first, 0);  // there is one
+    set_depth_range(options, plan);
     return plan;
-}
-
-// The camera of picture i.
-Camera camera_of(const RenderOptions& options, const StagePlan& plan, const StageInstant& instant, uint32_t i) {
-    const PictureSize size = plan.size;
-    if (plan.path) return camera_at(*plan.path, plan.time_s(i), size.width, size.height);
-    const bool none = instant.cameras.empty() && options.camera.empty();
-    if (!none && !options.orbit) return camera_of(plan.stage, options.camera, instant, size.width, size.height);
-    const double seconds = std::max(kTurnSeconds, plan.pictures / plan.fps);
-    Playback turn;  // as if a clip of that many frames played
-    turn.clip_fps = turn.output_fps = plan.fps;
-    turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
-    const std::vector<ViewStep> path =
-        orbit_path(stage_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, size);
-    return path[i % path.size()].camera;
 }
 
 // All files that the pictures depend on.
 RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.pictures);
     facts["stage"] = content_fact(options.scene);
-    for (const StageClip& clip : plan.stage.clips)
-        facts["clip " + clip.path.filename().string()] = content_fact(clip.path);
+    for (const StageClip& clip : plan.stage.clips) facts["clip " + clip.path.string()] = content_fact(clip.path);
+    if (const auto& environment = plan.stage.settings.environment)
+        facts["environment"] = content_fact(file_of_uri(plan.stage.file, environment->uri, "environment"));
+    for (const char* kind : {"buffers", "images"})
+        if (const auto list = plan.stage.file.json.find(kind); list != plan.stage.file.json.end())
+            for (const auto& one : *list) {
+                const std::string uri = one.value("uri", "");
+                if (!uri.empty() && uri.rfind("data:", 0) != 0)
+                    facts[std::string(kind) + " " + uri] = content_fact(file_of_uri(plan.stage.file, uri, kind));
+            }
     for (const StagePerformer& performer : plan.stage.performers)
         for (const PaintLayer& layer : performer.settings.paint)
             facts["paint " + layer.uri] = content_fact(file_of_uri(plan.stage.file, layer.uri, performer.name));
@@ -157,11 +189,6 @@ void render_picture(StageRenderer& renderer, const RenderOptions& options, const
     FrameSettings settings = renderer.settings_at(instant);
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
-    if (settings.resolve.show == Show::kDepth) {
-        const auto [near, far] = depth_range({{camera, 0}}, stage_box(plan.stage, instant));
-        settings.resolve.depth_near_m = static_cast<float>(near);
-        settings.resolve.depth_far_m = static_cast<float>(far);
-    }
     const Image picture = renderer.frames().render(camera, settings);
     if (sink.exr())
         sink.add(i, renderer.linear_picture_of(camera, plan.resolve.background));

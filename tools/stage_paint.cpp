@@ -177,8 +177,8 @@ std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const
         scene.show(easel, at);
         const std::vector<LeafEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
         // Half a frame to both sides, where slow motion shows more of this frame than of others.
-        const EditFrames around{std::max(at - 0.5f, 0.0f),
-                                std::min(std::nextafter(at + 0.5f, 0.0f), static_cast<float>(easel.tree.frames - 1))};
+        const EditFrames around{std::max(at - 0.5f, frames.first),
+                                std::min(std::nextafter(at + 0.5f, 0.0f), frames.last)};
         const std::vector<LeafEdit> held = at_frames(easel.canvas, edits, around);
         all.insert(all.end(), held.begin(), held.end());
         progress.update(frame - first + 1);

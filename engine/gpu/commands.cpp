@@ -81,18 +81,19 @@ std::vector<PassTime> Commands::pass_times() const {
 
 PassScope::PassScope(Commands& commands, const std::string& name)
     : commands_(commands), index_(static_cast<uint32_t>(commands.scopes_.size())) {
-    assert(index_ < commands.max_scopes_ && "more pass scopes in one submission than timestamps");
-    commands.scopes_.push_back(name);
+    if (timed()) commands.scopes_.push_back(name);
     if (vkCmdBeginDebugUtilsLabelEXT) {
         const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, name.c_str(), {}};
         vkCmdBeginDebugUtilsLabelEXT(commands.buffer_, &label);
     }
-    vkCmdWriteTimestamp2(commands.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.timestamps_, 2 * index_);
+    if (timed())
+        vkCmdWriteTimestamp2(commands.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.timestamps_, 2 * index_);
 }
 
 PassScope::~PassScope() {
-    vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_,
-                         2 * index_ + 1);
+    if (timed())
+        vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_,
+                             2 * index_ + 1);
     if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(commands_.buffer_);
 }
 

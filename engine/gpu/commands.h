@@ -18,7 +18,7 @@ struct PassTime {
 // One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again.
 class Commands {
   public:
-    // At most so many pass scopes in one submission.
+    // So many pass scopes in one submission are timed; what is beyond them is not.
     explicit Commands(const Device& device, std::string name = "commands", uint32_t max_scopes = 128);
     ~Commands();
     Commands(const Commands&) = delete;
@@ -62,6 +62,7 @@ class PassScope {
     PassScope& operator=(const PassScope&) = delete;
 
   private:
+    bool timed() const { return index_ < commands_.max_scopes_; }
     Commands& commands_;
     uint32_t index_;
 };

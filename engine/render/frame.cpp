@@ -83,8 +83,12 @@ void record_group(Commands& commands, FrameRenderer& r, std::span<const DrawnIns
     record_unshared(commands, r.target_.ranges);
     for (const DrawnInstance& instance : group)
         record_sharing(commands, *r.performers_[instance.field], kEyeTarget, instance, r.layout_);
-    for (uint32_t band = 0; band < r.segments_->bands(); band++) {
-        const TileSpan tiles = r.segments_->band(band, r.layout_.ray_tiles());
+    const auto groups = static_cast<uint32_t>(r.drawn_.size());
+    const uint64_t bands = r.segments_->bands(groups), all = r.layout_.ray_tiles();
+    for (uint64_t band = 0; band < bands; band++) {
+        const TileSpan tiles{static_cast<uint32_t>(all * band / bands),
+                             static_cast<uint32_t>(all * (band + 1) / bands)};
+        if (tiles.first == tiles.end) continue;
         record_merge_begin(commands, *r.segments_);
         for (DrawnInstance instance : group) {
             instance.rays.tiles = tiles;
@@ -220,6 +224,8 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
         const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
+        if (!std::isfinite(settings.instances[i].frame))
+            throw RuntimeFailure(fmt::format("instance {}: its frame is not finite", i));
         if (!std::isfinite(volume) || volume == 0)
             throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
         if (settings.instances[i].field >= fields_.size())
@@ -331,7 +337,8 @@ void FrameRenderer::prepare_performers(const FrameSettings& settings) {
         for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
     if (shadows_)  // these last: a slice shows more where the eye sees it
         for (const DrawnInstance& instance : shadows_->drawn()) slices[instance.field].push_back(instance.slice());
-    for (const NextSlice& one : settings.next_slices) next[one.field].push_back(one.slice);
+    for (const NextSlice& one : settings.next_slices)
+        if (one.field < fields_.size()) next[one.field].push_back(one.slice);
     for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(slices[i], next[i]);
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn())

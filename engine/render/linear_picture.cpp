@@ -1,6 +1,7 @@
 #include "render/linear_picture.h"
 
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 namespace neuvv {
@@ -16,14 +17,16 @@ LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const 
     for (size_t y = 0; y < height; ++y)
         for (size_t x = 0; x < width; ++x) {
             glm::vec4 light(0);
-            float metres = 0;
+            float metres = 0, weight = 0;
             for (size_t i = 0; i < size_t{samples} * samples; ++i) {
                 const size_t ray = (samples * y + i / samples) * row + samples * x + i % samples;
                 light += radiance[ray];
-                if (radiance[ray].a > 0) metres += radiance[ray].a * depth[ray];
+                if (!(radiance[ray].a > 0) || std::isinf(depth[ray])) continue;  // a background has no depth
+                metres += radiance[ray].a * depth[ray];
+                weight += radiance[ray].a;
             }
             const size_t pixel = y * width + x;
-            image.depth_m[pixel] = light.a > 0 ? metres / light.a : std::numeric_limits<float>::infinity();
+            image.depth_m[pixel] = weight > 0 ? metres / weight : std::numeric_limits<float>::infinity();
             light /= static_cast<float>(samples * samples);
             light += (1 - light.a) * behind;
             for (int c = 0; c < 4; ++c) image.rgba[4 * pixel + static_cast<size_t>(c)] = light[c];

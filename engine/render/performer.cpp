@@ -46,11 +46,15 @@ void TargetPasses::need_tree(Shading shading, Into into, const Segments* segment
                                           target_, shading, into, into == Into::kSegments ? segments : nullptr);
 }
 
+void TargetPasses::need_ranger() {
+    if (!direct_ranger_)
+        direct_ranger_ = std::make_unique<TileRanger>(device_, field_, nullptr, target_.rays, target_.ranges);
+}
+
 void TargetPasses::need_direct(Into into, const Segments* segments) {
     std::unique_ptr<DirectTracer>& tracer = direct_into_[static_cast<size_t>(into)];
     if (tracer) return;
-    if (!direct_ranger_)
-        direct_ranger_ = std::make_unique<TileRanger>(device_, field_, nullptr, target_.rays, target_.ranges);
+    need_ranger();
     tracer = std::make_unique<DirectTracer>(device_, field_, live_, target_, into,
                                             into == Into::kSegments ? segments : nullptr);
 }
@@ -119,6 +123,9 @@ void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceK
 void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
     if (slices_ && (instance.paint != 0 || slices_->find(instance.slice())))
         passes_[target]->need_tree(instance.shading, instance.into, segments);
+    if (slices_ && slices_->find(instance.slice())) return;
+    if (slices_ && instance.paint != 0)
+        passes_[target]->need_ranger();
     else
         passes_[target]->need_direct(instance.into, segments);
 }
@@ -153,8 +160,11 @@ std::optional<uint32_t> record_ranges(Commands& commands, Performer& performer, 
                                       const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
     const TargetPasses& passes = *performer.passes_[target];
     SliceCache* cache = performer.slices();
-    const std::optional<uint32_t> slice = cache ? record_slice_of(commands, *cache, instance.slice()) : std::nullopt;
-    if (!slice) record_rows(commands, *performer.finder_, instance.frame);
+    // To be counted, a slice that is still to be built may be the whole tree: more tiles are merged than need be.
+    const std::optional<uint32_t> slice = !cache    ? std::nullopt
+                                          : counted ? cache->find(instance.slice())
+                                                    : record_slice_of(commands, *cache, instance.slice());
+    if (!slice && !counted) record_rows(commands, *performer.finder_, instance.frame);
     record_tile_ranges(commands, slice ? *passes.tree_ranger_ : *passes.direct_ranger_, slice.value_or(0),
                        instance.rays.first_camera, instance.range_level, layout, counted);
     return slice;

@@ -46,6 +46,7 @@ class TargetPasses {
     // Before a picture. `segments`: bound where rays become those; null else.
     void need_tree(Shading shading, Into into, const Segments* segments);
     void need_direct(Into into, const Segments* segments);
+    void need_ranger();  // of the whole tree
     // The segments have other buffers now.
     void forget_segments();
 

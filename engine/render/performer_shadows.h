@@ -28,7 +28,7 @@ class PerformerShadows {
     Buffer rows_;
     ComputePass along_rows_, along_columns_;
     BindingSet rows_set_, columns_set_;
-    std::vector<Camera> cameras_;  // of the lights that see any performer's shadow
+    std::vector<Camera> cameras_;  // of the spots that have maps
     std::vector<uint32_t> maps_;   // of each, which map it fills
     ViewLayout layout_;
     std::vector<DrawnInstance> drawn_;

@@ -1,6 +1,7 @@
 #include "render/segments.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "base/error.h"
 #include "spirv/merge.comp.h"
@@ -61,11 +62,6 @@ bool Segments::enlarge() {
     return true;
 }
 
-TileSpan Segments::band(uint32_t i, uint32_t tiles) const {
-    const auto border = [&](uint64_t at) { return static_cast<uint32_t>(tiles * at / bands_); };
-    return {border(i), border(i + 1)};
-}
-
 void record_merge_begin(Commands& commands, const Segments& segments) {
     update(commands, segments.heads_, uint32_t{0});
     compute_barrier(commands);
@@ -73,6 +69,7 @@ void record_merge_begin(Commands& commands, const Segments& segments) {
 
 void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
     const PassScope scope(commands, "merge");
+    assert(segments.recorded_ < segments.merges_);
     copy(commands, segments.heads_, segments.taken_, 4, 0, uint64_t{4} * segments.recorded_++);
     compute_barrier(commands);
     if (tiles.end > tiles.first)

@@ -4,6 +4,8 @@
 #include "render/ray_target.h"
 #include "shared/segments.h"
 
+#include <algorithm>
+
 namespace neuvv {
 
 // Room for segments, and the merge of one frame's groups of instances, each after the other. How many there are is
@@ -21,9 +23,8 @@ class Segments {
     const Buffer& pages() const { return pages_; }
     const Buffer& heads() const { return heads_; }
 
-    // The tiles of a band, of `tiles` in all.
-    uint32_t bands() const { return bands_; }
-    TileSpan band(uint32_t i, uint32_t tiles) const;
+    // Parts of the tiles that each of so many groups of a frame goes over.
+    uint32_t bands(uint32_t groups) const { return std::min(bands_, std::max(1u, merges_ / std::max(groups, 1u))); }
 
   private:
     friend void record_merge_begin(Commands& commands, const Segments& segments);

@@ -111,6 +111,7 @@ void SetRaster::record_blended_view(Commands& commands, const Camera& camera, ui
     const PassScope scope(commands, "set transparent");
     to_attachment(commands, colours_[view], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     to_attachment(commands, front_);
+    to_attachment(commands, depths_[view], VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     const std::array targets{colour_attachment(colours_[view], true), colour_attachment(front_, false)};
     begin(commands, targets, depth_attachment(depths_[view], true), area_of(camera));
     draw_blended(commands, push_of(camera, view));

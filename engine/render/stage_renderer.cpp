@@ -71,6 +71,11 @@ StageRenderer::StageRenderer(const Device& device, const Stage& stage, const Fra
 
 // The layers of a performer that show, as a paint of its clip; 0: none do.
 uint32_t StageRenderer::add_paint(const StagePerformer& performer) {
+    std::string all = fmt::format("{}", performer.clip);
+    for (const PaintLayer& layer : performer.settings.paint)
+        if (layer.visible && layer.opacity > 0)
+            all += fmt::format("\n{}\n{}\n{}", layer.uri, static_cast<int>(layer.blend), layer.opacity);
+    if (const auto known = paint_of_layers_.find(all); known != paint_of_layers_.end()) return known->second;
     std::vector<EditLayer> layers;
     std::vector<PaintUse> uses;
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
@@ -81,7 +86,7 @@ uint32_t StageRenderer::add_paint(const StagePerformer& performer) {
         uses.push_back({nullptr, layer.blend, static_cast<float>(layer.opacity)});
     }
     for (size_t i = 0; i < layers.size(); i++) uses[i].layer = &layers[i];
-    return uses.empty() ? 0 : frames_->paints(performer.clip).add(uses);
+    return paint_of_layers_[all] = uses.empty() ? 0 : frames_->paints(performer.clip).add(uses);
 }
 
 void StageRenderer::show(const StageInstant& instant) {

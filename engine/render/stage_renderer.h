@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 
 #include "render/frame.h"
 #include "render/linear_picture.h"
@@ -35,8 +37,9 @@ class StageRenderer {
     const Stage& stage_;
     FrameCapacity capacity_;
     std::vector<Field> fields_;
-    std::vector<PaintedField> painted_;  // by clip
-    std::vector<uint32_t> paints_;       // by performer: of its clip's Paints
+    std::vector<PaintedField> painted_;                // by clip
+    std::vector<uint32_t> paints_;                     // by performer: of its clip's Paints
+    std::map<std::string, uint32_t> paint_of_layers_;  // copies share it
     std::unique_ptr<SetRaster> set_;
     std::unique_ptr<FrameRenderer> frames_;
 };

@@ -23,8 +23,8 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
                    {kTraceTiles, &target.rays.tiles},
                    {kTraceTileList, &target.ranges.list},
                    {kTraceTileRanges, &target.ranges.ranges},
-                   {kTracePages, segments ? &segments->pages() : &target.rays.radiance},  // read only where there are
-                   {kTraceHeads, segments ? &segments->heads() : &target.rays.radiance},
+                   {kTracePages, segments ? &segments->pages() : &target.no_lights},  // read only where there are
+                   {kTraceHeads, segments ? &segments->heads() : &target.no_lights},
                    {kTraceSetDepth, target.around.set_depth},
                    {kTraceLights, target.around.lights},
                    {kTraceSetShadows, target.around.set_shadows},

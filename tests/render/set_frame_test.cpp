@@ -355,7 +355,7 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
     const Image picture = stage.frames.render(camera, settings_of({{0}}));
     const uint8_t* on = picture.at(kWidth / 2, kHeight / 2);
     const uint8_t* beside = picture.at(2, 2);
-    const auto byte = [](double linear) { return std::lround(255 * srgb_from_linear(linear)); };
+    const auto byte = [](double linear) { return std::round(255 * srgb_from_linear(linear)); };
     // The cube's own colour is grey: sigmoid(0).
     EXPECT_NEAR(on[0], byte(0.5 + 0.5 * 0.5), 1);
     EXPECT_NEAR(on[1], byte(0.5 * 0.5), 1);
