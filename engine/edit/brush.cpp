@@ -45,7 +45,9 @@ std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::s
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
-        const auto steps = static_cast<size_t>(std::max(std::ceil(glm::distance(from, pixels[i])), 1.0));
+        // A ray a pixel; farther than a picture reaches there is nothing to pick.
+        const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
+        const auto steps = static_cast<size_t>(std::max(length, 1.0));
         for (size_t step = 1; step <= steps; step++)
             rays.push_back(
                 pick_ray(camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));

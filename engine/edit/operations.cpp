@@ -146,9 +146,10 @@ std::string place_node(StageFile& file, uint32_t node, const Placement& placemen
         if (!(glm::length(way) > 1e-9))
             throw InputError(file.path.string(), fmt::format("/nodes/{}", node), "it stands where it shall look");
         if (place.has_matrix) {
-            const glm::dvec4 at = place.matrix[3];
-            place.matrix = glm::mat4_cast(looking(way));
-            place.matrix[3] = at;
+            // Its axes keep their lengths; shear is what an aim takes away.
+            const glm::dmat4 turn = glm::mat4_cast(looking(way));
+            for (int axis = 0; axis < 3; axis++)
+                place.matrix[axis] = glm::length(glm::dvec3(place.matrix[axis])) * turn[axis];
         } else {
             place.rotation = looking(way);
         }

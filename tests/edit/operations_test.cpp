@@ -124,10 +124,16 @@ TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     more.turn_deg = glm::dvec3(0, 0, 90);
     more.scale = glm::dvec3(3, 1, 1);
     place_node(file, anna, more);
-    const GltfNode& made = stage().scene.nodes[anna];
+    const GltfNode made = stage().scene.nodes[anna];
     expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0});
     expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0});
     expect_near(place(made.matrix), {2, 2, 3});
+    Placement aimed;
+    aimed.aim = glm::dvec3(2, 2, -5);
+    place_node(file, anna, aimed);
+    const Stage looking_back = stage();
+    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[0]), {3, 0, 0});
+    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[1]), {0, std::sqrt(1.25), 0});
     expect_input_error([&] { place_node(file, find_node(file, "Camera"), placement); }, {"animated", "matrix"});
     EXPECT_NE(place_node(file, find_node(file, "Camera"), more).find("animation moves it"), std::string::npos);
 }
