@@ -13,7 +13,7 @@ namespace neuvv {
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
     std::vector<std::string> paint;  // layers, of a clip
-    std::optional<double> fps;  // the clip's or the stage's where not given
+    std::optional<double> fps;       // the clip's or the stage's where not given
     uint32_t samples = kDefaultSamples;
     double scale = 1;
     double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);

@@ -28,7 +28,7 @@ struct ShaderLight {
     vec4 direction;  // world, unit: the way the light goes
     vec4 colour;     // linear; candela of point and spot, lux of directional lights
     uint kind;
-    uint shadow;      // which of the shadow maps, kNoShadow: none
+    uint shadow;       // which of the shadow maps, kNoShadow: none
     float cone_scale;  // of a spot: (cos(angle) · scale + offset), held in [0,1], squared
     float cone_offset;
 };

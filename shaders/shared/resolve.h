@@ -1,5 +1,5 @@
-// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays. The
-// upscale pass: the same where rays are fewer than pixels.
+// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays.
+// The upscale pass: the same where rays are fewer than pixels.
 #ifndef NEUVV_SHARED_RESOLVE_H
 #define NEUVV_SHARED_RESOLVE_H
 #include "shared/types.h"
@@ -17,7 +17,7 @@ CONSTEXPR uint kResolveCameras = 4u;  // as kTraceCameras
 CONSTEXPR uint kResolveSetColour = 5u;
 CONSTEXPR uint kResolveSetFront = 6u;
 CONSTEXPR uint kResolveSetDepth = 7u;
-CONSTEXPR uint kUpscaleReach = 2u;    // rays that its filter takes on each side of a place
+CONSTEXPR uint kUpscaleReach = 2u;  // rays that its filter takes on each side of a place
 
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;
@@ -30,7 +30,7 @@ struct ResolvePush {
     uint show;
     float depth_near;  // metres
     float depth_far;
-    uint samples;  // rays a pixel, along each side; upscale.comp: fewer than one
+    uint samples;       // rays a pixel, along each side; upscale.comp: fewer than one
     uint tiles_across;  // of a view's rays
     uint tiles_down;
     uint views;

@@ -1,9 +1,9 @@
 // Segments of rays that several instances put there, to be blended together in depth order (merge.comp).
 //
-// A page is kPageWords texels: a header, then segments. Header: x the next page of the list, or kLastPage | the number of its
-// segments; of a list's first page y the first page of the ray's next list, z the light that shines on it as light_of_bits says, w
-// where the merge has come to in the list (0 at its end). Segment: x, y where it begins and ends along the ray (bits of
-// floats, world metres), z its optical depth | R << 16, w G | B << 16, fp16. Page 0 is none.
+// A page is kPageWords texels: a header, then segments. Header: x the next page of the list, or kLastPage | the number
+// of its segments; of a list's first page y the first page of the ray's next list, z the light that shines on it as
+// light_of_bits says, w where the merge has come to in the list (0 at its end). Segment: x, y where it begins and ends
+// along the ray (bits of floats, world metres), z its optical depth | R << 16, w G | B << 16, fp16. Page 0 is none.
 #ifndef NEUVV_SHARED_SEGMENTS_H
 #define NEUVV_SHARED_SEGMENTS_H
 #include "shared/types.h"
@@ -21,7 +21,7 @@ CONSTEXPR uint kFirstHead = 1u;
 // merge.comp
 CONSTEXPR uint kMergePages = 0u;
 CONSTEXPR uint kMergeHeads = 1u;
-CONSTEXPR uint kMergeSeen = 2u;   // as kRangeSeen
+CONSTEXPR uint kMergeSeen = 2u;  // as kRangeSeen
 CONSTEXPR uint kMergeRadiance = 3u;
 CONSTEXPR uint kMergeDepth = 4u;
 

@@ -5,7 +5,7 @@
 
 NEUVV_SHARED
 
-CONSTEXPR uint kBlurReach = 5u;  // texels that the filter takes on each side
+CONSTEXPR uint kBlurReach = 5u;     // texels that the filter takes on each side
 CONSTEXPR float kBlurSigma = 1.6f;  // texels
 
 CONSTEXPR uint kBlurRadiance = 0u;  // rays, one a texel, in tile order

@@ -71,21 +71,21 @@ struct ShadePush {
 };
 
 // tile_range.comp and tile_list.comp. Tiles of several views stand behind each other.
-CONSTEXPR uint kRangeNodes = 0u;   // of a slice tree or of the whole tree: their first two words
+CONSTEXPR uint kRangeNodes = 0u;  // of a slice tree or of the whole tree: their first two words
 CONSTEXPR uint kRangeInner = 1u;
-CONSTEXPR uint kRangePlaces = 2u;  // per node: as Field::node_places
-CONSTEXPR uint kRangeViews = 3u;   // a RangeView each
-CONSTEXPR uint kRangeTiles = 4u;   // per tile: bits of the least distance, and the complement of those of the largest
-CONSTEXPR uint kRangeList = 5u;    // tiles of rays where the instance may be seen, then kNoTile
-CONSTEXPR uint kRangeCount = 6u;   // a LiveCount of them
+CONSTEXPR uint kRangePlaces = 2u;   // per node: as Field::node_places
+CONSTEXPR uint kRangeViews = 3u;    // a RangeView each
+CONSTEXPR uint kRangeTiles = 4u;    // per tile: bits of the least distance, and the complement of those of the largest
+CONSTEXPR uint kRangeList = 5u;     // tiles of rays where the instance may be seen, then kNoTile
+CONSTEXPR uint kRangeCount = 6u;    // a LiveCount of them
 CONSTEXPR uint kRangeSharing = 9u;  // per tile of rays: how many instances of a group may be seen there
-CONSTEXPR uint kRangeSeen = 7u;    // per tile of rays: whether any instance of the frame may be seen there
+CONSTEXPR uint kRangeSeen = 7u;     // per tile of rays: whether any instance of the frame may be seen there
 CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras: where rays stand is as the first `views` of them say
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list
 
-// A camera as places go to pixels, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for the pixel
-// x, y that sees p. Four texels.
+// A camera as places go to pixels, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for the
+// pixel x, y that sees p. Four texels.
 struct RangeView {
     vec4 eye;  // metres; w: the picture's farthest place of z = 1 is so many metres away
     vec4 row_x;
@@ -94,10 +94,10 @@ struct RangeView {
 };
 
 struct TileRangePush {
-    vec4 box_min;   // metres
-    vec4 box_size;  // metres
-    uint nodes;         // those of the coarser levels, and of one more
-    uint whole_from;    // the first of this one: finer nodes count as cells of it
+    vec4 box_min;     // metres
+    vec4 box_size;    // metres
+    uint nodes;       // those of the coarser levels, and of one more
+    uint whole_from;  // the first of this one: finer nodes count as cells of it
     uint node_base;
     uint first_view;
     uint views;

@@ -46,7 +46,8 @@ CONSTEXPR uint kIntoLayer = 1u;         // under what stands there
 CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11)
 CONSTEXPR uint kIntoSegments = 3u;
 
-// Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset (grid.glsl).
+// Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset
+// (grid.glsl).
 struct GridAxis {
     vec4 knots;   // the rays and the pixels at which the inset begins and ends: ray, ray, pixel, pixel
     vec4 slopes;  // pixels a ray before, inside and beyond it
@@ -82,9 +83,9 @@ struct TracePush {
     uint first_camera;   // of the instance's, one a view; before them stand the world's
     uint first_tile;     // of those that are traced, and their end
     uint end_tile;
-    uint set_width;      // texels of the set's picture, in rows; 0: there is no set
-    uint set_texels;     // of a view
-    uint lighting;       // of kLit, kShadowed
+    uint set_width;   // texels of the set's picture, in rows; 0: there is no set
+    uint set_texels;  // of a view
+    uint lighting;    // of kLit, kShadowed
 };
 
 NEUVV_SHARED_END

@@ -38,7 +38,7 @@ inline std::vector<Part> parts_at(uint32_t frame) {
             {shoulder, shoulder + 0.55 * glm::dvec3(std::sin(angle), -std::cos(angle), 0), 0.06, {0.85, 0.65, 0.05}}};
 }
 
-}  // namespace figure
+}  // namespace waver
 
 // Leaves of 3 cm; each frame has a basis of its own.
 inline VOctree waver_tree() {
