@@ -336,8 +336,9 @@ TEST_F(Edits, PaintLayers) {
     const uint32_t anna = find_node(file, "Anna");
     for (const char* name : {"a", "b", "c"}) add_paint_layer(file, anna, at(std::string(name) + " 1.nvpaint"), {name});
     const auto names = [&] {
+        const Stage now = stage();
         std::string text;
-        for (const PaintLayer& layer : stage().performers[0].settings.paint) text += layer.name;
+        for (const PaintLayer& layer : now.performers[0].settings.paint) text += layer.name;
         return text;
     };
     EXPECT_EQ(names(), "abc");
