@@ -49,7 +49,7 @@ void add_times(RivalTimes& times, const std::vector<PassTime>& passes) {
 Image picture_of(const Device& device, const RayBatch& rays, uint32_t width, uint32_t height) {
     const Buffer picture(device, "rival's picture", uint64_t{4} * width * height, MemoryKind::kDevice,
                          VK_FORMAT_R32_UINT);
-    const Resolver resolver(device, rays, picture);
+    const Resolver resolver(device, RaysPerPixel::kWhole, rays, picture);
     ResolveSettings settings;
     settings.background = {1, 1, 1, 1};
     run_once(device, "resolve", [&](Commands& commands) {

@@ -144,8 +144,7 @@ void require_fits(const ComputePass& pass, const BindingSlot& slot, const Buffer
 }  // namespace
 
 // Delegates, so that the destructor frees the pool when a buffer does not fit.
-BindingSet::BindingSet(const ComputePass& pass, std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers)
-    : BindingSet() {
+BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers) : BindingSet() {
     device_ = &pass.device();
     std::tie(pool_, set_) = allocate_set(pass);
     std::vector<VkDescriptorBufferInfo> infos(pass.interface().bindings.size());

@@ -49,12 +49,19 @@ class ComputePass {
     VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
+using Bindings = std::vector<std::pair<uint32_t, const Buffer*>>;
+
+inline Bindings joined(Bindings first, const Bindings& second) {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
+}
+
 // The buffers of one pass, written once at set-up; nothing is written inside a frame. Every binding that the shader has
-// must be given (RuntimeFailure), others are ignored; buffers must outlive the set.
+// must be given (RuntimeFailure), of several for it the first counts, others are ignored; buffers must outlive the set.
 class BindingSet {
   public:
     BindingSet() = default;
-    BindingSet(const ComputePass& pass, std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers);
+    BindingSet(const ComputePass& pass, const Bindings& buffers);
     ~BindingSet();
     BindingSet(BindingSet&& other) noexcept;
     BindingSet& operator=(BindingSet&& other) noexcept;

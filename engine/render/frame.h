@@ -8,7 +8,8 @@
 #include "render/draw_order.h"
 #include "render/performer_shadows.h"
 #include "render/picture_list.h"
-#include "render/upscale.h"
+#include "render/resolve.h"
+#include "render/segments.h"
 #include "render/volume_depth.h"
 
 namespace neuvv {
@@ -22,6 +23,10 @@ enum class TraceMode {
     kDirect,  // no slice: all numbers at each sample
     kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
+
+constexpr bool is_reference(TraceMode mode) {
+    return mode == TraceMode::kSlice || mode == TraceMode::kDirect || mode == TraceMode::kPaper;
+}
 
 enum class Blend {
     kExact,  // instances whose boxes overlap along a ray are marched together, in depth order
@@ -50,6 +55,8 @@ struct FrameSettings {
 
 constexpr uint32_t kMaxInstances = 512;
 
+constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;  // of each performer
+
 // What a renderer is made for, at most.
 struct FrameCapacity {
     uint32_t width = 0, height = 0;
@@ -57,6 +64,7 @@ struct FrameCapacity {
     uint32_t views = 1;
     uint64_t slice_budget =
         kSliceBudget;  // bytes, in equal shares for all fields; 0: no slices, all numbers at each sample
+    uint64_t segment_budget = UINT64_MAX;  // bytes for those along rays that are merged at once
 };
 
 // What the reference paths need on the device besides rays.
@@ -117,11 +125,12 @@ class FrameRenderer {
 
   private:
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_instances(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_playing(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_blank(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_listed(Commands& commands, FrameRenderer& renderer);
     friend void record_rays(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_on_set(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_group(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
-                             const FrameSettings& settings);
+    friend void record_merged(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
+                              const FrameSettings& settings);
     void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
     void place_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
@@ -146,7 +155,7 @@ class FrameRenderer {
     std::unique_ptr<DirectPath> direct_;
     PictureLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
-    std::unique_ptr<Upscaler> upscaler_;         // made when first asked for
+    std::unique_ptr<Resolver> upscaler_;         // made when first asked for
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<Camera> set_cameras_;
@@ -156,7 +165,7 @@ class FrameRenderer {
     Commands commands_;
 };
 
-// The frame, pass by pass. Cameras, tiles and instances are in their buffers, the mode's path is made.
+// The frame, pass by pass.
 void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
 
 }  // namespace neuvv

@@ -43,7 +43,7 @@ void TargetPasses::need_tree(Shading shading, Into into, const Segments* segment
     const bool shaded = shading == Shading::kPerLeaf;
     if (shaded && !shaded_) shaded_ = std::make_unique<Shaded>(device_, field_, *trees_, views_);
     tracer = std::make_unique<TreeTracer>(device_, field_, *trees_, shaded ? shaded_->entries : trees_->entries,
-                                          target_, shading, into, into == Into::kSegments ? segments : nullptr);
+                                          target_, shading, into, segments);
 }
 
 void TargetPasses::need_ranger() {
@@ -55,8 +55,7 @@ void TargetPasses::need_direct(Into into, const Segments* segments) {
     std::unique_ptr<DirectTracer>& tracer = direct_into_[static_cast<size_t>(into)];
     if (tracer) return;
     need_ranger();
-    tracer = std::make_unique<DirectTracer>(device_, field_, live_, target_, into,
-                                            into == Into::kSegments ? segments : nullptr);
+    tracer = std::make_unique<DirectTracer>(device_, field_, live_, target_, into, segments);
 }
 
 void TargetPasses::forget_segments() {

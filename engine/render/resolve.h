@@ -1,4 +1,4 @@
-// Resolve: traced rays to an 8-bit sRGB picture.
+// Resolve: traced rays to an 8-bit sRGB picture, one or several of them a pixel, or fewer than pixels (upscale).
 #pragma once
 
 #include "gpu/commands.h"
@@ -17,12 +17,15 @@ struct ResolveSettings {
     bool operator==(const ResolveSettings&) const = default;
 };
 
+// How many rays there are.
+enum class RaysPerPixel { kWhole, kFewer };
+
 class Resolver {
   public:
     // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     // `set`: behind and before the rays.
-    Resolver(const Device& device, const RayBatch& rays, const Buffer& picture, const TileRanges* only = nullptr,
-             const SetRaster* set = nullptr);
+    Resolver(const Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const Buffer& picture,
+             const TileRanges* only = nullptr, const SetRaster* set = nullptr);
 
   private:
     friend void record_resolve(Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);
@@ -31,11 +34,8 @@ class Resolver {
     BindingSet set_;
 };
 
-// What resolve and upscale pass to their shaders.
-ResolvePush resolve_push(const ViewLayout& layout, const ResolveSettings& settings);
-
-// The rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of samples² of
-// them.
+// Whole: the rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of
+// samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view.
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);
 

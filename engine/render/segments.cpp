@@ -13,22 +13,24 @@ namespace {
 constexpr uint64_t kPageBytes = 16 * kPageWords;
 constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
 
-uint64_t most_pages(const Device& device) {
-    return std::min<uint64_t>({device.limits().maxStorageBufferRange / kPageBytes,
-                               device.max_allocation_bytes() / kPageBytes, UINT32_MAX / kPageWords});
+uint64_t most_pages(const Device& device, uint64_t budget) {
+    const uint64_t bytes =
+        std::min({uint64_t{device.limits().maxStorageBufferRange}, device.max_allocation_bytes(), budget});
+    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 is none
 }
 
 }  // namespace
 
-Segments::Segments(const Device& device, const RayTarget& target, uint32_t merges)
+Segments::Segments(const Device& device, const RayTarget& target, uint32_t merges, uint64_t budget)
     : device_(device),
       target_(target),
       merges_(merges),
+      most_pages_(most_pages(device, budget)),
       heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
              MemoryKind::kDevice),
       taken_(device, "pages that were taken", uint64_t{4} * merges, MemoryKind::kReadback),
       pass_(device, "merge", merge_comp) {
-    make_pages(std::min(kFirstPages, most_pages(device)));
+    make_pages(std::min(kFirstPages, most_pages_));
     run_once(device, "heads of segments", [this](Commands& commands) { fill(commands, heads_, 0); });
 }
 
@@ -43,17 +45,27 @@ void Segments::make_pages(uint64_t pages) {
                               {kMergeDepth, &target_.rays.depth}});
 }
 
+// Twice as many as there are; false: there were not so many, and will not be.
+bool Segments::make_more_pages() {
+    const uint64_t before = page_count_;
+    if (before >= most_pages_) return false;
+    try {
+        make_pages(std::min(most_pages_, 2 * before));
+        return true;
+    } catch (const RuntimeFailure&) {  // what is allocated elsewhere is not in the device's limits
+        most_pages_ = before;
+        make_pages(before);
+        return false;
+    }
+}
+
 bool Segments::enlarge() {
     const uint32_t* taken = taken_.as<uint32_t>();
     const uint64_t most = recorded_ == 0 ? 0 : *std::max_element(taken, taken + recorded_);
     const uint32_t merges = recorded_;
     recorded_ = 0;
     if (most + 1 <= page_count_) return false;  // page 0 is none
-    const uint64_t possible = most_pages(device_);
-    if (page_count_ < possible) {
-        make_pages(std::min(possible, 2 * page_count_));
-        return true;
-    }
+    if (make_more_pages()) return true;
     if (2 * bands_ > target_.rays.tile_capacity || 2 * merges > merges_)
         throw RuntimeFailure(
             "performers that stand in each other take more memory along these rays than the device has; choose a "

@@ -12,12 +12,12 @@ namespace neuvv {
 // known only after the frame, so its rays go in bands where a device cannot hold all at once.
 class Segments {
   public:
-    // At most so many merges a frame.
-    Segments(const Device& device, const RayTarget& target, uint32_t merges);
+    // At most so many merges a frame, and bytes of segments in each, or as many as the device has.
+    Segments(const Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
     // After a frame was waited for. True: there was less room than segments. Now there is more, or there are more
     // bands, and the frame must be recorded anew by passes that are bound to these buffers. Throws RuntimeFailure where
-    // even a row of tiles has more segments than the device holds.
+    // even a tile has more segments than fit.
     bool enlarge();
 
     const Buffer& pages() const { return pages_; }
@@ -30,10 +30,11 @@ class Segments {
     friend void record_merge_begin(Commands& commands, const Segments& segments);
     friend void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
     void make_pages(uint64_t pages);
+    bool make_more_pages();
     const Device& device_;
     const RayTarget& target_;
     uint32_t merges_, bands_ = 1;
-    uint64_t page_count_ = 0;
+    uint64_t page_count_ = 0, most_pages_;
     Buffer pages_, heads_;
     Buffer taken_;  // pages of each merge of the frame, readback
     uint32_t recorded_ = 0;

@@ -71,19 +71,30 @@ TracePush instance_push(const Field& field, const InstanceRays& rays) {
     return push;
 }
 
+Bindings trace_bindings(const Field& field, const RayBatch& rays) {
+    return {{kTraceTop, &field.top},        {kTraceNodes, &field.nodes}, {kTraceChildren, &field.children},
+            {kTraceCameras, &rays.cameras}, {kTraceTiles, &rays.tiles},  {kTraceRadiance, &rays.radiance},
+            {kTraceDepth, &rays.depth}};
+}
+
+// What is not there is bound to a buffer of the same format, and not read.
+Bindings instance_bindings(const Field& field, const RayTarget& target, const Segments* segments) {
+    return joined(trace_bindings(field, target.rays), {{kTraceTileList, &target.ranges.list},
+                                                       {kTraceTileRanges, &target.ranges.ranges},
+                                                       {kTraceSharing, &target.ranges.sharing},
+                                                       {kTracePages, segments ? &segments->pages() : &target.no_lights},
+                                                       {kTraceHeads, segments ? &segments->heads() : &target.no_lights},
+                                                       {kTraceSetDepth, target.around.set_depth},
+                                                       {kTraceLights, target.around.lights},
+                                                       {kTraceSetShadows, target.around.set_shadows},
+                                                       {kTracePerformerShadows, target.around.performer_shadows}});
+}
+
 Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
     : field_(field),
       pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceNodeLive, &slice.node_live},
-                   {kTraceHead, &slice.head},
-                   {kTraceSh, &slice.sh},
-                   {kTraceCameras, &rays.cameras},
-                   {kTraceTiles, &rays.tiles},
-                   {kTraceRadiance, &rays.radiance},
-                   {kTraceDepth, &rays.depth}}) {}
+      set_(pass_, joined(trace_bindings(field, rays),
+                         {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {}
 
 void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
     const PassScope scope(commands, "trace");
@@ -100,24 +111,17 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
              walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
              kIntoRay}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceWeights, &field.weights},
-                   {kTraceRows, &live.rows},
-                   {kTraceCameras, &rays.cameras},
-                   {kTraceTiles, &rays.tiles},
-                   {kTraceTileList, &rays.tiles},
-                   {kTraceTileRanges, &rays.tiles},
-                   {kTracePages, &no_lights_},
-                   {kTraceHeads, &no_lights_},
-                   {kTraceSetDepth, &rays.depth},
-                   {kTraceLights, &no_lights_},
-                   {kTraceSetShadows, &rays.depth},
-                   {kTracePerformerShadows, &rays.depth},
-                   {kTraceSharing, &rays.tiles},
-                   {kTraceRadiance, &rays.radiance},
-                   {kTraceDepth, &rays.depth}}) {}
+      set_(pass_, joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
+                                                       {kTraceRows, &live.rows},
+                                                       {kTraceTileList, &rays.tiles},
+                                                       {kTraceTileRanges, &rays.tiles},
+                                                       {kTraceSharing, &rays.tiles},
+                                                       {kTracePages, &no_lights_},
+                                                       {kTraceHeads, &no_lights_},
+                                                       {kTraceSetDepth, &rays.depth},
+                                                       {kTraceLights, &no_lights_},
+                                                       {kTraceSetShadows, &rays.depth},
+                                                       {kTracePerformerShadows, &rays.depth}})) {}
 
 DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
                            Into into, const Segments* segments)
@@ -126,25 +130,9 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
       pass_(device, "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
              static_cast<uint32_t>(into)}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceWeights, &field.weights},
-                   {kTraceRows, &live.rows},
-                   {kTraceCameras, &target.rays.cameras},
-                   {kTraceTiles, &target.rays.tiles},
-                   {kTraceTileList, &target.ranges.list},
-                   {kTraceTileRanges, &target.ranges.ranges},
-                   {kTracePages, segments ? &segments->pages() : &target.no_lights},
-                   {kTraceHeads, segments ? &segments->heads() : &target.no_lights},
-                   {kTraceSetDepth, target.around.set_depth},
-                   {kTraceLights, target.around.lights},
-                   {kTraceSetShadows, target.around.set_shadows},
-                   {kTracePerformerShadows, target.around.performer_shadows},
-                   {kTraceSharing, &target.ranges.sharing},
-                   {kTraceRadiance, &target.rays.radiance},
-                   {kTraceDepth, &target.rays.depth}}) {
-    assert((into == Into::kSegments) == (segments != nullptr));
+      set_(pass_, joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
+                         instance_bindings(field, target, segments))) {
+    assert(into != Into::kSegments || segments);
 }
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {

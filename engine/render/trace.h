@@ -85,7 +85,7 @@ class DirectTracer {
   public:
     DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                  Walk walk = Walk::kDown);
-    // For instances. `segments`: where these are what rays become.
+    // For instances. `segments`: not null where these are what rays become.
     DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target, Into into,
                  const Segments* segments);
 
@@ -104,8 +104,10 @@ void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tile
 // As record_trace_tree, where an instance has no slice.
 void record_direct_instance(Commands& commands, const DirectTracer& tracer, const InstanceRays& rays);
 
-// What they pass to their shader: of a field alone, and of an instance.
+// What they pass and bind to their shader: of a field alone, and of an instance.
 TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
+Bindings trace_bindings(const Field& field, const RayBatch& rays);
+Bindings instance_bindings(const Field& field, const RayTarget& target, const Segments* segments);
 
 }  // namespace neuvv

@@ -16,23 +16,9 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
             {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
              steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
              shading == Shading::kNone ? 1u : 0u}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &trees.nodes},
-                   {kTraceEntries, &entries},
-                   {kTraceCameras, &target.rays.cameras},
-                   {kTraceTiles, &target.rays.tiles},
-                   {kTraceTileList, &target.ranges.list},
-                   {kTraceTileRanges, &target.ranges.ranges},
-                   {kTracePages, segments ? &segments->pages() : &target.no_lights},  // read only where there are
-                   {kTraceHeads, segments ? &segments->heads() : &target.no_lights},
-                   {kTraceSetDepth, target.around.set_depth},
-                   {kTraceLights, target.around.lights},
-                   {kTraceSetShadows, target.around.set_shadows},
-                   {kTracePerformerShadows, target.around.performer_shadows},
-                   {kTraceSharing, &target.ranges.sharing},
-                   {kTraceRadiance, &target.rays.radiance},
-                   {kTraceDepth, &target.rays.depth}}) {
-    assert((into == Into::kSegments) == (segments != nullptr));
+      set_(pass_, joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
+                         instance_bindings(field, target, segments))) {
+    assert(into != Into::kSegments || segments);
 }
 
 void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {

@@ -15,7 +15,7 @@ struct WalkSteps {
 
 class TreeTracer {
   public:
-    // `entries`: those of the trees, or shaded ones. `segments`: where these are what rays become.
+    // `entries`: those of the trees, or shaded ones. `segments`: not null where these are what rays become.
     TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
                const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
                const WalkSteps& steps = {});

@@ -131,22 +131,36 @@ TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     RecordProperty("mean_linear", std::to_string(mean / static_cast<double>(truth.radiance.size())));
 }
 
-// Room for segments grows until all have some, and rays go in bands where it cannot.
-TEST_F(MergeTest, SegmentsFindRoom) {
-    const VOctree tree = random_tree({.seed = 3, .node_levels = 4, .leaves = 60000, .bases = 5, .hh_degree = 0});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const std::vector<Instance> instances = {
-        {0}, {1, placed({0.1f, 0, 0}, 0.1f, glm::vec3(1))}, {2, placed({-0.1f, 0, 0.1f}, 0.2f, glm::vec3(1))}};
-    constexpr uint32_t kSide = 256;
-    const Camera camera = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, kSide, kSide, 1);
-    FrameSettings settings = settings_of(instances, Blend::kExact);
+// More segments than fit at first.
+constexpr uint32_t kSide = 256;
+
+VOctree a_thicket() {
+    return random_tree({.seed = 3, .node_levels = 4, .leaves = 60000, .bases = 5, .hh_degree = 0});
+}
+
+Camera thicket_camera() {
+    return look_at({0, 0.5, 2.2}, {0, 0.5, 0}, kSide, kSide, 1);
+}
+
+FrameSettings thicket_settings() {
+    FrameSettings settings = settings_of(
+        {{0}, {1, placed({0.1f, 0, 0}, 0.1f, glm::vec3(1))}, {2, placed({-0.1f, 0, 0.1f}, 0.2f, glm::vec3(1))}},
+        Blend::kExact);
     settings.width = settings.height = kSide;
+    return settings;
+}
+
+TEST_F(MergeTest, SegmentsFindRoom) {
+    const VOctree tree = a_thicket();
+    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const Camera camera = thicket_camera();
+    FrameSettings settings = thicket_settings();
     FrameRenderer renderer(device(), field, {kSide, kSide});
     renderer.render(camera, settings);
     const std::vector<glm::vec4> grown = renderer.radiance();
     const Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // fits at once
     settings.width = settings.height = 16;
-    const Traced truth = together_by_reference({&tree}, instances, part);
+    const Traced truth = together_by_reference({&tree}, settings.instances, part);
     renderer.render(part, settings);
     EXPECT_LE(difference({renderer.radiance(), renderer.depth()}, truth).steps, kHalfSteps);
     settings.width = settings.height = kSide;
@@ -155,6 +169,31 @@ TEST_F(MergeTest, SegmentsFindRoom) {
     double seen = 0;
     for (const glm::vec4& ray : grown) seen += static_cast<double>(ray.a) / (kSide * kSide);
     EXPECT_GT(seen, 0.3);
+}
+
+TEST_F(MergeTest, RaysGoInBandsWhereSegmentsFindNoRoom) {
+    const Field field = upload_field(device(), a_thicket(), WeightPrecision::kHalf);
+    FrameRenderer roomy(device(), field, {kSide, kSide});
+    roomy.render(thicket_camera(), thicket_settings());
+    EXPECT_EQ(passes(roomy, "merge"), 1u);
+    FrameCapacity tight_capacity{kSide, kSide};
+    tight_capacity.segment_budget = uint64_t{4} << 20;
+    FrameRenderer tight(device(), field, tight_capacity);
+    tight.render(thicket_camera(), thicket_settings());
+    EXPECT_GE(passes(tight, "merge"), 4u);
+    EXPECT_EQ(tight.radiance(), roomy.radiance());
+    EXPECT_EQ(tight.depth(), roomy.depth());
+    tight_capacity = {32, 32};
+    tight_capacity.segment_budget = uint64_t{4} << 10;
+    FrameRenderer hopeless(device(), field, tight_capacity);
+    FrameSettings small = thicket_settings();
+    small.width = small.height = 32;
+    try {
+        hopeless.render(look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 32, 32, 1), small);
+        FAIL() << "a tile has more segments than fit in 4 KiB";
+    } catch (const RuntimeFailure& failure) {
+        EXPECT_NE(std::string(failure.what()).find("--blend paper"), std::string::npos) << failure.what();
+    }
 }
 
 TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {

@@ -34,7 +34,7 @@ Image resolve(const Device& device, const Rays& rays, const ResolveSettings& set
     const Buffer picture(device, "picture", image.rgba.size(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
-    const Resolver resolver(device, batch, picture);
+    const Resolver resolver(device, RaysPerPixel::kWhole, batch, picture);
     run_once(device, "resolve", [&](Commands& commands) {
         record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
@@ -168,7 +168,7 @@ TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
     run_once(device(), "depth", [&](Commands& commands) { fill(commands, batch.depth, 0); });
     const Buffer picture(device(), "picture", 2 * layout.picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
-    const Resolver resolver(device(), batch, picture);
+    const Resolver resolver(device(), RaysPerPixel::kWhole, batch, picture);
     run_once(device(), "resolve", [&](Commands& commands) {
         fill(commands, picture, kUntouched);
         compute_barrier(commands);

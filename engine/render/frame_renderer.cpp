@@ -1,0 +1,294 @@
+// FrameRenderer: what a frame needs on the device is made and placed; recording is in frame.cpp.
+#include "render/frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+// Three of an instance and five of its slice, seen by the eye and by the lights, and the rest.
+constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
+
+// Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
+uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
+    const uint64_t across = (uint64_t{capacity.samples} * capacity.width + kTile - 1) / kTile;
+    const uint64_t down = (uint64_t{capacity.samples} * capacity.height + kTile - 1) / kTile;
+    const uint64_t tiles = across * down * capacity.views;
+    if (tiles * kTilePixels > device.limits().maxTexelBufferElements)
+        throw RuntimeFailure(
+            fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
+                        "or --samples",
+                        capacity.width, capacity.height, capacity.samples * capacity.samples));
+    return static_cast<uint32_t>(tiles);
+}
+
+ViewLayout largest(const FrameCapacity& capacity) {
+    return {capacity.width, capacity.height, capacity.samples, capacity.views};
+}
+
+// Per-ray values of one view from tile order into rows.
+template <typename T>
+std::vector<T> rows_of_view(const Device& device, const Buffer& rays, const ViewLayout& layout, uint32_t view) {
+    std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
+    download(device, rays, tiles.data(), tiles.size() * sizeof(T));
+    const uint32_t width = layout.rays_across(), height = layout.rays_down();
+    const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
+    std::vector<T> rows(size_t{width} * height);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            const size_t tile = first_tile + size_t{y / kTile} * layout.tiles_across() + x / kTile;
+            rows[size_t{y} * width + x] = tiles[tile * kTilePixels + y % kTile * kTile + x % kTile];
+        }
+    return rows;
+}
+
+Surroundings surroundings_of(const SetRaster* set) {
+    if (!set) return {};
+    return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
+}
+
+constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, times bands
+
+}  // namespace
+
+SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
+    : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
+
+DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
+    : live(device, field, 1),
+      finder(device, field, live),
+      direct(device, field, live, rays),
+      paper(device, field, live, rays, Walk::kFromRoot) {}
+
+FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
+                             SetRaster* set)
+    : device_(device),
+      fields_(std::move(fields)),
+      capacity_(capacity),
+      set_(set),
+      target_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity),
+              largest(capacity).picture_tiles(), surroundings_of(set)),
+      picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      readback_(device, "picture readback", largest(capacity).picture_bytes(), MemoryKind::kReadback),
+      blank_(device, "blank picture", set ? 4 : largest(capacity).picture_bytes(), MemoryKind::kDevice),
+      lister_(device, target_.rays, target_.ranges),
+      resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, nullptr, set),
+      listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, &target_.ranges),
+      commands_(device, "frame", kMaxScopes) {
+    for (const Field* field : fields_) paints_.push_back(std::make_unique<Paints>(device, *field));
+    if (!set) return;
+    assert(set->views() >= capacity.views);
+    shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
+    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
+}
+
+void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
+    const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
+    if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
+        layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
+        throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
+                                         settings.width, settings.height));
+    if (set_ && (layout.samples * layout.width > set_->width() || layout.samples * layout.height > set_->height()))
+        throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are more than the set's {}x{} texels", layout.width,
+                                         layout.height, layout.samples * layout.samples, set_->width(),
+                                         set_->height()));
+    if (settings.instances.size() > kMaxInstances)
+        throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
+                                         settings.instances.size(), kMaxInstances));
+    for (const Camera& camera : cameras)
+        if (camera.width != settings.width || camera.height != settings.height)
+            throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
+                                             camera.height, settings.width, settings.height));
+    assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
+    assert(!is_reference(settings.mode) || settings.instances[0].paint == 0);
+    assert(settings.scale > 0 && settings.scale <= 1);
+    assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
+    for (size_t i = 0; i < settings.instances.size(); i++) {
+        const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
+        if (!std::isfinite(settings.instances[i].frame))
+            throw RuntimeFailure(fmt::format("instance {}: its frame is not finite", i));
+        if (!std::isfinite(volume) || volume == 0)
+            throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
+        if (settings.instances[i].field >= fields_.size())
+            throw RuntimeFailure(fmt::format("instance {}: there is no field {}", i, settings.instances[i].field));
+    }
+}
+
+// Where rays stand, and how many there are in each view: as many as in the one that has most.
+void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
+    layout_ = {settings.width, settings.height, settings.samples, views};
+    grids_.clear();
+    if (settings.scale == 1 && settings.foveae.empty()) return;
+    assert(settings.samples == 1 && !is_reference(settings.mode));
+    for (uint32_t view = 0; view < views; view++) {
+        const Fovea fovea = settings.foveae.empty() ? Fovea{} : settings.foveae[view];
+        grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
+        layout_.rays = glm::max(layout_.rays, grids_.back().rays);
+    }
+    if (!upscaler_)
+        upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, picture_,
+                                               set_ ? nullptr : &target_.ranges, set_);
+}
+
+TargetViews FrameRenderer::views_of(std::span<const Camera> cameras, const FrameSettings& settings) const {
+    return {target_, layout_, cameras, grids_, settings.scale};
+}
+
+// The cameras of the world, one a view, and their tiles.
+void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSettings& settings) {
+    const ViewLayout last = layout_;
+    place_grids(settings, static_cast<uint32_t>(cameras.size()));
+    place_cameras(views_of(cameras, settings));
+    if (layout_ != last) place_tiles(views_of(cameras, settings));
+    set_cameras_.clear();
+    for (const Camera& camera : cameras) set_cameras_.push_back(enlarged(camera, layout_.samples));
+}
+
+// Near to far, so that rays that have met something solid need not look behind it.
+std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const Camera> cameras,
+                                                           const FrameSettings& settings) const {
+    std::vector<glm::dvec3> eyes;
+    for (const Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
+    std::vector<PlacedBox> boxes;
+    for (const Instance& instance : settings.instances) {
+        const Field& field = *fields_[instance.field];
+        boxes.push_back(placed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
+    }
+    if (settings.blend == Blend::kExact) return draw_order(boxes, eyes);
+    glm::dvec3 eye(0);
+    for (const glm::dvec3& one : eyes) eye += one / static_cast<double>(eyes.size());
+    std::vector<std::pair<double, uint32_t>> by_distance;
+    for (uint32_t i = 0; i < boxes.size(); i++) by_distance.emplace_back(glm::distance(eye, boxes[i].middle), i);
+    std::sort(by_distance.begin(), by_distance.end());
+    std::vector<std::vector<uint32_t>> order;
+    for (const auto& [distance, i] : by_distance) order.push_back({i});
+    return order;
+}
+
+// Those that may be seen.
+void FrameRenderer::place_instances(std::span<const Camera> cameras, const FrameSettings& settings) {
+    drawn_.clear();
+    uint32_t placed = 0;
+    for (const std::vector<uint32_t>& group : order_of(cameras, settings)) {
+        std::vector<DrawnInstance> drawn;
+        for (const uint32_t i : group) {
+            const Instance& instance = settings.instances[i];
+            auto one = place_instance(views_of(cameras, settings), *fields_[instance.field], instance, placed);
+            if (!one) continue;
+            if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
+            if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
+            one->into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
+            one->rays.stop = settings.stop;
+            if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
+            if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
+            drawn.push_back(*one);
+            placed++;
+        }
+        if (drawn.size() > 1)
+            for (DrawnInstance& instance : drawn) instance.into = Into::kSegments;
+        if (!drawn.empty()) drawn_.push_back(std::move(drawn));
+    }
+    if (shadows_) shadows_->place(fields_, settings.instances);
+}
+
+void FrameRenderer::prepare(const FrameSettings& settings) {
+    switch (settings.mode) {
+        case TraceMode::kPlay:
+        case TraceMode::kShaded:
+        case TraceMode::kTree:
+            prepare_performers(settings);
+            break;
+        case TraceMode::kSlice:
+            if (!slots_) slots_ = std::make_unique<SlotPath>(device_, *fields_[0], target_.rays);
+            break;
+        case TraceMode::kDirect:
+        case TraceMode::kPaper:
+            if (!direct_) direct_ = std::make_unique<DirectPath>(device_, *fields_[0], target_.rays);
+            break;
+    }
+}
+
+void FrameRenderer::prepare_performers(const FrameSettings& settings) {
+    for (size_t i = performers_.size(); i < fields_.size(); i++) {
+        performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
+                                                          slice_share(capacity_.slice_budget, fields_.size())));
+        performers_.back()->add_target(target_, capacity_.views);
+        if (shadows_) performers_.back()->add_target(shadows_->target(), kMaxShadows);
+    }
+    std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
+    for (const auto& group : drawn_)
+        for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
+    if (shadows_)  // these last: a slice shows more where the eye sees it
+        for (const DrawnInstance& instance : shadows_->drawn()) slices[instance.field].push_back(instance.slice());
+    for (const NextSlice& one : settings.next_slices)
+        if (one.field < fields_.size()) next[one.field].push_back(one.slice);
+    for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(slices[i], next[i]);
+    if (shadows_)
+        for (const DrawnInstance& instance : shadows_->drawn())
+            performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
+    for (const auto& group : drawn_) {
+        if (group.size() > 1 && !segments_)
+            segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges, capacity_.segment_budget);
+        for (const DrawnInstance& instance : group)
+            performers_[instance.field]->prepare(kEyeTarget, instance, segments_.get());
+    }
+}
+
+// Whether something on the device had less room than the picture asked for; now there is more.
+bool FrameRenderer::enlarge() {
+    bool any = false;
+    for (const auto& performer : performers_) any |= performer->enlarge_slices();
+    if (segments_ && segments_->enlarge()) {
+        for (const auto& performer : performers_) performer->forget_segments();
+        any = true;
+    }
+    return any;
+}
+
+void FrameRenderer::forget_slices() {
+    for (const auto& performer : performers_)
+        if (performer->slices()) performer->slices()->forget();
+}
+
+std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
+    expect_fitting(cameras, settings);
+    place_rays(cameras, settings);
+    place_instances(cameras, settings);
+    do {
+        prepare(settings);
+        commands_.begin();
+        record_frame(commands_, *this, settings);
+        commands_.submit();
+        commands_.wait();
+    } while (!is_reference(settings.mode) && enlarge());
+    std::vector<Image> pictures;
+    const uint8_t* from = readback_.as<uint8_t>();
+    for (size_t view = 0; view < cameras.size(); view++) {
+        Image& picture = pictures.emplace_back(settings.width, settings.height);
+        std::memcpy(picture.rgba.data(), from, picture.rgba.size());
+        from += picture.rgba.size();
+    }
+    return pictures;
+}
+
+Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
+    return std::move(render_views({&camera, 1}, settings)[0]);
+}
+
+std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
+    return rows_of_view<glm::vec4>(device_, target_.rays.radiance, layout_, view);
+}
+
+std::vector<float> FrameRenderer::depth(uint32_t view) const {
+    return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
+}
+
+}  // namespace neuvv
