@@ -22,10 +22,10 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                                     {"width", totals.size.width},
                                     {"height", totals.size.height},
                                     {"fps", totals.fps},
-                                    {"gpu_seconds", totals.seconds},
+                                    {"seconds", totals.seconds},
                                     {"mrays_per_second", mrays_per_s}}));
     else
-        fmt::print("{}: {} pictures of {}x{}, {} of them rendered now, {:.1f} ms each on the device, {:.1f} Mrays/s\n",
+        fmt::print("{}: {} pictures of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n",
                    options.output, totals.pictures, totals.size.width, totals.size.height, totals.rendered,
                    1000 * totals.seconds / static_cast<double>(std::max<size_t>(1, totals.rendered)), mrays_per_s);
 }
@@ -87,7 +87,8 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                   "Go on with a render that was interrupted. Numbered pictures always can; a video can if it was begun "
                   "so, and keeps its pictures beside it until it is whole");
     verb.add_flag("--json", options.json,
-                  "Print JSON: output, pictures, rendered, width, height, fps, gpu_seconds, ...");
+                  "Print JSON: output, pictures, rendered, width, height, fps, seconds (from submission until the "
+                  "pictures were there), ...");
 }
 
 }  // namespace
@@ -96,7 +97,9 @@ void add_render(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("render", "Render a clip or a stage to a free-viewpoint video or to pictures");
     const auto options = std::make_shared<RenderOptions>();
     add_options(*verb, *options);
-    verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass.\n") + kDeviceHelp + kExamplesHead +
+    verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass; of a stage not on software devices, whose "
+                             "clocks miss the set.\n") +
+                 kDeviceHelp + kExamplesHead +
                  "  neuvv render build/performer.nvv -o build/turn.mp4\n"
                  "  neuvv render build/performer.nvv -o build/still.png --frames 1.5 --size 1280x720\n"
                  "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "

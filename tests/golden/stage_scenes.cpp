@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "edit/operations.h"
+#include "golden/foreign_stage.h"
 #include "render/stage_renderer.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
@@ -159,6 +160,24 @@ Image two_lights(const Device& device) {
     return render(device, builder, wide_camera());
 }
 
+// Another program's stage through its own camera, at its start and at its end.
+Image foreign(const Device& device) {
+    const TemporaryFolder folder;
+    write_nvv(folder.path / "figure.nvv", waver_tree());
+    write_text(folder.path / "stage.gltf", kForeignScene);
+    const Stage stage = load_stage(folder.path / "stage.gltf");
+    StageRenderer renderer(device, stage, {kWidth, kHeight, kSamples});
+    Image both(2 * kWidth, kHeight);
+    for (uint32_t i = 0; i < 2; i++) {
+        const StageInstant instant = stage_at(stage, 2 * i);
+        renderer.show(instant);
+        const Camera camera = camera_of(stage, "Camera", instant, kWidth, kHeight);
+        const Image one = renderer.frames().render(camera, renderer.settings_at(instant));
+        for (uint32_t y = 0; y < kHeight; y++) std::copy_n(one.at(0, y), size_t{4} * kWidth, both.at(i * kWidth, y));
+    }
+    return both;
+}
+
 }  // namespace
 
 std::vector<GoldenStage> golden_stages(const Device& device, const std::string& only) {
@@ -187,6 +206,7 @@ std::vector<GoldenStage> golden_stages(const Device& device, const std::string& 
     add("stage_light_no_shadows", [&] { return lights(device, false, true); });
     add("stage_light_no_falloff", [&] { return lights(device, true, false); });
     add("stage_two_lights", [&] { return two_lights(device); });
+    add("stage_foreign", [&] { return foreign(device); });
     return stages;
 }
 
