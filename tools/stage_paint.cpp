@@ -173,17 +173,14 @@ std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const
     Progress progress("project", last - first + 1);
     for (uint32_t frame = first; frame <= last; frame++) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
-        const auto at = static_cast<float>(frame);
-        scene.show(easel, at);
-        const std::vector<LeafEdit> edits = project(scene.picker, easel.canvas, scene.sigma, image, camera);
-        // Half a frame to both sides, where slow motion shows more of this frame than of others.
-        const EditFrames around{std::max(at - 0.5f, frames.first),
-                                std::min(std::nextafter(at + 0.5f, 0.0f), frames.last)};
-        const std::vector<LeafEdit> held = at_frames(easel.canvas, edits, around);
-        all.insert(all.end(), held.begin(), held.end());
+        scene.show(easel, static_cast<float>(frame));
+        for (LeafEdit& edit : project(scene.picker, easel.canvas, scene.sigma, image, camera)) {
+            edit.first = edit.last = static_cast<float>(frame);
+            all.push_back(edit);
+        }
         progress.update(frame - first + 1);
     }
-    return all;
+    return through_between(std::move(all), frames.first, frames.last);
 }
 
 // With their frames.
@@ -213,10 +210,11 @@ std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const C
                       static_cast<float>(options.density.value_or(double{kKeepSigma}))};
     PickedScene scene(easel, options, common);
     const Camera camera = camera_of(options, easel.tree, parse_size(options.size));
-    return held_in(stroke(easel.canvas, scene.sigma, brush, points_under(scene.picker, camera, pixels)), easel.canvas,
+    return held_in(stroke(easel.canvas, scene.sigma, brush, touches_under(scene.picker, camera, pixels)), easel.canvas,
                    region_of(options));
 }
 
+// With their frames.
 std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, const EditFrames& frames) {
     const Region region = region_of(options);
     // A density brings leaves to life, so it goes to all of them.
@@ -226,11 +224,13 @@ std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, co
     std::vector<LeafEdit> edits;
     if (options.hue || options.saturation)
         edits = shift_colours(
-            easel.tree, leaves, static_cast<float>(options.at),
+            easel.canvas, leaves, frames.first, frames.last,
             {static_cast<float>(options.hue.value_or(0)), static_cast<float>(options.saturation.value_or(1))});
     else
-        edits = fill_leaves(leaves, colour_of(options.colour.empty() ? "black" : options.colour),
-                            options.colour.empty() ? 0.0f : 1.0f);
+        edits = at_frames(easel.canvas,
+                          fill_leaves(leaves, colour_of(options.colour.empty() ? "black" : options.colour),
+                                      options.colour.empty() ? 0.0f : 1.0f),
+                          frames);
     for (LeafEdit& edit : edits) {
         edit.alpha *= static_cast<float>(options.alpha);
         edit.sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
@@ -361,7 +361,7 @@ void add_stage_paint(CLI::App& app, CommonOptions& common) {
     }
     CLI::App* region = verb->add_subcommand("region", "All leaves of a region: a colour, another hue, a density");
     CLI::Option* colour = region->add_option("--colour", options->colour, "'#rrggbb' or a name");
-    region->add_option("--hue", options->hue, "Degrees that hues turn by, from what they are at --at")
+    region->add_option("--hue", options->hue, "Degrees that hues turn by, at each frame from what they are then")
         ->excludes(colour);
     region->add_option("--saturation", options->saturation, "What saturation is multiplied by")
         ->check(number_between(0, 100))
@@ -389,9 +389,7 @@ void add_stage_paint(CLI::App& app, CommonOptions& common) {
     });
     const auto fill = [options] {
         expect_region(*options);
-        paint(*options, [&](Easel& easel, const EditFrames& frames) {
-            return at_frames(easel.canvas, filled(easel, *options, frames), frames);
-        });
+        paint(*options, [&](Easel& easel, const EditFrames& frames) { return filled(easel, *options, frames); });
     };
     region->callback(fill);
     erase->callback([options, fill] {

@@ -10,6 +10,12 @@ namespace neuvv {
 
 namespace {
 
+// Alphas that a ray has gathered at a touch's ends, and without which there is no touch.
+constexpr float kTouchFront = 0.02f, kTouched = 0.5f, kTouchBack = 0.9f;
+// A leaf's colours over a clip count as one as long as no channel differs by more: of its square root, which is about
+// how colours look.
+constexpr float kSameColour = 0.06f;
+
 float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
     const glm::vec3 along = b - a;
     const float length2 = glm::dot(along, along);
@@ -18,11 +24,14 @@ float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
 }
 
 // How near a place is to the stroke; infinite beyond the reach.
-float distance_to_stroke(glm::vec3 at, std::span<const glm::vec3> points, float radius) {
+float distance_to_stroke(glm::vec3 at, std::span<const Touch> touches, float radius) {
     float nearest = std::numeric_limits<float>::infinity();
-    for (size_t i = 0; i < points.size(); i++) {
-        const bool joined = i > 0 && glm::distance(points[i - 1], points[i]) <= 2 * radius;
-        nearest = std::min(nearest, distance_to_segment(at, joined ? points[i - 1] : points[i], points[i]));
+    for (size_t i = 0; i < touches.size(); i++) {
+        nearest = std::min(nearest, distance_to_segment(at, touches[i].front, touches[i].back));
+        if (i == 0) continue;
+        for (const auto& [from, to] :
+             {std::pair(touches[i - 1].front, touches[i].front), std::pair(touches[i - 1].back, touches[i].back)})
+            if (glm::distance(from, to) <= 2 * radius) nearest = std::min(nearest, distance_to_segment(at, from, to));
     }
     return nearest;
 }
@@ -41,7 +50,7 @@ float luminance(glm::vec3 c) {
 
 }  // namespace
 
-std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels) {
+std::vector<Touch> touches_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels) {
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
@@ -52,28 +61,34 @@ std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::s
             rays.push_back(
                 pick_ray(camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
     }
-    std::vector<glm::vec3> points;
-    const std::vector<Picked> picked = picker.pick(rays);
-    for (size_t i = 0; i < rays.size(); i++)
-        if (picked[i].hit())
-            points.push_back(glm::vec3(rays[i].origin) + picked[i].distance_m * glm::vec3(rays[i].direction));
-    return points;
+    const std::vector<Picked> fronts = picker.pick(rays, kTouchFront), middles = picker.pick(rays, kTouched);
+    const std::vector<Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
+    std::vector<Touch> touches;
+    for (size_t i = 0; i < rays.size(); i++) {
+        if (!middles[i].hit()) continue;
+        const auto place = [&](const Picked& picked) {
+            return glm::vec3(rays[i].origin) + picked.distance_m * glm::vec3(rays[i].direction);
+        };
+        const Picked& back = farther[i].hit() ? farther[i] : far[i].hit() ? far[i] : middles[i];
+        touches.push_back({place(fronts[i]), place(back)});
+    }
+    return touches;
 }
 
 std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
-                             std::span<const glm::vec3> points) {
-    if (points.empty()) return {};
-    glm::vec3 low = points[0], high = points[0];
-    for (const glm::vec3& point : points) {
-        low = glm::min(low, point);
-        high = glm::max(high, point);
+                             std::span<const Touch> touches) {
+    if (touches.empty()) return {};
+    glm::vec3 low = touches[0].front, high = touches[0].front;
+    for (const Touch& touch : touches) {
+        low = glm::min(low, glm::min(touch.front, touch.back));
+        high = glm::max(high, glm::max(touch.front, touch.back));
     }
     const Region around = box_region(low - brush.radius_m, high + brush.radius_m);
     std::vector<float> covered(sigma.size());
     parallel_for(sigma.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)
             if (sigma[leaf] > 0 && around(canvas.middles[leaf]))
-                covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], points, brush.radius_m));
+                covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
     });
     std::vector<LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < covered.size(); leaf++) {
@@ -112,11 +127,58 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
     return glm::clamp(grey + room * chroma, 0.0f, 1.0f);
 }
 
-std::vector<LeafEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
+namespace {
+
+// Some successive frames at which a leaf has about the same shifted colour.
+struct Shade {
+    float first = 0, last = 0;
+    glm::vec3 least{0}, most{0};  // square roots
+    glm::vec3 sum{0};             // of colours, by density
+    float weight = 0;
+};
+
+std::vector<Shade> shades_of(const Canvas& canvas, uint32_t leaf, std::span<const float> frames,
+                             std::span<const float> sigma, const ColourShift& shift) {
+    std::vector<Shade> shades;
+    bool there = false;
+    for (size_t i = 0; i < frames.size(); i++) {
+        const bool before = std::exchange(there, sigma[i] > 0);
+        if (!there) continue;
+        const glm::vec3 colour = shifted(mean_colour(canvas.tree, leaf, frames[i]), shift), root = glm::sqrt(colour);
+        if (before) {
+            Shade& shade = shades.back();
+            const glm::vec3 least = glm::min(shade.least, root), most = glm::max(shade.most, root);
+            if (glm::all(glm::lessThanEqual(most - least, glm::vec3(kSameColour)))) {
+                shade = {shade.first, frames[i], least, most, shade.sum + sigma[i] * colour, shade.weight + sigma[i]};
+                continue;
+            }
+        }
+        shades.push_back({frames[i], frames[i], root, root, sigma[i] * colour, sigma[i]});
+    }
+    return shades;
+}
+
+}  // namespace
+
+std::vector<LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32_t> leaves, float first, float last,
                                     const ColourShift& shift) {
+    std::vector<float> frames{first};
+    for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
+    if (last > first) frames.push_back(last);
+    std::vector<std::vector<float>> sigmas;  // by frame, of all leaves
+    for (const float frame : frames) sigmas.push_back(densities(canvas, frame));
+    std::vector<std::vector<LeafEdit>> of_leaf(leaves.size());
+    parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {
+        std::vector<float> sigma(frames.size());
+        for (size_t i = begin; i < end; i++) {
+            for (size_t frame = 0; frame < frames.size(); frame++) sigma[frame] = sigmas[frame][leaves[i]];
+            for (const Shade& shade : shades_of(canvas, leaves[i], frames, sigma, shift))
+                of_leaf[i].push_back({leaves[i], shade.first, shade.last, shade.sum / shade.weight, 1});
+        }
+    });
     std::vector<LeafEdit> edits;
-    for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, shifted(mean_colour(tree, leaf, frame), shift), 1});
-    return edits;
+    for (const std::vector<LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());
+    return through_between(std::move(edits), first, last);
 }
 
 }  // namespace neuvv

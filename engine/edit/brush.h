@@ -1,5 +1,5 @@
-// A sphere-tipped brush on a performer's surface, and what a tool makes of chosen leaves. Edits come without frames:
-// at_frames says when they hold.
+// A sphere-tipped brush on a performer's surface, and what a tool makes of chosen leaves. Edits come without frames,
+// where it is not said otherwise: at_frames says when they hold.
 #pragma once
 
 #include "edit/select.h"
@@ -15,14 +15,20 @@ struct Brush {
     float sigma = kKeepSigma;   // of leaves that the brush covers by half or more
 };
 
-// Where a line over the picture meets the performer as the picker shows it, a pixel at a time. The camera in the
-// performer's space.
-std::vector<glm::vec3> points_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels);
+// What a ray of a stroke shows lies between these: where it has gathered the first of its alpha, and nearly all.
+struct Touch {
+    glm::vec3 front, back;  // performer's space, metres
+};
 
-// A stroke along points, over leaves that are there (σ > 0): `sigma` as densities() has it. Neighbouring points farther
-// apart than two radii are not joined: the surface ended between them.
+// Along a line over the picture, a ray a pixel: those that meet the performer as the picker shows it. The camera in the
+// performer's space.
+std::vector<Touch> touches_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels);
+
+// A stroke through touches, over leaves that are there (σ > 0): `sigma` as densities() has it. All between front and
+// back is painted, so that what a pixel shows is, however soft the surface. Neighbouring touches farther apart than two
+// radii are not joined: the surface ended between them.
 std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
-                             std::span<const glm::vec3> points);
+                             std::span<const Touch> touches);
 
 // Every leaf the same: a colour, or a density.
 std::vector<LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha);
@@ -31,13 +37,14 @@ inline std::vector<LeafEdit> erase_leaves(std::span<const uint32_t> leaves) {
     return set_density(leaves, 0);
 }
 
-// Each leaf's own mean colour at a frame, its hue turned, its saturation multiplied (about its luminance, which stays
-// as far as there is room).
+// A colour's hue turned, its saturation multiplied (about its luminance, which stays as far as there is room).
 struct ColourShift {
     float hue_degrees = 0, saturation = 1;
 };
 glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift);
-std::vector<LeafEdit> shift_colours(const VOctree& tree, std::span<const uint32_t> leaves, float frame,
+// Each leaf's own mean colours from first to last, shifted, with the frames at which it has them; where it is not there
+// at any frame between, nothing.
+std::vector<LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32_t> leaves, float first, float last,
                                     const ColourShift& shift);
 
 }  // namespace neuvv

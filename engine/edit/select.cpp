@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -192,6 +193,25 @@ std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> 
         }
     }
     return result;
+}
+
+std::vector<LeafEdit> through_between(std::vector<LeafEdit> edits, float first, float last) {
+    std::sort(edits.begin(), edits.end(), [](const LeafEdit& a, const LeafEdit& b) {
+        return std::pair(a.leaf, a.first) < std::pair(b.leaf, b.first);
+    });
+    constexpr float kEver = std::numeric_limits<float>::infinity();
+    const std::vector<LeafEdit> made = edits;
+    for (size_t i = 0; i < made.size(); i++) {
+        const LeafEdit& edit = made[i];
+        const float before = i > 0 && made[i - 1].leaf == edit.leaf ? made[i - 1].last : -kEver;
+        const float after = i + 1 < made.size() && made[i + 1].leaf == edit.leaf ? made[i + 1].first : kEver;
+        const float previous = std::ceil(edit.first) - 1, next = std::floor(edit.last) + 1;
+        const float begin = before < previous ? std::nextafter(previous, edit.first) : 0.5f * (before + edit.first);
+        const float end = std::nextafter(after > next ? next : 0.5f * (edit.last + after), edit.last);
+        edits[i].first = std::clamp(begin, first, edit.first);
+        edits[i].last = std::clamp(end, edit.last, last);
+    }
+    return edits;
 }
 
 }  // namespace neuvv

@@ -53,4 +53,9 @@ struct EditFrames {
 // kAll hold from first to last in any case.
 std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames);
 
+// Edits that were made at whole frames, or from one to another, reach into the fractions before and after them, where
+// the field fades between two frames: to the next frame, or half way where the leaf has an edit there, too; never out
+// of first to last. In order of leaf and frame.
+std::vector<LeafEdit> through_between(std::vector<LeafEdit> edits, float first, float last);
+
 }  // namespace neuvv

@@ -89,7 +89,7 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
     const glm::vec3 a(kHead), b = a + glm::vec3(0, 0.08f, 0), far = a - glm::vec3(0, 0.4f, 0);
     const Brush brush{0.06f, 0.5f, {0, 0, 1}, 0.8f, 12};
     std::set<uint32_t> touched;
-    for (const LeafEdit& edit : stroke(canvas, sigma, brush, std::vector{a, b, far})) {
+    for (const LeafEdit& edit : stroke(canvas, sigma, brush, std::vector<Touch>{{a, a}, {b, b}, {far, far}})) {
         EXPECT_GT(sigma[edit.leaf], 0);
         const glm::vec3 at = canvas.middles[edit.leaf];
         const float along = glm::clamp((at.y - a.y) / 0.08f, 0.0f, 1.0f);
@@ -118,6 +118,58 @@ TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
     const glm::vec3 turned = shifted(skin, {120, 1});
     EXPECT_GT(turned.g, turned.r);
     EXPECT_GT(turned.g, turned.b) << "red turns to green";
+}
+
+TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
+    const auto held = [](std::vector<std::pair<float, float>> spans, float first, float last) {
+        std::vector<LeafEdit> edits;
+        for (const auto& [from, to] : spans) edits.push_back({3, from, to, glm::vec3(1), 1});
+        edits.push_back({2, 4, 4, glm::vec3(1), 1});
+        std::vector<std::pair<float, float>> found;
+        for (const LeafEdit& edit : through_between(edits, first, last)) found.emplace_back(edit.first, edit.last);
+        found.erase(found.begin());  // that of another leaf
+        return found;
+    };
+    using Spans = std::vector<std::pair<float, float>>;
+    const auto after = [](float frame) { return std::nextafter(frame, 100.0f); };
+    const auto before = [](float frame) { return std::nextafter(frame, -100.0f); };
+    EXPECT_EQ(held({{5, 5}}, 0, 9), (Spans{{after(4), before(6)}}));
+    EXPECT_EQ(held({{5, 5}, {6, 6}}, 0, 9), (Spans{{after(4), before(5.5f)}, {5.5f, before(7)}}));
+    EXPECT_EQ(held({{7, 8}, {2, 4}}, 0, 9), (Spans{{after(1), before(5)}, {after(6), before(9)}}));
+    EXPECT_EQ(held({{2, 2}, {4, 4}}, 2, 9), (Spans{{2, before(3)}, {after(3), before(5)}})) << "frame 3 is its own";
+    EXPECT_EQ(held({{3.5f, 3.5f}, {7, 7}}, 3.25f, 7), (Spans{{3.25f, before(4)}, {after(6), 7}}));
+}
+
+TEST(ColourShifts, AreOfEachFramesOwnColour) {
+    // Leaves that live in some frames, whose colour turns with their hyper angle.
+    const VOctree tree = random_tree({.seed = 12, .leaves = 200, .bases = 6, .hh_degree = 1, .frames = 6});
+    const Canvas canvas(tree);
+    std::vector<uint32_t> leaves;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) leaves.push_back(leaf);
+    const ColourShift shift{120, 1};
+    const std::vector<LeafEdit> edits = shift_colours(canvas, leaves, 1, 5, shift);
+    EditLayer layer{painted_field(tree), {}};
+    add_edits(layer, edits);
+    EXPECT_EQ(defect_of(layer), "");
+    EXPECT_EQ(layer.edits.size(), edits.size()) << "none over another";
+    size_t live = 0, changing = 0;
+    for (float frame = 1; frame <= 5; frame++) {
+        const std::vector<float> sigma = densities(canvas, frame);
+        for (const uint32_t leaf : leaves) {
+            const auto found = std::find_if(edits.begin(), edits.end(), [&](const LeafEdit& edit) {
+                return edit.leaf == leaf && edit.first <= frame && frame <= edit.last;
+            });
+            ASSERT_EQ(found != edits.end(), sigma[leaf] > 0) << leaf << " at " << frame;
+            if (found == edits.end()) continue;
+            live++;
+            changing += found->first > 1 && found->last < 5;
+            const glm::vec3 want = shifted(mean_colour(tree, leaf, frame), shift);
+            for (int c = 0; c < 3; c++)
+                EXPECT_NEAR(std::sqrt(found->colour[c]), std::sqrt(want[c]), 0.0601) << leaf << " at " << frame;
+        }
+    }
+    EXPECT_GT(live, leaves.size());
+    EXPECT_GT(changing, 0u);
 }
 
 TEST(PaintHistories, TakeBackAndDoAgain) {
@@ -236,13 +288,56 @@ TEST_F(ToolsTest, BrushGoesOverTheSurfaceUnderALineOfPixels) {
     picker.show(0);
     const Camera camera = figure_camera(100);
     const std::vector<glm::dvec2> line = {{2, 40}, {98, 40}};
-    const std::vector<glm::vec3> points = points_under(picker, camera, line);
-    ASSERT_GT(points.size(), 30u);
-    EXPECT_LT(points.size(), 90u) << "beside the head there is nothing";
-    for (const glm::vec3& point : points) {
-        EXPECT_LT(glm::distance(glm::dvec3(point), kHead), kHeadRadius + 0.02);
-        EXPECT_GT(glm::distance(glm::dvec3(point), kHead), kHeadRadius - 0.05);
-        EXPECT_GT(point.z, kHead.z - 0.05);
+    const std::vector<Touch> touches = touches_under(picker, camera, line);
+    ASSERT_GT(touches.size(), 30u);
+    EXPECT_LT(touches.size(), 90u) << "beside the head there is nothing";
+    for (const Touch& touch : touches) {
+        for (const glm::vec3& point : {touch.front, touch.back}) {
+            EXPECT_LT(glm::distance(glm::dvec3(point), kHead), kHeadRadius + 0.02);
+            EXPECT_GT(glm::distance(glm::dvec3(point), kHead), kHeadRadius - 0.05);
+            EXPECT_GT(point.z, kHead.z - 0.05);
+        }
+        EXPECT_LE(touch.back.z, touch.front.z);
+    }
+}
+
+// Of the alpha that a pixel's ray gathers, the part that painted leaves give.
+double painted_part(const VOctree& tree, const Camera& camera, glm::dvec2 pixel, const std::vector<LeafEdit>& edits) {
+    std::set<uint32_t> painted;
+    for (const LeafEdit& edit : edits)
+        if (edit.alpha > 0.9f) painted.insert(edit.leaf);
+    const PickRay pick = pick_ray(camera, pixel);
+    reference::Ray ray;
+    ray.origin = glm::dvec3(pick.origin);
+    ray.direction = glm::dvec3(pick.direction);
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
+    double transmittance = 1, part = 0;
+    for (const reference::Segment& segment : reference::intersect(tree, ray)) {
+        const double through =
+            std::exp(-std::max(slices[segment.leaf].sigma, 0.0) * (segment.t_exit - segment.t_enter));
+        if (painted.contains(segment.leaf)) part += transmittance * (1 - through);
+        transmittance *= through;
+    }
+    return transmittance < 1 ? part / (1 - transmittance) : 0;
+}
+
+// Captured surfaces are soft: a ray passes alpha 0.99 far behind what a pixel shows.
+TEST_F(ToolsTest, ADotOfTheBrushIsWhatItsPixelShowsHoweverSoftTheSurface) {
+    const Camera camera = figure_camera(100);
+    const glm::dvec2 pixel(50.5, 40.5);
+    const Brush brush{0.03f, 0.9f, {0, 0, 1}};
+    for (const float dense : {1.0f, 0.1f, 0.04f}) {
+        SCOPED_TRACE(dense);
+        VOctree tree = figure_tree();
+        for (float& entry : tree.sigma_basis) entry *= dense;
+        const Canvas canvas(tree);
+        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+        Picker picker(device(), field);
+        picker.show(0);
+        const std::vector<LeafEdit> edits =
+            stroke(canvas, densities(canvas, 0), brush, touches_under(picker, camera, {&pixel, 1}));
+        EXPECT_GT(painted_part(tree, camera, pixel, edits), 0.9);
+        EXPECT_EQ(painted_part(tree, camera, pixel + glm::dvec2(0, 12), edits), 0);
     }
 }
 

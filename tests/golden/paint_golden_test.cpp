@@ -77,7 +77,7 @@ TEST_F(PaintGolden, StrokesOfABrush) {
     const Camera camera = figure_camera(200);
     const std::vector<float> sigma = densities(canvas, 0);
     const auto line = [&](const Brush& brush, const std::vector<glm::dvec2>& pixels) {
-        add(stroke(canvas, sigma, brush, points_under(picker, camera, pixels)));
+        add(stroke(canvas, sigma, brush, touches_under(picker, camera, pixels)));
     };
     line({0.05f, 0.2f, {0.9f, 0.02f, 0.02f}}, {{50, 60}, {120, 50}});
     line({0.03f, 0.9f, {0.02f, 0.1f, 0.9f}}, {{60, 150}, {80, 140}, {100, 155}, {120, 140}});
@@ -90,7 +90,7 @@ TEST_F(PaintGolden, RegionsErasedRecolouredAndBroughtToLife) {
     const Region wedge = without(box_region({0.45f, 0.66f, 0.3f}, {1, 1, 1}), sphere_region(head, 0.15f));
     add(erase_leaves(leaves_in(canvas, wedge, 0, 1)));
     const std::vector<uint32_t> shoulders = leaves_in(canvas, box_region({0, 0, 0}, {1, 0.36f, 1}), 0, 0);
-    add(shift_colours(tree, shoulders, 0, {140, 2.5f}));
+    add_edits(layer, shift_colours(canvas, shoulders, 0, 1, {140, 2.5f}));
     // A collar where leaves live in the second frame alone.
     const std::vector<uint32_t> later = all_leaves_in(canvas, box_region({0.75f, 0.1f, 0.3f}, {1, 0.3f, 0.7f}));
     add(set_density(later, 250), {0, 0});
