@@ -2,7 +2,7 @@
 // declares
 //   uniform Lights { ShaderLights lights; };
 //   uniform textureBuffer set_shadow_maps;    // r32f, kSetShadowSide² reversed depths a shadow, rows
-//   uniform textureBuffer performer_shadows;  // rg32f, kPerformerShadowSide² a shadow: alpha, metres from the light
+//   uniform textureBuffer performer_shadows;  // rg32f, kPerformerShadowSide² a shadow: alpha, metres from its eye
 // `light` is an index of lights.light; lights without a shadow map are never shadowed (points cast none).
 #ifndef NEUVV_SHADOW_GLSL
 #define NEUVV_SHADOW_GLSL
@@ -48,18 +48,17 @@ float set_shadow(uint light, vec3 world, vec3 normal) {
     return lit / 9.0;
 }
 
-// 1 lit, down to 1 − alpha behind a performer as seen from a spot light, bilinear over four texels. Only spots have such
-// maps. What lies less than `lift` metres behind it stays lit: on performers, whose own depth the coarse map has only so well.
+// 1 lit, down to 1 − alpha behind a performer as seen from the light, bilinear over four texels. What lies less than `lift` metres behind it stays lit: on performers, whose own depth the coarse map has only so well.
 float performer_shadow(uint light, vec3 world, float lift) {
     const ShaderLight from = lights.light[light];
-    if (from.shadow == kNoShadow || lights.performer_shadows == 0u || from.kind != kLightSpot) return 1.0;
-    const vec4 clip = from.clip_from_world * vec4(world, 1.0);
+    if (from.shadow == kNoShadow || lights.performer_shadows == 0u) return 1.0;
+    const vec4 clip = from.performer_clip_from_world * vec4(world, 1.0);
     if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) return 1.0;
     const int side = int(kPerformerShadowSide);
     const vec2 place = (0.5 * clip.xy / clip.w + 0.5) * float(side) - 0.5;
     const ivec2 first = ivec2(floor(place));
     const vec2 share = place - vec2(first);
-    const float metres = distance(from.position.xyz, world);
+    const float metres = distance(from.performer_eye.xyz, world);
     float shade = 0.0;
     for (int i = 0; i < 4; i++) {
         const ivec2 corner = ivec2(i & 1, i >> 1), texel = clamp(first + corner, ivec2(0), ivec2(side - 1));

@@ -1,5 +1,7 @@
 #include "render/performer_shadows.h"
 
+#include "render/draw_order.h"
+
 #include "shared/shadow_blur.h"
 #include "spirv/shadow_blur.comp.h"
 
@@ -11,9 +13,22 @@ constexpr uint32_t kSide = kPerformerShadowSide;
 constexpr uint32_t kMapTiles = (kSide / kTile) * (kSide / kTile);
 static_assert(kSide % kTile == 0);
 
+std::optional<WorldBox> box_of_casting(std::span<const Field* const> fields, std::span<const Instance> instances) {
+    std::optional<WorldBox> box;
+    for (const Instance& instance : instances) {
+        if (!instance.casts_shadow) continue;
+        const Field& field = *fields[instance.field];
+        const PlacedBox placed = placed_box(field.leaves_min, field.leaves_max, instance.world_from_performer);
+        const glm::dvec3 half = glm::abs(placed.half[0]) + glm::abs(placed.half[1]) + glm::abs(placed.half[2]);
+        const glm::dvec3 low = placed.middle - half, high = placed.middle + half;
+        box = box ? WorldBox{glm::min(box->first, low), glm::max(box->second, high)} : WorldBox{low, high};
+    }
+    return box;
+}
+
 }  // namespace
 
-PerformerShadows::PerformerShadows(const Device& device, const SetRaster& set, uint32_t instances)
+PerformerShadows::PerformerShadows(const Device& device, SetRaster& set, uint32_t instances)
     : set_(set),
       target_(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
       rows_(device, "shadow rows", uint64_t{8} * kSide * kSide, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
@@ -28,16 +43,23 @@ PerformerShadows::PerformerShadows(const Device& device, const SetRaster& set, u
                                     {kBlurFrom, &rows_},
                                     {kBlurTo, &set.performer_shadows}}) {}
 
-void PerformerShadows::place(std::span<const Field* const> fields, std::span<const Instance> instances) {
+// The lights that see performers, and from where.
+void PerformerShadows::place_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
     cameras_.clear();
     maps_.clear();
-    drawn_.clear();
+    const std::optional<WorldBox> box = box_of_casting(fields, instances);
+    set_.shadows_of(box);
+    if (!box || !set_.lights().performer_shadows) return;
     for (uint32_t i = 0; i < set_.lights().count; i++) {
-        const ShaderLight& packed = set_.lights().light[i];
-        if (packed.shadow == kNoShadow || packed.kind != kLightSpot || !set_.lights().performer_shadows) continue;
-        cameras_.push_back(shadow_camera(set_.given_lights()[i], kSide));
-        maps_.push_back(packed.shadow);
+        if (set_.lights().light[i].shadow == kNoShadow) continue;
+        cameras_.push_back(performer_shadow_camera(set_.given_lights()[i], *box, kSide));
+        maps_.push_back(set_.lights().light[i].shadow);
     }
+}
+
+void PerformerShadows::place(std::span<const Field* const> fields, std::span<const Instance> instances) {
+    place_lights(fields, instances);
+    drawn_.clear();
     const ViewLayout layout{kSide, kSide, 1, static_cast<uint32_t>(cameras_.size())};
     const TargetViews views{target_, layout, cameras_};
     if (layout != layout_) place_tiles(views);

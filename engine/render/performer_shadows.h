@@ -1,4 +1,4 @@
-// Performers' shadows: alpha and depth of performers as spot lights see them, coarse and low-passed (errata 15).
+// Performers' shadows: alpha and depth of performers as lights see them, coarse and low-passed (errata 15).
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace neuvv {
 class PerformerShadows {
   public:
     // Into set.performer_shadows. Performers must be given the target (Performer::add_target, of kMaxShadows views).
-    PerformerShadows(const Device& device, const SetRaster& set, uint32_t instances);
+    PerformerShadows(const Device& device, SetRaster& set, uint32_t instances);
 
     const RayTarget& target() const { return target_; }
 
@@ -23,12 +23,13 @@ class PerformerShadows {
   private:
     friend void record_performer_shadows(Commands&, PerformerShadows&, std::span<const std::unique_ptr<Performer>>,
                                          uint32_t);
-    const SetRaster& set_;
+    void place_lights(std::span<const Field* const> fields, std::span<const Instance> instances);
+    SetRaster& set_;
     RayTarget target_;
     Buffer rows_;
     ComputePass along_rows_, along_columns_;
     BindingSet rows_set_, columns_set_;
-    std::vector<Camera> cameras_;  // of the spots that have maps
+    std::vector<Camera> cameras_;  // of the lights that have maps
     std::vector<uint32_t> maps_;   // of each, which map it fills
     ViewLayout layout_;
     std::vector<DrawnInstance> drawn_;

@@ -20,7 +20,7 @@ glm::dmat4 looking_along(const glm::dvec3& direction, const glm::dvec3& position
     return {glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), glm::dvec4(position, 1)};
 }
 
-glm::dmat4 directional_matrix(const glm::dvec3& direction, const std::pair<glm::dvec3, glm::dvec3>& box) {
+glm::dmat4 directional_matrix(const glm::dvec3& direction, const WorldBox& box) {
     const glm::dmat4 from_world = glm::inverse(looking_along(direction, glm::dvec3(0)));
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (int corner = 0; corner < 8; corner++) {
@@ -85,13 +85,27 @@ Camera shadow_camera(const SetLight& light, uint32_t side) {
     return camera;
 }
 
-glm::dmat4 shadow_matrix(const SetLight& light, const std::pair<glm::dvec3, glm::dvec3>& box) {
+Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side) {
+    if (light.kind == SetLightKind::kSpot) return shadow_camera(light, side);
+    constexpr double kFar = 100;  // radii
+    const double radius = std::max(0.5 * glm::distance(performers.first, performers.second), 1e-3);
+    const glm::dvec3 middle = 0.5 * (performers.first + performers.second);
+    Camera camera;
+    camera.world_from_camera = looking_along(light.direction, middle - kFar * radius * glm::normalize(light.direction));
+    camera.width = camera.height = side;
+    camera.cx = camera.cy = side / 2.0;
+    camera.fx = camera.fy = camera.cx * std::sqrt(kFar * kFar - 1);  // the sphere touches the picture's sides
+    return camera;
+}
+
+glm::dmat4 shadow_matrix(const SetLight& light, const WorldBox& box) {
     if (light.kind == SetLightKind::kDirectional) return directional_matrix(light.direction, box);
     return clip_from_world(shadow_camera(light, kSetShadowSide), static_cast<double>(kShadowNear));
 }
 
 ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows,
-                         const Irradiance& environment, const std::pair<glm::dvec3, glm::dvec3>& box) {
+                         const Irradiance& environment, const WorldBox& set,
+                         const std::optional<WorldBox>& performers) {
     ShaderLights out{};
     uint32_t maps = 0;
     for (const SetLight& light : lights) {
@@ -99,7 +113,11 @@ ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& amb
         ShaderLight& to = out.light[out.count++] = pack_light(light);
         if (!light.casts_shadow || light.kind == SetLightKind::kPoint || maps == kMaxShadows) continue;
         to.shadow = maps++;
-        to.clip_from_world = glm::mat4(shadow_matrix(light, box));
+        to.clip_from_world = glm::mat4(shadow_matrix(light, set));
+        if (!performers) continue;
+        const Camera seen = performer_shadow_camera(light, *performers, kPerformerShadowSide);
+        to.performer_clip_from_world = glm::mat4(clip_from_world(seen, static_cast<double>(kShadowNear)));
+        to.performer_eye = seen.world_from_camera[3];
     }
     const Irradiance around = turned(environment, ambient.environment_rotation);
     for (size_t i = 0; i < around.size(); i++)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -44,15 +45,21 @@ using Irradiance = std::array<glm::dvec3, 9>;
 // The same light turned about +Y.
 Irradiance turned(const Irradiance& irradiance, double rotation);
 
+using WorldBox = std::pair<glm::dvec3, glm::dvec3>;  // low, high; metres
+
 // The camera that sees what a spot lights, `side` pixels each way: set and performers are seen from it for their
 // shadows. Cones wider than 160° are cut to that.
 Camera shadow_camera(const SetLight& light, uint32_t side);
+// The camera of a light's map of performers' shadows: of a spot shadow_camera; a directional light's looks at the box
+// from so far away that its lines are parallel within 0.6°.
+Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side);
 // The matrix of ShaderLight: of a spot that camera's; of a directional light parallel, just around a box (world: low,
 // high), so a texel of its map is the box's width / kSetShadowSide: where the set is wide, shadows are coarse.
-glm::dmat4 shadow_matrix(const SetLight& light, const std::pair<glm::dvec3, glm::dvec3>& box);
+glm::dmat4 shadow_matrix(const SetLight& light, const WorldBox& box);
 
-// The first kMaxSetLights lights; the first kMaxShadows of them that cast shadows and can get maps.
+// The first kMaxSetLights lights; the first kMaxShadows of them that cast shadows and can get maps. `set`: all that is
+// posed; `performers`: those that cast shadows, if there are any.
 ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows,
-                         const Irradiance& environment, const std::pair<glm::dvec3, glm::dvec3>& box);
+                         const Irradiance& environment, const WorldBox& set, const std::optional<WorldBox>& performers);
 
 }  // namespace neuvv

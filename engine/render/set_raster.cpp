@@ -190,7 +190,7 @@ void SetRaster::make_sets(const Device& device) {
     background_set_ = TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
 }
 
-std::pair<glm::dvec3, glm::dvec3> SetRaster::box() const {
+WorldBox SetRaster::box() const {
     return {geometry_.low, geometry_.high};
 }
 
@@ -207,10 +207,16 @@ void SetRaster::light(std::span<const SetLight> lights, const SetAmbient& ambien
     pack();
 }
 
+void SetRaster::shadows_of(const std::optional<WorldBox>& performers) {
+    if (performers == performers_) return;
+    performers_ = performers;
+    pack();
+}
+
 // Lights as shaders see them; maps are drawn again where one's matrix is another than before.
 void SetRaster::pack() {
     const ShaderLights before = packed_;
-    packed_ = pack_lights(given_lights_, ambient_, shadows_, irradiance_, box());
+    packed_ = pack_lights(given_lights_, ambient_, shadows_, irradiance_, box(), performers_);
     if (!has_environment_) packed_.environment.x = 0;
     packed_.environment.y = last_level_;
     for (uint32_t i = 0; i < packed_.count; i++)

@@ -36,6 +36,9 @@ class SetRaster {
     void pose(const PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
+    // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
+    void shadows_of(const std::optional<WorldBox>& performers);
+
     // As light() was given them.
     std::span<const SetLight> given_lights() const { return given_lights_; }
     // As shaders see them: .light[i].shadow is the i-th light's slot in both kinds of shadow map.
@@ -43,7 +46,7 @@ class SetRaster {
     // Whether anything is blended: else record_set_transparent does nothing, and `front` stays 0.
     bool has_transparent() const { return has_transparent_; }
     // World, metres: the box of all that is posed.
-    std::pair<glm::dvec3, glm::dvec3> box() const;
+    WorldBox box() const;
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
     uint32_t views() const { return static_cast<uint32_t>(colours_.size()); }
@@ -57,7 +60,7 @@ class SetRaster {
 
     Buffer lights_buffer;      // a uniform ShaderLights
     Buffer set_shadow_maps;    // r32f, kMaxShadows maps: shadow.glsl reads them
-    Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from the light; 0 until somebody writes it
+    Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from its eye; 0 until somebody writes it
 
   private:
     friend void record_set_shadows(Commands&, SetRaster&);
@@ -100,6 +103,7 @@ class SetRaster {
     std::vector<SetLight> given_lights_;
     SetAmbient ambient_;
     SetShadows shadows_;
+    std::optional<WorldBox> performers_;
     ShaderLights packed_{};
     std::vector<std::pair<float, uint32_t>> order_;  // of all draws, far to near: −distance, index
     bool has_transparent_ = false;

@@ -21,12 +21,15 @@ CONSTEXPR uint kPerformerShadowSide = 128u;    // and of the performers
 CONSTEXPR float kPerformerShadowSoft = 0.06f;  // metres behind a performer's surface over which its shadow sets in
 
 struct ShaderLight {
-    // Of both kinds of shadow map: reversed depth, y down; w is metres along the light's axis from a spot, 1 for
+    // Of the set's shadow map: reversed depth, y down; w is metres along the light's axis from a spot, 1 for
     // directional lights.
     mat4 clip_from_world;
-    vec4 position;   // world, metres; w: range in metres, 0 for none
-    vec4 direction;  // world, unit: the way the light goes
-    vec4 colour;     // linear; candela of point and spot, lux of directional lights
+    // Of the performers' shadow map, which a directional light casts from far away; 0: it has none.
+    mat4 performer_clip_from_world;
+    vec4 performer_eye;  // world, metres: where that looks from
+    vec4 position;       // world, metres; w: range in metres, 0 for none
+    vec4 direction;      // world, unit: the way the light goes
+    vec4 colour;         // linear; candela of point and spot, lux of directional lights
     uint kind;
     uint shadow;       // which of the shadow maps, kNoShadow: none
     float cone_scale;  // of a spot: (cos(angle) · scale + offset), held in [0,1], squared
@@ -50,7 +53,7 @@ struct ShaderLights {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::ShaderLight) == 128);
-static_assert(sizeof(neuvv::ShaderLights) == 2048 + 9 * 16 + 3 * 16);
+static_assert(sizeof(neuvv::ShaderLight) == 208);
+static_assert(sizeof(neuvv::ShaderLights) == 16 * 208 + 9 * 16 + 3 * 16);
 #endif
 #endif

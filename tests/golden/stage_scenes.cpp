@@ -160,6 +160,23 @@ Image two_lights(const Device& device) {
     return render(device, builder, wide_camera());
 }
 
+// A directional light: shadows all alike.
+Image sun(const Device& device) {
+    Builder builder;
+    builder.add("one", {-0.7, 0, -0.3}, {0, 20, 0});
+    builder.add("other", {0.6, 0, 0.4}, {0, -30, 0});
+    remove_light(builder.file, find_node(builder.file, "key"));
+    LightEdit light;
+    light.kind = "directional";
+    light.intensity = 2.5;
+    Placement place;
+    place.at = glm::dvec3(3, 4, 2);
+    place.aim = glm::dvec3(0);
+    add_light(builder.file, "sun", light, place);
+    builder.ambient(0.2);
+    return render(device, builder, wide_camera());
+}
+
 // Another program's stage through its own camera, at its start and at its end.
 Image foreign(const Device& device) {
     const TemporaryFolder folder;
@@ -206,6 +223,7 @@ std::vector<GoldenStage> golden_stages(const Device& device, const std::string& 
     add("stage_light_no_shadows", [&] { return lights(device, false, true); });
     add("stage_light_no_falloff", [&] { return lights(device, true, false); });
     add("stage_two_lights", [&] { return two_lights(device); });
+    add("stage_sun", [&] { return sun(device); });
     add("stage_foreign", [&] { return foreign(device); });
     return stages;
 }

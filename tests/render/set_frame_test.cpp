@@ -314,27 +314,31 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
     add_mesh(glb, wall_at(-9), unlit({0, 0, 0, 1}));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
     const Camera camera = look_at({0, 1.3, 6}, {0, 1, 0}, kWidth, kHeight, 1.6);
-    const SetLight light = lamp({0, 6, 4}, {0, 1, 0}, 60);
+    SetLight sun = lamp({0, 6, 4}, {0, 1, 0}, 3);
+    sun.kind = SetLightKind::kDirectional;
     FrameSettings settings = settings_of({{0}, {0}});
     settings.instances[1].world_from_performer[3] = {0, 1.3f, 1.3f, 1};  // on the way of the light
     settings.lit = true;
-    const auto shown = [&](bool shadows) {
-        stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
-        stage.frames.render(camera, settings);
-        return stage.frames.radiance();
-    };
-    const std::vector<glm::vec4> lit = shown(false), shadowed = shown(true);
-    double above = 0, below = 0, above_lit = 0, below_lit = 0;
-    for (uint32_t i = 0; i < lit.size(); i++) {
-        const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
-        const double height = ray.origin.y + (0.5 - ray.origin.z) / ray.direction.z * ray.direction.y;
-        if (lit[i].a < 0.99f) continue;
-        (height > 1.15 ? above : below) += static_cast<double>(shadowed[i].g);
-        (height > 1.15 ? above_lit : below_lit) += static_cast<double>(lit[i].g);
+    for (const SetLight& light : {lamp({0, 6, 4}, {0, 1, 0}, 60), sun}) {
+        SCOPED_TRACE(static_cast<int>(light.kind));
+        const auto shown = [&](bool shadows) {
+            stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
+            stage.frames.render(camera, settings);
+            return stage.frames.radiance();
+        };
+        const std::vector<glm::vec4> lit = shown(false), shadowed = shown(true);
+        double above = 0, below = 0, above_lit = 0, below_lit = 0;
+        for (uint32_t i = 0; i < lit.size(); i++) {
+            const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
+            const double height = ray.origin.y + (0.5 - ray.origin.z) / ray.direction.z * ray.direction.y;
+            if (lit[i].a < 0.99f) continue;
+            (height > 1.15 ? above : below) += static_cast<double>(shadowed[i].g);
+            (height > 1.15 ? above_lit : below_lit) += static_cast<double>(lit[i].g);
+        }
+        EXPECT_GT(above, 0.85 * above_lit) << "of its own it keeps out of";
+        EXPECT_LT(below, 0.35 * below_lit);
+        EXPECT_GT(below_lit, 0);
     }
-    EXPECT_GT(above, 0.85 * above_lit) << "of its own it keeps out of";
-    EXPECT_LT(below, 0.35 * below_lit);
-    EXPECT_GT(below_lit, 0);
 }
 
 // Red glass before a performer, green glass behind it.
