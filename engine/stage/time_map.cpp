@@ -54,6 +54,8 @@ double shown_by(const Timeline::Step& step, double t) {
             const double there_and_back = std::fmod(t, 2 * way);
             return step.a + std::min(there_and_back, 2 * way - there_and_back);
         }
+        case TimeVerb::kHold:
+            return t;
     }
     return t;
 }
@@ -107,6 +109,7 @@ Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std:
                              "its second time is where the part ends");
         if (loops) step.b = std::max(step.b, step.a + kFrameTolerance * 10);
         if (op.verb == TimeVerb::kSpeed) frame /= op.factor;
+        timeline.hold |= op.verb == TimeVerb::kHold;
         step.length_after = length = length_after(step);
         timeline.steps.push_back(step);
     }
@@ -119,7 +122,8 @@ double frame_at(const Timeline& timeline, double stage_s) {
         const Timeline::Step& step = timeline.steps[i];
         t = snapped(shown_by(step, std::clamp(t, 0.0, step.length_after)));
     }
-    return std::clamp(t, 0.0, timeline.frames - 1.0);
+    t = std::clamp(t, 0.0, timeline.frames - 1.0);
+    return timeline.hold ? std::floor(t) : t;
 }
 
 double length_s(const Timeline& timeline) {

@@ -16,6 +16,8 @@
 //   jump:a:b        M(t) before a, from a on M(t − a + b); b < a repeats          L − (b − a)
 //   loop[:a:b]      M(a + t mod (b − a)): the part, or all of it, for ever        endless
 //   ping-pong[:a:b] the part to its last frame and back to its first, for ever    endless
+//   hold            ⌊M(t)⌋ of the clip, wherever it stands in the list: each      L
+//                   frame until the next, and no mixture of two
 //
 // Times are `2s`, seconds, or `3f`, frames of the clip at its own rate, or 0. A loop shows no mixture of its last and
 // its first frame: the last one holds until the first comes. reverse, loop and ping-pong of what is endless need a
@@ -35,7 +37,7 @@ struct ClipTime {
     bool operator==(const ClipTime&) const = default;
 };
 
-enum class TimeVerb { kOffset, kSpeed, kPause, kFreeze, kClip, kReverse, kJump, kLoop, kPingPong };
+enum class TimeVerb { kOffset, kSpeed, kPause, kFreeze, kClip, kReverse, kJump, kLoop, kPingPong, kHold };
 
 struct TimeOperator {
     TimeVerb verb = TimeVerb::kOffset;
@@ -74,6 +76,7 @@ struct Timeline {
     std::vector<Step> steps;
     uint32_t frames = 1;
     double fps = 25;
+    bool hold = false;  // whole frames alone
 };
 
 // Throws InputError where an operator needs an end and its clip is endless, or a part is empty.

@@ -34,6 +34,7 @@ constexpr VerbForm kForms[] = {
     {TimeVerb::kJump, "jump", {"at", "to"}, false},
     {TimeVerb::kLoop, "loop", {"from", "to"}, true},
     {TimeVerb::kPingPong, "ping-pong", {"from", "to"}, true},
+    {TimeVerb::kHold, "hold", {nullptr, nullptr}, false},
 };
 
 const VerbForm& form_of(TimeVerb verb) {

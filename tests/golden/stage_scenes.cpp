@@ -212,7 +212,8 @@ std::vector<GoldenStage> golden_stages(const Device& device, const std::string& 
                                                                                      {"reverse", "reverse"},
                                                                                      {"jump", "jump:2f:5f"},
                                                                                      {"loop", "loop:2f:5f"},
-                                                                                     {"ping_pong", "ping-pong"}})
+                                                                                     {"ping_pong", "ping-pong"},
+                                                                                     {"hold", "speed:0.5,hold"}})
         add("stage_time_" + name, [&device, time = time] { return film(device, time); });
     add("stage_spin", [&] { return film(device, "freeze:5f", 120); });
     add("stage_ring", [&] { return ring(device); });

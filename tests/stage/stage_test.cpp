@@ -237,7 +237,7 @@ TEST(StageSchema, PerformerHoldsWhatIsWritten) {
     for (const ordered_json& op : json["time"]) operators.update(op);
     expect_members(schema["$defs"]["operator"], operators, "operator");
     for (const ordered_json& name : schema["$defs"]["operator"]["properties"]["operator"]["enum"])
-        EXPECT_NO_THROW(parse_time_map(name == "reverse" || name == "loop" || name == "ping-pong"
+        EXPECT_NO_THROW(parse_time_map(name == "reverse" || name == "hold" || name == "loop" || name == "ping-pong"
                                            ? name.get<std::string>()
                                        : name == "speed"                      ? "speed:1"
                                        : name == "offset" || name == "freeze" ? name.get<std::string>() + ":1s"

@@ -44,6 +44,7 @@ TEST(TimeMap, EveryOperatorByHand) {
     EXPECT_EQ(shown("loop:2f:5f", 7), (Frames{2, 3, 4, 2, 3, 4, 2}));
     EXPECT_EQ(shown("ping-pong:2f:5f", 7), (Frames{2, 3, 4, 3, 2, 3, 4}));
     EXPECT_EQ(shown("ping-pong:2f:3f", 3), (Frames{2, 2, 2}));
+    EXPECT_EQ(shown("speed:0.5,hold", 5), (Frames{0, 0, 1, 1, 2}));
     EXPECT_EQ(shown("loop:0:0.08s", 4), (Frames{0, 1, 0, 1})) << "seconds at the clip's rate";
 }
 
@@ -55,6 +56,8 @@ TEST(TimeMap, OperatorsEditWhatThoseBeforeThemLeft) {
     EXPECT_EQ(shown("offset:2f,speed:0.5", 6), (Frames{0, 0, 0, 0, 0, 0.5}));
     EXPECT_EQ(shown("speed:0.5,offset:2f", 6), (Frames{0, 0, 0, 0.5, 1, 1.5}));
     EXPECT_EQ(shown("freeze:4f,reverse,speed:3", 2), (Frames{4, 4}));
+    EXPECT_EQ(shown("hold,speed:0.5,offset:2f", 6), (Frames{0, 0, 0, 0, 1, 1})) << "hold goes last wherever it stands";
+    EXPECT_EQ(shown("offset:0.5f,hold,loop", 4), (Frames{0, 0, 1, 2}));
 }
 
 TEST(TimeMap, TheEndsHoldAtAnyTime) {
@@ -195,10 +198,9 @@ TEST(TimeMap, CompositionsAgainstCuttingAndPasting) {
 TEST(TimeMap, BothFormsComeBack) {
     const std::string text =
         "offset:-3f,speed:0.25,pause:1s:0.5s,freeze:2f,clip:0s:2s,reverse,jump:1s:3f,loop,loop:0s:2s,ping-pong,ping-"
-        "pong:"
-        "1f:9f";
+        "pong:1f:9f,hold";
     const TimeMap map = parse_time_map(text, "f", "p");
-    EXPECT_EQ(map.size(), 11u);
+    EXPECT_EQ(map.size(), 12u);
     EXPECT_EQ(text_of(map), text);
     EXPECT_EQ(time_map_of(json_of(map), "f", "p"), map);
     EXPECT_EQ(json_of(map)[7].dump(), R"({"operator":"loop"})");
