@@ -36,8 +36,9 @@ uint32_t chosen_performer(const Stage& stage, const std::string& node) {
         names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", one.node, one.name);
     const std::string mend = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
     if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), mend);
+    const uint32_t index = find_node(stage.file, node);
     for (uint32_t i = 0; i < all.size(); i++)
-        if (all[i].node == find_node(stage.file, node)) return i;
+        if (all[i].node == index) return i;
     throw InputError("--node", node, "is no performer of the stage", mend);
 }
 
@@ -53,6 +54,7 @@ StagePlace place_on_stage(const PaintOptions& options) {
     const std::vector<PaintLayer>& list = place.who().settings.paint;
     while (place.layer < list.size() && !is_painted(place.stage, list[place.layer], options.layer)) place.layer++;
     if (place.layer == list.size()) {
+        prepare_output_file("scene", options.scene);
         StageFile file = place.stage.file;
         place.change = add_paint_layer(file, place.who().node, options.layer, {});
         place.stage = make_stage(std::move(file));
