@@ -64,6 +64,6 @@ void add_bench(CLI::App& app, CommonOptions& common);
 void add_convert(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);
 void add_stage(CLI::App& app, CommonOptions& common);
-void add_stage_paint(CLI::App& app, CommonOptions& common);
+void add_paint(CLI::App& app, CommonOptions& common);
 
 }  // namespace neuvv

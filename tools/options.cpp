@@ -16,7 +16,8 @@ namespace neuvv {
 
 namespace {
 
-constexpr int kMaxDigits = 9;  // of a numbered file name
+constexpr int kMaxDigits = 9;       // of a numbered file name
+constexpr double kMaxNumber = 1e9;  // of a list of them
 
 // The whole of `text` as a number.
 template <typename T>
@@ -60,6 +61,23 @@ PictureSize parse_size(const std::string& text) {
         throw InputError("--size", text, fmt::format("is not a picture's size of 1 to {} a side", kMaxImageSide),
                          "write WIDTHxHEIGHT, as in 1280x720");
     return size;
+}
+
+std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
+                                  const std::string& mend) {
+    std::vector<double> numbers;
+    bool sound = true;
+    for (size_t begin = 0; sound && begin <= text.size();) {
+        const size_t end = std::min(text.find(',', begin), text.size());
+        double number = 0;
+        sound =
+            read_number(std::string_view(text).substr(begin, end - begin), number) && std::abs(number) <= kMaxNumber;
+        numbers.push_back(number);
+        begin = end + 1;
+    }
+    if (!sound || numbers.size() != count)
+        throw InputError(option, text, fmt::format("is not {} numbers", count), mend);
+    return numbers;
 }
 
 glm::vec4 parse_colour(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 namespace neuvv {
 
@@ -13,6 +14,10 @@ struct PictureSize {
 };
 // "1280x720".
 PictureSize parse_size(const std::string& text);
+
+// "1,-2.5,3e-2": so many numbers of at most 1e9. `mend` says how they are written.
+std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
+                                  const std::string& mend);
 
 // Linear RGB and opacity of "white", "black", "grey", "clear", "#rrggbb" or "rrggbb" (sRGB).
 glm::vec4 parse_colour(const std::string& text);

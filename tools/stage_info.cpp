@@ -8,6 +8,8 @@
 
 #include "gpu/device.h"
 #include "render/frame.h"
+#include "render/set_lights.h"
+#include "render/stage_renderer.h"
 #include "stage/stage_instant.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"
@@ -52,6 +54,30 @@ const char* kind_name(GltfLightKind kind) {
     return kind == GltfLightKind::kSpot ? "spot" : kind == GltfLightKind::kPoint ? "point" : "directional";
 }
 
+// What the limits leave of the stage's lights: as they are packed for a frame.
+struct LightShare {
+    bool shines = true, casts_shadow = false;
+    std::string text;  // what they take away
+};
+
+std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instant) {
+    std::vector<SetLight> lights;
+    for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
+    const ShaderLights packed = pack_lights(lights, {}, {}, {}, performers_box(stage, instant), std::nullopt);
+    std::vector<LightShare> shares(lights.size());
+    for (size_t i = 0; i < lights.size(); ++i) {
+        LightShare& share = shares[i];
+        share.shines = i < packed.count;
+        const bool has_map = share.shines && packed.light[i].shadow != kNoShadow;
+        share.casts_shadow = has_map && stage.settings.shadows;
+        if (!share.shines)
+            share.text = fmt::format("does not shine: only the first {} do", kMaxSetLights);
+        else if (lights[i].casts_shadow && !has_map)
+            share.text = fmt::format("casts no shadow: only the first {} spots and directional lights do", kMaxShadows);
+    }
+    return shares;
+}
+
 ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
     auto list = ordered_json::array();
     for (const InstantPerformer& at : instant.performers) {
@@ -93,13 +119,19 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
         total += memory[i].field_bytes + memory[i].slice_bytes;
     }
     if (!memory.empty()) json["device_bytes"] = total;
-    for (const InstantLight& light : instant.lights)
+    const std::vector<LightShare> shares = shares_of(stage, instant);
+    for (size_t i = 0; i < shares.size(); ++i) {
+        const InstantLight& light = instant.lights[i];
         json["lights"].push_back({{"node", light.node},
                                   {"name", node_title(stage.scene, light.node)},
                                   {"kind", kind_name(light.kind)},
                                   {"position", vector_json(light.position)},
                                   {"direction", vector_json(light.direction)},
-                                  {"intensity", vector_json(light.intensity)}});
+                                  {"intensity", vector_json(light.intensity)},
+                                  {"shines", shares[i].shines},
+                                  {"casts_shadow", shares[i].casts_shadow},
+                                  {"limited", !shares[i].text.empty()}});
+    }
     for (const InstantCamera& camera : instant.cameras)
         json["cameras"].push_back({{"node", camera.node},
                                    {"name", camera.name},
@@ -148,19 +180,27 @@ void print_clips(const Stage& stage, const std::vector<ClipMemory>& memory) {
     if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
 }
 
+void print_lights(const Stage& stage, const StageInstant& instant) {
+    if (instant.lights.empty()) return;
+    fmt::print("\nnode  light             kind         at                      intensity\n");
+    const std::vector<LightShare> shares = shares_of(stage, instant);
+    for (size_t i = 0; i < shares.size(); ++i) {
+        const InstantLight& light = instant.lights[i];
+        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  ({:.4g}, {:.4g}, {:.4g}) {}{}{}\n", light.node,
+                   node_title(stage.scene, light.node), kind_name(light.kind), place_text(light.position),
+                   light.intensity.r, light.intensity.g, light.intensity.b,
+                   light.kind == GltfLightKind::kDirectional ? "lx" : "cd", shares[i].text.empty() ? "" : ", ",
+                   shares[i].text);
+    }
+}
+
 void print(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
     fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
                stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
                instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
     print_performers(stage, instant);
     print_clips(stage, memory);
-    if (!instant.lights.empty())
-        fmt::print("\nnode  light             kind         at                      intensity\n");
-    for (const InstantLight& light : instant.lights)
-        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  ({:.4g}, {:.4g}, {:.4g}) {}\n", light.node,
-                   node_title(stage.scene, light.node), kind_name(light.kind), place_text(light.position),
-                   light.intensity.r, light.intensity.g, light.intensity.b,
-                   light.kind == GltfLightKind::kDirectional ? "lx" : "cd");
+    print_lights(stage, instant);
     if (!instant.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
     for (const InstantCamera& camera : instant.cameras)
         fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,

@@ -1,10 +1,5 @@
 #include "tools/stage_options.h"
 
-#include <fmt/format.h>
-
-#include <charconv>
-#include <cmath>
-
 #include "base/error.h"
 #include "tools/commands.h"
 #include "tools/options.h"
@@ -14,25 +9,6 @@ namespace neuvv {
 namespace {
 
 constexpr double kMaxLength = 1e9, kMaxLux = 1e9;
-
-std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
-                                  const std::string& mend) {
-    std::vector<double> numbers;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t end = std::min(text.find(',', begin), text.size());
-        double number = NAN;
-        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, number);
-        if (error != std::errc() || stop != text.data() + end || !(std::abs(number) <= kMaxLength)) break;
-        numbers.push_back(number);
-        begin = end + 1;
-        if (end == text.size()) break;
-        if (begin == text.size()) numbers.push_back(NAN);  // a comma at the end
-    }
-    bool sound = numbers.size() == count && std::count(text.begin(), text.end(), ',') + 1 == static_cast<long>(count);
-    for (const double number : numbers) sound = sound && std::isfinite(number);
-    if (!sound) throw InputError(option, text, fmt::format("is not {} numbers", count), mend);
-    return numbers;
-}
 
 std::optional<glm::dvec3> vector_of(const std::string& option, const std::string& text) {
     if (text.empty()) return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 
@@ -135,6 +136,10 @@ std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playbac
             clip_time ? frame_of_time(*clip_time, clip_frames) : playing_frame(playback, static_cast<double>(i));
     }
     return steps;
+}
+
+bool names_camera_path(const std::string& camera) {
+    return std::filesystem::path(camera).extension() == ".json";
 }
 
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box) {

@@ -1,6 +1,7 @@
 // What a render shows, picture by picture: a camera and an instant of the clip.
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,10 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 // path's, or `fallback` where it has none. Throws InputError for too many pictures.
 std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playback, uint32_t clip_frames,
                                  PictureSize size, PictureSize fallback);
+
+// Whether what --camera says of a stage is the file of a camera path, told by its name (.json); else it names a camera
+// of the stage.
+bool names_camera_path(const std::string& camera);
 
 // Nearest and farthest distance of a box's bounding sphere over a path, for pictures of depth.
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box);

@@ -133,12 +133,15 @@ uint32_t append_node(StageFile& file, ordered_json node) {
     return index;
 }
 
-std::string free_name(const StageFile& file, const std::string& wanted) {
-    std::set<std::string> taken;
-    if (file.json.contains("nodes"))
-        for (const ordered_json& node : file.json["nodes"]) taken.insert(name_of(node));
+FreeNames::FreeNames(const StageFile& file) {
+    if (!file.json.contains("nodes")) return;
+    for (const ordered_json& node : file.json["nodes"]) taken_.insert(name_of(node));
+}
+
+std::string FreeNames::take(const std::string& wanted) {
     std::string name = wanted;
-    for (size_t number = 2; taken.contains(name); ++number) name = fmt::format("{} {}", wanted, number);
+    size_t& number = next_.try_emplace(wanted, 2).first->second;
+    while (!taken_.insert(name).second) name = fmt::format("{} {}", wanted, number++);
     return name;
 }
 

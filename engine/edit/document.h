@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "stage/stage_file.h"
@@ -62,8 +64,16 @@ ordered_json& scene_of(StageFile& file);
 // A node at the end of the list and of the scene; returns its index.
 uint32_t append_node(StageFile& file, ordered_json node);
 
-// A name that no node has: the given one, or with a number behind it.
-std::string free_name(const StageFile& file, const std::string& wanted);
+// Names that no node has: the one that is wanted, or with a number behind it. Each is given once.
+class FreeNames {
+  public:
+    explicit FreeNames(const StageFile& file);
+    std::string take(const std::string& wanted);
+
+  private:
+    std::unordered_set<std::string> taken_;
+    std::unordered_map<std::string, size_t> next_;  // by wanted name: the number to be tried
+};
 
 // A node's own transform in two forms, whichever the document has.
 struct LocalPlace {

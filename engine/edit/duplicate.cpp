@@ -85,12 +85,12 @@ void copy_channels(StageFile& file, const std::map<uint32_t, uint32_t>& copies) 
     }
 }
 
-uint32_t copy_family(StageFile& file, const std::vector<uint32_t>& family) {
+uint32_t copy_family(StageFile& file, const std::vector<uint32_t>& family, FreeNames& names) {
     std::map<uint32_t, uint32_t> copies;
     for (const uint32_t node : family) {
         ordered_json copy = file.json["nodes"][node];
         if (copy.contains("name") && copy["name"].is_string())
-            copy["name"] = free_name(file, copy["name"].get<std::string>());
+            copy["name"] = names.take(copy["name"].get<std::string>());
         copies[node] = static_cast<uint32_t>(file.json["nodes"].size());
         file.json["nodes"].push_back(std::move(copy));
     }
@@ -108,13 +108,17 @@ std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settin
     const LocalPlace first = local_place_of(node_of(file, node));
     const std::vector<uint32_t> family = family_of(file, node);
     expect_copyable(file, family);
+    siblings_of(file, node);  // a document without a scene gets it before there are copies to list
+    FreeNames names(file);
+    std::vector<uint32_t> copies;
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
-        const uint32_t index = copy_family(file, family);
+        const uint32_t index = copies.emplace_back(copy_family(file, family, names));
         set_local_place(node_of(file, index), copy_place(first, settings, copy));
         if (ordered_json* performer = find_extension(node_of(file, index), kPerformerExtension))
             stagger(*performer, settings, copy);
-        if (ordered_json* siblings = siblings_of(file, node)) siblings->push_back(index);
     }
+    if (ordered_json* siblings = siblings_of(file, node))
+        for (const uint32_t index : copies) siblings->push_back(index);
     return fmt::format("{}: {} more, nodes {} to {}", title, settings.count,
                        file.json["nodes"].size() - settings.count * family.size(), file.json["nodes"].size() - 1);
 }

@@ -46,7 +46,7 @@ void edit_light(ordered_json& light, const LightEdit& edit) {
 
 std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement) {
     return all_or_nothing(file, [&] {
-        const uint32_t node = append_node(file, {{"name", free_name(file, name.empty() ? "light" : name)}});
+        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(name.empty() ? "light" : name)}});
         declare_extension(file, kLightsExtension);
         ordered_json& lights = list_in(make_extension(file, file.json, kLightsExtension), "lights");
         const size_t index = lights.size();

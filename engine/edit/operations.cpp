@@ -170,7 +170,7 @@ std::string add_performer(StageFile& file, const std::string& name, const Perfor
     if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
     const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
     return all_or_nothing(file, [&] {
-        const uint32_t node = append_node(file, {{"name", free_name(file, wanted)}});
+        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(wanted)}});
         declare_extension(file, kPerformerExtension);
         std::vector<std::string> changes;
         edit_performer(file, make_extension(file, node_of(file, node), kPerformerExtension), edit, changes);

@@ -18,6 +18,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 struct DepthMap {
     uint32_t width = 0, height = 0, dense = 1;
     std::vector<float> distance_m;  // along the ray; infinite where nothing stops it
+
+    glm::dvec2 pixel(uint32_t x, uint32_t y) const { return (glm::dvec2(x, y) + 0.5) / static_cast<double>(dense); }
 };
 
 DepthMap depth_map(Picker& picker, const Camera& camera, uint32_t dense) {
@@ -28,12 +30,34 @@ DepthMap depth_map(Picker& picker, const Camera& camera, uint32_t dense) {
     for (uint32_t first = 0; first < map.height; first += kRows) {
         rays.clear();
         for (uint32_t y = first; y < std::min(first + kRows, map.height); y++)
-            for (uint32_t x = 0; x < map.width; x++)
-                rays.push_back(pick_ray(camera, (glm::dvec2(x, y) + 0.5) / static_cast<double>(dense)));
+            for (uint32_t x = 0; x < map.width; x++) rays.push_back(pick_ray(camera, map.pixel(x, y)));
         for (const Picked& picked : picker.pick(rays))
             map.distance_m.push_back(picked.hit() ? picked.distance_m : kInfinity);
     }
     return map;
+}
+
+// From the eye to what a place in the picture shows, at one metre along the camera's own axis. Its length is in the
+// performer's metres, whose space may be stretched, sheared or mirrored as the camera sees it.
+glm::dvec3 line_at(const Camera& camera, glm::dvec2 pixel) {
+    const glm::dvec3 line((pixel.x - camera.cx) / camera.fx, (camera.cy - pixel.y) / camera.fy, -1);
+    return glm::dmat3(camera.world_from_camera) * line;
+}
+
+// How far neighbouring rays lie apart, in the performer's metres across them, at one metre along the camera's own axis.
+struct RayCell {
+    double side = 0;           // to the next ray, across or down, whichever is farther
+    double half_diagonal = 0;  // to the nearest ray, at most
+};
+
+RayCell ray_cell(const Camera& camera, const glm::dvec3& direction) {
+    const auto aside = [&](const glm::dvec4& step) {
+        return glm::dvec3(step) - glm::dot(glm::dvec3(step), direction) * direction;
+    };
+    const glm::dvec3 across = aside(camera.world_from_camera[0]) / camera.fx,
+                     down = aside(camera.world_from_camera[1]) / camera.fy;
+    return {std::max(glm::length(across), glm::length(down)),
+            0.5 * std::max(glm::length(across + down), glm::length(across - down))};
 }
 
 // Rays a pixel along each side that lie no farther apart than the narrowest live leaf is wide.
@@ -42,10 +66,16 @@ uint32_t rays_a_pixel(Picker& picker, const Canvas& canvas, std::span<const floa
     for (size_t leaf = 0; leaf < sigma.size(); leaf++)
         if (sigma[leaf] > 0) edge = std::min(edge, canvas.edges_m[leaf]);
     const DepthMap coarse = depth_map(picker, camera, 1);
-    float nearest = kInfinity;
-    for (const float distance : coarse.distance_m) nearest = std::min(nearest, distance);
-    if (!std::isfinite(edge) || !std::isfinite(nearest)) return 1;
-    const double pixel_m = double{nearest} / std::min(camera.fx, camera.fy);
+    double pixel_m = INFINITY;  // where it is least
+    for (uint32_t y = 0; y < coarse.height; y++)
+        for (uint32_t x = 0; x < coarse.width; x++) {
+            const double distance = double{coarse.distance_m[size_t{y} * coarse.width + x]};
+            if (distance == double{kInfinity}) continue;
+            const glm::dvec3 line = line_at(camera, coarse.pixel(x, y));
+            const double depth = distance / glm::length(line);
+            pixel_m = std::min(pixel_m, depth * ray_cell(camera, glm::normalize(line)).side);
+        }
+    if (!std::isfinite(edge) || !std::isfinite(pixel_m)) return 1;
     const double pixels = double{1} * camera.width * camera.height;
     const double most = std::clamp(std::floor(std::sqrt(kMaxRays / pixels)), 1.0, double{kMaxProjectionRays});
     return static_cast<uint32_t>(std::clamp(std::ceil(pixel_m / double{edge}), 1.0, most));
@@ -69,55 +99,89 @@ glm::vec4 picture_at(const Image& image, glm::vec2 at) {
                     glm::mix(pixel(low.x, low.y + 1), pixel(low.x + 1, low.y + 1), part.x), part.y);
 }
 
+// All lengths in the performer's metres, where leaves are cubes and rays are as long as they are picked to be.
 struct Projector {
+    Projector(const Canvas& on, const Image& picture, const Camera& from, const DepthMap& seen)
+        : canvas(on),
+          image(picture),
+          camera(from),
+          map(seen),
+          camera_from_performer(glm::inverse(camera.world_from_camera)),
+          eye(camera.world_from_camera[3]) {}
     const Canvas& canvas;
     const Image& image;
     const Camera& camera;
     const DepthMap& map;
     glm::dmat4 camera_from_performer;
+    glm::dvec3 eye;
 
-    // Whether the ray of a place in the picture meets a cube around the leaf's middle.
-    bool meets(uint32_t leaf, glm::dvec2 place, double half_edge) const {
-        const PickRay ray = pick_ray(camera, place);
-        const glm::dvec3 to_middle = glm::dvec3(canvas.middles[leaf]) - glm::dvec3(ray.origin);
+    // A leaf as the picture shows it.
+    struct Shown {
+        glm::dvec2 pixel;      // of its middle
+        glm::dvec2 reach;      // pixels across and down a metre of the performer, whichever way that is longest
+        glm::dvec3 to_middle;  // from the eye
+        double edge;
+        RayCell rays;  // there
+    };
+    Shown shown(uint32_t leaf, const glm::dvec3& at_camera) const {
+        const double depth = -at_camera.z;
+        const glm::dvec2 line = glm::dvec2(at_camera) / depth, focal(camera.fx, camera.fy);
+        // What a step in the performer moves the picture by: derivatives of the pixel, a row of the matrix an axis.
+        const glm::dmat3 rows = glm::transpose(glm::dmat3(camera_from_performer));
+        const glm::dvec2 reach(glm::length(rows[0] + line.x * rows[2]), glm::length(rows[1] + line.y * rows[2]));
+        const glm::dvec3 to_middle = glm::dvec3(canvas.middles[leaf]) - eye;
+        RayCell rays = ray_cell(camera, glm::normalize(to_middle));
+        for (double* length : {&rays.side, &rays.half_diagonal}) *length *= depth / map.dense;
+        return {glm::dvec2(camera.cx, camera.cy) + focal * glm::dvec2(line.x, -line.y), focal * reach / depth,
+                to_middle, double{canvas.edges_m[leaf]}, rays};
+    }
+
+    // Whether a ray meets a cube around the leaf's middle.
+    static bool meets(const Shown& leaf, const glm::dvec3& direction, double half_edge) {
         double enter = 0, leave = double{kInfinity};
         for (int axis = 0; axis < 3; axis++) {
-            const double inverse = 1 / double{ray.direction[axis]};
-            const double a = (to_middle[axis] - half_edge) * inverse, b = (to_middle[axis] + half_edge) * inverse;
+            const double inverse = 1 / direction[axis];
+            const double a = (leaf.to_middle[axis] - half_edge) * inverse,
+                         b = (leaf.to_middle[axis] + half_edge) * inverse;
             enter = std::max(enter, std::min(a, b));
             leave = std::min(leave, std::max(a, b));
         }
         return enter <= leave;
     }
 
-    // The mean of the picture at the rays that may pass through the leaf and come as far, premultiplied.
-    glm::vec4 seen_at(uint32_t leaf) const {
-        const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.middles[leaf], 1));
-        if (!(at.z < 0)) return glm::vec4(0);
-        const double dense = map.dense, edge = double{canvas.edges_m[leaf]},
-                     half_diagonal = 0.5 * std::sqrt(3.0) * edge;
-        const glm::dvec2 focal(camera.fx, camera.fy);
-        const glm::dvec2 pixel(camera.cx + focal.x * at.x / -at.z, camera.cy - focal.y * at.y / -at.z);
-        const glm::dvec2 half = half_diagonal / -at.z * focal * dense + 0.5;
-        const glm::dvec2 low = glm::max(glm::ceil(pixel * dense - half - 0.5), 0.0);
-        const glm::dvec2 high =
-            glm::min(glm::floor(pixel * dense + half - 0.5), glm::dvec2(map.width, map.height) - 1.0);
+    // Whether the ray of a place in the picture may pass through the leaf, and comes as far.
+    bool counts(const Shown& leaf, glm::dvec2 place, double ends) const {
+        const double half_diagonal = 0.5 * std::sqrt(3.0) * leaf.edge, distance = glm::length(leaf.to_middle);
         // Rays come to its nearest corner, or end as much before it as a slope falls between two rays.
-        const double ray_m = glm::length(at) / (std::min(focal.x, focal.y) * dense);
-        const double least = glm::length(at) - half_diagonal - ray_m;
-        const bool narrow = edge / -at.z * std::max(focal.x, focal.y) < 1;  // than a pixel: the leaf's place counts
+        if (ends < distance - half_diagonal - leaf.rays.side) return false;
+        // Through the ball around it, or the nearest ray to that where rays stand wider.
+        const glm::dvec3 direction = glm::normalize(line_at(camera, place));
+        const double aside = glm::length(glm::cross(direction, leaf.to_middle));
+        if (aside > half_diagonal + leaf.rays.half_diagonal) return false;
         // Rays that go on far beyond the leaf pass beside something solid, or through something soft: only those
         // through the leaf count, give or take half of what lies between two rays, so that paint does not go around an
         // outline.
-        const double far = glm::length(at) + 4 * edge, half_edge = 0.5 * (edge + ray_m);
+        return ends <= distance + 4 * leaf.edge || meets(leaf, direction, 0.5 * (leaf.edge + leaf.rays.side));
+    }
+
+    // The mean of the picture at the rays that count for the leaf, premultiplied.
+    glm::vec4 seen_at(uint32_t index) const {
+        const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.middles[index], 1));
+        if (!(at.z < 0)) return glm::vec4(0);
+        const Shown leaf = shown(index, at);
+        const glm::dvec2 middle = leaf.pixel * double{map.dense} - 0.5;
+        const glm::dvec2 half = 0.5 * std::sqrt(3.0) * leaf.edge * leaf.reach * double{map.dense} + 0.5;
+        const glm::dvec2 low = glm::max(glm::ceil(middle - half), 0.0);
+        const glm::dvec2 high = glm::min(glm::floor(middle + half), glm::dvec2(map.width, map.height) - 1.0);
+        const bool narrow = leaf.edge * std::max(leaf.reach.x, leaf.reach.y) < 1;  // than a pixel: its place counts
         glm::dvec4 sum(0);
         double count = 0;
         for (double y = low.y; y <= high.y; y++)
             for (double x = low.x; x <= high.x; x++) {
-                const double ends = double{map.distance_m[static_cast<size_t>(y) * map.width + static_cast<size_t>(x)]};
-                const glm::dvec2 ray = glm::dvec2(x, y) + 0.5;
-                if (ends < least || (ends > far && !meets(leaf, ray / dense, half_edge))) continue;
-                sum += glm::dvec4(picture_at(image, glm::vec2(narrow ? pixel : ray / dense)));
+                const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
+                const glm::dvec2 place = map.pixel(column, row);
+                if (!counts(leaf, place, double{map.distance_m[size_t{row} * map.width + column]})) continue;
+                sum += glm::dvec4(picture_at(image, glm::vec2(narrow ? leaf.pixel : place)));
                 count++;
             }
         return count > 0 ? glm::vec4(sum / count) : glm::vec4(0);
@@ -130,7 +194,7 @@ std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<co
                               const Camera& camera) {
     assert(camera.width == image.width && camera.height == image.height);
     const DepthMap map = depth_map(picker, camera, rays_a_pixel(picker, canvas, sigma, camera));
-    const Projector projector{canvas, image, camera, map, glm::inverse(camera.world_from_camera)};
+    const Projector projector(canvas, image, camera, map);
     std::vector<glm::vec4> seen(sigma.size());
     parallel_for(seen.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)

@@ -17,8 +17,8 @@ namespace neuvv {
 
 constexpr uint32_t kMaxProjectionRays = 8;
 
-// The camera in the performer's space, of the picture's size; the picker shows the instant that is painted on, `sigma`
-// is densities() at it. Transparent pixels paint nothing.
+// The camera in the performer's space (in_performer: any affine transform will do), of the picture's size; the picker
+// shows the instant that is painted on, `sigma` is densities() at it. Transparent pixels paint nothing.
 std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
                               const Camera& camera);
 

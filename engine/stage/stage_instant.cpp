@@ -121,6 +121,21 @@ StageInstant stage_at(const Stage& stage, double stage_s) {
     return instant;
 }
 
+std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const StageInstant& instant) {
+    if (instant.performers.empty()) return {glm::dvec3(-1), glm::dvec3(1)};
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const InstantPerformer& performer : instant.performers) {
+        const StageClip& clip = stage.clips[performer.clip];
+        for (int i = 0; i < 8; i++) {
+            const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
+            const glm::dvec3 place(performer.world_from_performer * glm::dvec4(corner, 1));
+            low = glm::min(low, place);
+            high = glm::max(high, place);
+        }
+    }
+    return {low, high};
+}
+
 Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,
                  uint32_t height) {
     const InstantCamera& found = find_camera(stage, name_or_index, instant);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stage/camera.h"
@@ -49,6 +50,9 @@ struct StageInstant {
 // At any finite time; all animations of the file play at once from 0. Only what the default scene holds; lights and
 // cameras that an animation sends out of this world are left out meanwhile.
 StageInstant stage_at(const Stage& stage, double stage_s);
+
+// World box, low and high, around the boxes of all performers; ±1 m where there are none.
+std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const StageInstant& instant);
 
 // The camera of this name, else of this index into instant.cameras in decimal; empty: the first that is not
 // orthographic. Square pixels, the file's vertical angle. Throws InputError listing what there is.

@@ -226,6 +226,29 @@ TEST_F(Edits, FamiliesAreCopied) {
     expect_input_error([&] { duplicate_node(file, 99, {}); }, {"99"});
 }
 
+// Each name is given once, however many are taken already; a document without a scene lists each copy once.
+TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
+    file = make_stage_file(at("bare.gltf"), R"({"asset": {"version": "2.0"},
+        "nodes": [{"name": "a"}, {"name": "a 3", "children": [3]}, {"name": "a 513"}, {"name": "b"}, {}]})");
+    duplicate_node(file, 0, {.count = kMaxCopies});
+    duplicate_node(file, 1, {.count = 2});
+    duplicate_node(file, 4, {.count = 1});
+    ordered_json& nodes = file.json["nodes"];
+    ASSERT_EQ(nodes.size(), 5 + kMaxCopies + 4 + 1);
+    EXPECT_EQ(nodes[5]["name"], "a 2");
+    EXPECT_EQ(nodes[6]["name"], "a 4") << "\"a 3\" is another's";
+    EXPECT_EQ(nodes[4 + kMaxCopies]["name"], "a 514");
+    EXPECT_EQ(nodes[5 + kMaxCopies]["name"], "a 3 2");
+    EXPECT_EQ(nodes[6 + kMaxCopies]["name"], "b 2");
+    std::set<std::string> names;
+    for (const ordered_json& node : nodes) {
+        const std::string name = node.value("name", "");
+        EXPECT_TRUE(name.empty() || names.insert(name).second) << name;
+    }
+    const Stage bare = stage();
+    for (const GltfNode& node : bare.scene.nodes) EXPECT_TRUE(node.in_scene) << node.name;
+}
+
 TEST_F(Edits, RemovingRenumbersEverything) {
     // A skin whose joints come after what is removed; a second animation that moves only the removed.
     file.json["skins"] = {{{"joints", {3, 4}}, {"skeleton", 3}}};

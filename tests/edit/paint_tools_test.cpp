@@ -1,16 +1,22 @@
 // Tools on a figure: which leaves they choose, with which colours, and when.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <set>
 
 #include "edit/brush.h"
 #include "edit/paint_history.h"
 #include "edit/project.h"
+#include "reference/camera.h"
+#include "reference/pick.h"
 #include "reference/sample.h"
 #include "reference/slice.h"
 #include "reference/trace.h"
+#include "render/trace.h"
 #include "support/figure.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
@@ -221,8 +227,102 @@ Image columns(uint32_t side) {
     return image;
 }
 
-// Whatever the camera sees with its rays is painted, whether pixels are finer than leaves or coarser; what lies behind
-// the surface is not; and colours are those of the picture where the leaf's middle is seen.
+// The ray of a pixel of a camera in the world, in the space of a performer: by the transform itself, not by a camera.
+reference::Ray ray_in_performer(const Camera& camera, uint32_t x, uint32_t y, const glm::dmat4& world_from_performer) {
+    const reference::Ray ray = reference::camera_ray(camera, x, y);
+    const glm::dmat4 inverse = glm::inverse(world_from_performer);
+    reference::Ray inside = ray;
+    inside.origin = glm::dvec3(inverse * glm::dvec4(ray.origin, 1));
+    inside.direction = glm::normalize(glm::dmat3(inverse) * ray.direction);
+    return inside;
+}
+
+struct Standing {
+    const char* name;
+    glm::dmat4 world_from_performer;
+};
+// In single precision, as performers stand.
+std::vector<Standing> standings() {
+    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), {3, -1, 2}), 0.7, {0.2, 1, -0.3});
+    glm::dmat4 sheared = turned;
+    sheared[1] += 0.8 * turned[0] - 0.3 * turned[2];
+    sheared[2] -= 0.5 * turned[0];
+    std::vector<Standing> all = {{"as it is", glm::dmat4(1)},
+                                 {"turned", turned},
+                                 {"stretched", glm::scale(turned, {0.5, 2, 1.5})},
+                                 {"flat", glm::scale(turned, {1, 1, 0.2})},
+                                 {"sheared, ten times as large", glm::scale(sheared, glm::dvec3(10))},
+                                 {"mirrored", glm::scale(sheared, {-1, 1, 2})}};
+    for (Standing& one : all) one.world_from_performer = glm::dmat4(glm::mat4(one.world_from_performer));
+    return all;
+}
+
+// In the world, where figure_camera stands in the performer's space; the figure just fills the picture.
+Camera camera_before(const Standing& standing, uint32_t side) {
+    const auto at = [&](const glm::dvec3& place) {
+        return glm::dvec3(standing.world_from_performer * glm::dvec4(place, 1));
+    };
+    Camera camera = look_at(at({0.55, 0.62, 2.1}), at({0.5, 0.45, 0.5}), side, side, 1.6);
+    double widest = 0;
+    for (int i = 0; i < 8; i++) {
+        const glm::dvec3 corner =
+            glm::mix(glm::dvec3(0.1, 0, 0.25), glm::dvec3(0.8, 0.86, 0.75), glm::dvec3(i & 1, i >> 1 & 1, i >> 2));
+        const glm::dvec3 seen(glm::inverse(camera.world_from_camera) * glm::dvec4(at(corner), 1));
+        widest = std::max({widest, std::abs(seen.x / seen.z), std::abs(seen.y / seen.z)});
+    }
+    camera.fx = camera.fy = 0.5 * side / widest;
+    return camera;
+}
+
+// What is wrong with a picture of columns projected from a camera, as rays of the reference see it.
+struct ProjectionFaults {
+    uint32_t seen = 0, holes = 0, wrong = 0, behind = 0;
+};
+ProjectionFaults faults_of(const VOctree& tree, const Canvas& canvas, const std::vector<LeafEdit>& edits,
+                           const Standing& standing, uint32_t side) {
+    const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
+    std::vector<float> alpha(tree.leaf_count);
+    std::vector<glm::vec3> colour(tree.leaf_count);
+    for (const LeafEdit& edit : edits) {
+        alpha[edit.leaf] = edit.alpha;
+        colour[edit.leaf] = edit.colour;
+    }
+    const Camera fine = camera_before(standing, 240);
+    ProjectionFaults faults;
+    for (uint32_t y = 1; y < 240; y += 2)
+        for (uint32_t x = 1; x < 240; x++) {
+            const uint32_t column = 4 * x / 240, within = x % 60;
+            const uint32_t margin = side < 40 ? 24 : 9;
+            if (within < margin || within > 60 - margin || (y > 100 && y < 140)) continue;
+            double transmittance = 1;
+            for (const reference::Segment& segment :
+                 reference::intersect(tree, ray_in_performer(fine, x, y, standing.world_from_performer))) {
+                const double density = slices[segment.leaf].sigma;
+                if (density <= 0) continue;
+                faults.seen++;
+                if (column == 1) {
+                    faults.wrong += alpha[segment.leaf] > 0.5f;
+                } else {
+                    faults.holes += alpha[segment.leaf] < 0.5f;
+                    glm::vec3 want(column == 0, column == 2, column == 3);
+                    if (y > 120) want = glm::vec3(1);
+                    faults.wrong += alpha[segment.leaf] > 0.5f && glm::distance(colour[segment.leaf], want) > 0.3f;
+                }
+                transmittance *= std::exp(-density * (segment.t_exit - segment.t_enter));
+                if (transmittance < 0.5) break;
+            }
+        }
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        const glm::vec3 at = canvas.middles[leaf];
+        const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // a leaf within its outline reaches so far
+        faults.behind += behind && alpha[leaf] > 0;
+    }
+    return faults;
+}
+
+// Whatever the camera sees with its rays is painted, whether pixels are finer than leaves or coarser, and however the
+// performer stands before it; what lies behind the surface is not; and colours are those of the picture where the
+// leaf's middle is seen.
 TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const VOctree tree = figure_tree();
     const Canvas canvas(tree);
@@ -230,54 +330,54 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
     Picker picker(device(), field);
     picker.show(0);
+    for (const Standing& standing : standings())
+        for (const uint32_t side : {12u, 40u, 200u}) {
+            SCOPED_TRACE(fmt::format("{}, {} pixels", standing.name, side));
+            const Camera camera = in_performer(camera_before(standing, side), glm::mat4(standing.world_from_performer));
+            const std::vector<LeafEdit> edits = project(picker, canvas, sigma, columns(side), camera);
+            const ProjectionFaults faults = faults_of(tree, canvas, edits, standing, side);
+            EXPECT_GT(faults.seen, 150u);
+            EXPECT_EQ(faults.holes, 0u);
+            EXPECT_LE(faults.wrong, faults.seen / 100) << "beside the borders of columns";
+            EXPECT_EQ(faults.behind, 0u) << "behind the head";
+        }
+    // The comparison notices another transform.
+    const Standing straight = standings()[0];
+    Standing other = straight;
+    other.world_from_performer[3] += 0.15 * straight.world_from_performer[0];
+    const Camera camera = in_performer(camera_before(straight, 200), glm::mat4(other.world_from_performer));
+    const std::vector<LeafEdit> edits = project(picker, canvas, sigma, columns(200), camera);
+    const ProjectionFaults faults = faults_of(tree, canvas, edits, straight, 200);
+    EXPECT_GT(faults.holes + faults.wrong, faults.seen / 10);
+}
+
+// A pixel of the world's picture picks the leaf that its ray meets, at the place where it does.
+TEST_F(ToolsTest, PicksWhereThePerformerStands) {
+    VOctree tree = figure_tree();
+    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    Picker picker(device(), field);
+    picker.show(0);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
-    for (const uint32_t side : {12u, 40u, 200u}) {
-        SCOPED_TRACE(side);
-        const Camera camera = figure_camera(side);
-        std::vector<float> alpha(tree.leaf_count);
-        std::vector<glm::vec3> colour(tree.leaf_count);
-        for (const LeafEdit& edit : project(picker, canvas, sigma, columns(side), camera)) {
-            alpha[edit.leaf] = edit.alpha;
-            colour[edit.leaf] = edit.colour;
+    for (const Standing& standing : standings()) {
+        SCOPED_TRACE(standing.name);
+        const Camera camera = camera_before(standing, 60);
+        const Camera inside = in_performer(camera, glm::mat4(standing.world_from_performer));
+        std::vector<PickRay> rays;
+        for (uint32_t i = 0; i < 60 * 60; i++) rays.push_back(pick_ray(inside, {i % 60 + 0.5, i / 60 + 0.5}));
+        const std::vector<Picked> picked = picker.pick(rays);
+        uint32_t hits = 0, others = 0;
+        double worst_m = 0;
+        for (uint32_t i = 0; i < 60 * 60; i++) {
+            const reference::Ray ray = ray_in_performer(camera, i % 60, i / 60, standing.world_from_performer);
+            const auto truth = reference::pick(tree, slices, ray, double{kPickAlpha});
+            hits += truth.has_value();
+            if (truth.has_value() != picked[i].hit() || (truth && truth->leaf != picked[i].leaf)) others++;
+            if (truth && picked[i].hit())
+                worst_m = std::max(worst_m, std::abs(truth->distance_m - double{picked[i].distance_m}));
         }
-        const Camera fine = figure_camera(240);
-        uint32_t seen = 0, holes = 0, wrong = 0;
-        std::set<uint32_t> visible;
-        for (uint32_t y = 1; y < 240; y += 3)
-            for (uint32_t x = 1; x < 240; x += 2) {
-                const uint32_t column = 4 * x / 240, within = x % 60;
-                const uint32_t margin = side < 40 ? 24 : 9;
-                if (within < margin || within > 60 - margin || (y > 100 && y < 140)) continue;
-                const PickRay pick = pick_ray(fine, {x + 0.5, y + 0.5});
-                reference::Ray ray;
-                ray.origin = glm::dvec3(pick.origin);
-                ray.direction = glm::dvec3(pick.direction);
-                double transmittance = 1;
-                for (const reference::Segment& segment : reference::intersect(tree, ray)) {
-                    const double density = slices[segment.leaf].sigma;
-                    if (density <= 0) continue;
-                    visible.insert(segment.leaf);
-                    seen++;
-                    if (column == 1) {
-                        wrong += alpha[segment.leaf] > 0.5f;
-                    } else {
-                        holes += alpha[segment.leaf] < 0.5f;
-                        glm::vec3 want(column == 0, column == 2, column == 3);
-                        if (y > 120) want = glm::vec3(1);
-                        wrong += alpha[segment.leaf] > 0.5f && glm::distance(colour[segment.leaf], want) > 0.3f;
-                    }
-                    transmittance *= std::exp(-density * (segment.t_exit - segment.t_enter));
-                    if (transmittance < 0.5) break;
-                }
-            }
-        EXPECT_GT(seen, 500u);
-        EXPECT_EQ(holes, 0u);
-        EXPECT_LE(wrong, seen / 100) << "beside the borders of columns";
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-            const glm::vec3 at = canvas.middles[leaf];
-            const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // a leaf within its outline reaches so far
-            EXPECT_TRUE(!behind || alpha[leaf] == 0) << "behind the head";
-        }
+        EXPECT_GT(hits, 200u);
+        EXPECT_LE(others, hits / 100) << "rays that graze a leaf";
+        EXPECT_LE(worst_m, 0.02);
     }
 }
 

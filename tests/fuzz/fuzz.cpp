@@ -1,5 +1,5 @@
-// Feeds a loader damaged data sets, or stages. Built under AddressSanitizer and UndefinedBehaviorSanitizer, whose
-// limits stand here too; the damaged data set stays behind where it fails.
+// Feeds a loader damaged data sets, stages, clips or layers of paint. Built under AddressSanitizer and
+// UndefinedBehaviorSanitizer, whose limits stand here too; the damaged data set stays behind where it fails.
 //
 //     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, pictures included
 //     fuzz --replay FOLDER              one data set, as it is
@@ -19,6 +19,8 @@
 
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
+#include "voctree/nvpaint.h"
+#include "voctree/nvv.h"
 
 // Read by the sanitizer's runtime before main. An allocation of more than a gibibyte is a failure.
 extern "C" const char* __asan_default_options();
@@ -94,36 +96,63 @@ std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     return samples;
 }
 
-// The stage of a folder; empty where it is a data set.
+// A folder is what lies in it: a stage, a layer of paint on a clip, a clip, else a data set.
 fs::path stage_in(const fs::path& folder) {
     for (const char* name : {"stage.gltf", "stage.glb"})
         if (fs::exists(folder / name)) return folder / name;
     return {};
 }
 
-// Loads what is sound: throws where it is not.
-void load(const fs::path& folder) {
-    if (const fs::path stage = stage_in(folder); !stage.empty()) {
-        load_stage(stage);
-        return;
-    }
-    for (const Split split : {Split::kTrain, Split::kTest}) load_dataset(folder, split, {.mattes_needed = false});
+VOctree clip_in(const fs::path& folder) {
+    return read_nvv(folder / "scene.nvv");
 }
 
-// Empty where the stage or both splits end as they may.
+EditLayer paint_in(const fs::path& folder) {
+    return read_paint(folder / "layer.nvpaint", painted_field(clip_in(folder)));
+}
+
+Dataset dataset_in(const fs::path& folder, Split split) {
+    return load_dataset(folder, split, {.mattes_needed = false});
+}
+
+// Loads what is sound: throws where it is not.
+void load(const fs::path& folder) {
+    if (const fs::path stage = stage_in(folder); !stage.empty())
+        load_stage(stage);
+    else if (fs::exists(folder / "layer.nvpaint"))
+        paint_in(folder);
+    else if (fs::exists(folder / "scene.nvv"))
+        clip_in(folder);
+    else
+        for (const Split split : {Split::kTrain, Split::kTest}) dataset_in(folder, split);
+}
+
+std::string complaint_about_folder(const fs::path& folder) {
+    if (const fs::path stage = stage_in(folder); !stage.empty())
+        return fuzz::complaint_about_stage([&] { return load_stage(stage); });
+    if (fs::exists(folder / "layer.nvpaint")) return fuzz::complaint_about_paint([&] { return paint_in(folder); });
+    if (fs::exists(folder / "scene.nvv")) return fuzz::complaint_about_clip([&] { return clip_in(folder); });
+    for (const Split split : {Split::kTrain, Split::kTest})
+        if (const std::string complaint = fuzz::complaint_about([&] { return dataset_in(folder, split); });
+            !complaint.empty())
+            return complaint;
+    return {};
+}
+
+// Empty where it ends as it may.
 std::string try_folder(const fs::path& folder) {
     g_kept = folder.string();
     set_alarm(kSecondsPerInput);
-    std::string complaint;
-    if (const fs::path stage = stage_in(folder); !stage.empty())
-        complaint = fuzz::complaint_about_stage([&] { return load_stage(stage); });
-    else
-        for (const Split split : {Split::kTrain, Split::kTest})
-            if (complaint.empty())
-                complaint =
-                    fuzz::complaint_about([&] { return load_dataset(folder, split, {.mattes_needed = false}); });
+    const std::string complaint = complaint_about_folder(folder);
     set_alarm(0);
     return complaint;
+}
+
+// Half of the damage to our own containers lies behind their checksums.
+std::string damaged(const Sample& sample, size_t file, const std::vector<std::string>& pool, fuzz::Random& random) {
+    const bool container = sample.bytes[file].starts_with("\x89NVV");
+    if (container && random() % 2) return fuzz::mutate_chunks(sample.files[file], pool, kMaxFile, random);
+    return fuzz::mutate(sample.bytes[file], pool, kMaxFile, random);
 }
 
 int fail(const std::string& complaint) {
@@ -152,7 +181,7 @@ int run(const fs::path& corpus, double seconds, uint64_t seed) {
     for (; elapsed() < seconds; ++inputs) {
         const Sample& sample = samples[random() % samples.size()];
         const size_t file = random() % sample.files.size();
-        write(sample.files[file], fuzz::mutate(sample.bytes[file], pool, kMaxFile, random));
+        write(sample.files[file], damaged(sample, file, pool, random));
         if (const std::string complaint = try_folder(sample.folder); !complaint.empty()) return fail(complaint);
         write(sample.files[file], sample.bytes[file]);
     }

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "base/error.h"
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+#include "voctree/nvv.h"
 
 namespace neuvv {
 namespace {
@@ -57,6 +61,57 @@ TEST(Fuzz, LoadedStagesMustBeSound) {
     stage.file.json["edited"] = true;
     EXPECT_NE(complaint(), "");
     EXPECT_NE(fuzz::complaint_about_stage([]() -> Stage { throw std::bad_alloc(); }), "");
+}
+
+TEST(Fuzz, LoadedClipsAndPaintMustBeSound) {
+    const VOctree tree = test::random_tree({.leaves = 20});
+    VOctree clip = tree;
+    const auto of_clip = [&] { return fuzz::complaint_about_clip([&] { return clip; }); };
+    EXPECT_EQ(of_clip(), "");
+    clip.weights[5] = INFINITY;
+    EXPECT_NE(of_clip(), "");
+    clip = tree;
+    clip.leaf_count++;
+    EXPECT_NE(of_clip(), "");
+    EXPECT_EQ(fuzz::complaint_about_clip([]() -> VOctree { throw InputError("a", "b", "c"); }), "");
+    EditLayer layer{painted_field(tree), {{3, 0, 2, {1, 0, 0.5f}, 0.5f, kKeepSigma}, {4, 1, 1, {0, 0, 0}, 0, 9}}};
+    const auto of_paint = [&] { return fuzz::complaint_about_paint([&] { return layer; }); };
+    EXPECT_EQ(of_paint(), "");
+    const std::vector<LeafEdit> sound = layer.edits;
+    const auto expect_wrong = [&](const std::function<void(LeafEdit&)>& change) {
+        layer.edits = sound;
+        change(layer.edits[1]);
+        EXPECT_NE(of_paint(), "");
+    };
+    expect_wrong([](LeafEdit& edit) { edit.leaf = 20; });
+    expect_wrong([](LeafEdit& edit) { edit.last = 5; });
+    expect_wrong([](LeafEdit& edit) { edit.first = -1; });
+    expect_wrong([](LeafEdit& edit) { edit.colour.g = std::nanf(""); });
+    expect_wrong([](LeafEdit& edit) { edit.alpha = 2; });
+    expect_wrong([](LeafEdit& edit) { edit.sigma = -2; });
+}
+
+// Damage behind checksums reaches what reads the content.
+TEST(Fuzz, DamagedChunksKeepTheirChecksums) {
+    const TemporaryFolder folder;
+    const VOctree tree = test::random_tree({.leaves = 20});
+    write_nvv(folder.path / "sound.nvv", tree);
+    fuzz::Random random(3), again(3);
+    size_t refused = 0, checksums = 0;
+    for (int i = 0; i < 200; ++i) {
+        const std::string bytes = fuzz::mutate_chunks(folder.path / "sound.nvv", {}, 4096, random);
+        EXPECT_EQ(bytes, fuzz::mutate_chunks(folder.path / "sound.nvv", {}, 4096, again));
+        write_text(folder.path / "damaged.nvv", bytes);
+        try {
+            read_nvv(folder.path / "damaged.nvv");
+        } catch (const InputError& error) {
+            ++refused;
+            checksums += std::string(error.what()).find("checksum") != std::string::npos;
+        }
+    }
+    EXPECT_GT(refused, 100u);
+    EXPECT_LT(refused, 200u) << "other weights are weights, too";
+    EXPECT_EQ(checksums, 0u);
 }
 
 TEST(Fuzz, ASeedFixesTheDamage) {

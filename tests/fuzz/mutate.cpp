@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
+
+#include "voctree/chunk_file.h"
 
 namespace neuvv::fuzz {
 
@@ -166,6 +169,29 @@ std::string mutate(std::string bytes, const std::vector<std::string>& others, si
     for (size_t changes = 1 + below(8, random); changes > 0; --changes) change(bytes, others, random);
     if (bytes.size() > limit) bytes.resize(limit);
     return bytes;
+}
+
+std::string mutate_chunks(const std::filesystem::path& sound, const std::vector<std::string>& others, size_t limit,
+                          Random& random) {
+    std::vector<std::pair<std::string, std::string>> chunks;  // names and contents
+    ChunkReader reader(sound);
+    for (ChunkHeader header; reader.next(header);) {
+        const std::vector<uint8_t> bytes = reader.take(header.raw_bytes);
+        chunks.emplace_back(header.name, std::string(bytes.begin(), bytes.end()));
+    }
+    const size_t chosen = below(chunks.size(), random), kind = below(8, random);
+    if (kind == 0)
+        chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(chosen));
+    else if (kind == 1)
+        std::swap(chunks[chosen], chunks[below(chunks.size(), random)]);
+    else
+        chunks[chosen].second = mutate(chunks[chosen].second, others, limit, random);
+    std::string file;
+    const ByteSink sink = [&](const void* data, size_t bytes) { file.append(static_cast<const char*>(data), bytes); };
+    ChunkWriter writer("fuzz", sink, 1);
+    for (const auto& [name, content] : chunks) writer.add(name, content.data(), content.size());
+    writer.finish();
+    return file;
 }
 
 }  // namespace neuvv::fuzz

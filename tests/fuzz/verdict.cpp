@@ -1,5 +1,6 @@
 #include "fuzz/verdict.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -82,6 +83,46 @@ std::string complaint_about_stage(const std::function<Stage()>& load) {
             if (complaint.empty()) complaint = complaint_about_instant(stage, time_s);
         if (complaint.empty() && stage_bytes(stage.file) != stage.file.saved->bytes) complaint = "edited what it read";
         return complaint;
+    });
+}
+
+std::string complaint_about_clip(const std::function<VOctree()>& load) {
+    return complaint_of([&]() -> std::string {
+        const VOctree tree = load();
+        const auto finite = [](float number) { return std::isfinite(number); };
+        for (const std::vector<float>* numbers : {&tree.weights, &tree.sigma_basis, &tree.gamma_basis})
+            if (!std::all_of(numbers->begin(), numbers->end(), finite)) return "gave a number that is not finite";
+        if (tree.weights.size() != size_t{tree.leaf_count} * tree.weights_per_leaf()) return "gave too few weights";
+        const std::vector<LeafPlace> places = leaf_places(tree);
+        if (places.size() != tree.leaf_count) return "gave leaves that stand nowhere";
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
+            const LeafPlace& at = places[leaf];
+            const glm::dvec3 middle =
+                (glm::dvec3(at.x, at.y, at.z) + 0.5) * std::ldexp(1.0, -static_cast<int>(at.depth));
+            if (find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";
+        }
+        return {};
+    });
+}
+
+std::string complaint_about_paint(const std::function<EditLayer()>& load) {
+    return complaint_of([&]() -> std::string {
+        EditLayer layer = load();
+        const auto within = [](float number, float low, float high) { return number >= low && number <= high; };
+        std::vector<uint32_t> odd;
+        for (const LeafEdit& edit : layer.edits) {
+            if (edit.leaf >= layer.field.leaf_count) return "gave paint on a leaf that is not there";
+            if (!within(edit.last, edit.first, static_cast<float>(layer.field.frames - 1)) || !(edit.first >= 0))
+                return "gave paint at frames that are not there";
+            for (int c = 0; c < 3; ++c)
+                if (!within(edit.colour[c], 0, 1)) return "gave a colour that cannot be";
+            if (!within(edit.alpha, 0, 1)) return "gave an alpha that cannot be";
+            if (edit.sigma != kKeepSigma && !within(edit.sigma, 0, 65504)) return "gave a density that cannot be";
+            if (edit.leaf % 2) odd.push_back(edit.leaf);
+        }
+        add_edits(layer, std::vector<LeafEdit>(layer.edits));
+        remove_edits(layer, odd, 0.5f, 1);
+        return defect_of(layer);
     });
 }
 

@@ -1,4 +1,4 @@
-// What loading a hostile data set may end in.
+// What loading hostile files may end in.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 
 #include "stage/stage.h"
 #include "training/dataset.h"
+#include "voctree/paint.h"
 
 namespace neuvv::fuzz {
 
@@ -13,5 +14,10 @@ namespace neuvv::fuzz {
 std::string complaint_about(const std::function<Dataset()>& load);
 // The same of a stage: everything that is drawn of it at any time is where numbers are finite.
 std::string complaint_about_stage(const std::function<Stage()>& load);
+// Of a .nvv: every leaf is found where it stands, and its numbers are finite.
+std::string complaint_about_clip(const std::function<VOctree()>& load);
+// Of a .nvpaint: edits of leaves and frames that are there, with colours and densities that can be; and it can be
+// edited on.
+std::string complaint_about_paint(const std::function<EditLayer()>& load);
 
 }  // namespace neuvv::fuzz

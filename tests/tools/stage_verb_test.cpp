@@ -88,6 +88,38 @@ TEST_F(StageVerb, AShowFromNothing) {
     EXPECT_EQ(load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
 }
 
+// Sixteen lights shine and four cast shadows; which do not is said.
+TEST_F(StageVerb, LightsBeyondTheLimitsAreNamed) {
+    StageFile file = new_stage(show);
+    LightEdit point;
+    point.kind = "point";
+    add_light(file, "bulb", point, {});
+    for (int i = 1; i <= 16; ++i) add_light(file, "spot " + std::to_string(i), {}, {});
+    save_stage_file(file, show);
+    const auto lights = info()["lights"];
+    ASSERT_EQ(lights.size(), 18u);
+    for (size_t i = 0; i < 18; ++i) {
+        const bool spot = i != 1;
+        const bool shadow = spot && i < 5;  // the key, three more after the bulb
+        EXPECT_EQ(lights[i]["shines"], i < 16) << i;
+        EXPECT_EQ(lights[i]["casts_shadow"], shadow) << i;
+        EXPECT_EQ(lights[i]["limited"], spot && !shadow) << i;
+    }
+    const std::string text = run_neuvv({"stage", "info", show}).out;
+    const auto line_of = [&](const std::string& name) {
+        const size_t begin = text.find(name + " ");
+        return text.substr(begin, text.find('\n', begin) - begin);
+    };
+    EXPECT_EQ(line_of("key").find("shadow"), std::string::npos) << text;
+    EXPECT_EQ(line_of("bulb").find("shadow"), std::string::npos) << text;
+    EXPECT_EQ(line_of("spot 3").find("shadow"), std::string::npos) << text;
+    EXPECT_NE(line_of("spot 4").find("casts no shadow: only the first 4 "), std::string::npos) << text;
+    EXPECT_NE(line_of("spot 15").find("does not shine: only the first 16 "), std::string::npos) << text;
+    expect_done({"set", show, "--shadows", "off"});
+    EXPECT_EQ(info()["lights"][0]["casts_shadow"], false);
+    EXPECT_EQ(info()["lights"][0]["limited"], false) << "the stage says so, not a limit";
+}
+
 // Another program's stage: after an edit every byte but those of the edit is as it was.
 TEST_F(StageVerb, AnotherProgramsBytesStay) {
     show = test::put_foreign_stage(folder.path).string();

@@ -1,0 +1,51 @@
+// What `neuvv paint` paints on: a performer by itself, or one that stands on a stage.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "edit/select.h"
+#include "stage/stage_instant.h"
+#include "tools/options.h"
+#include "tools/paint_options.h"
+
+namespace neuvv {
+
+// A performer on its stage, at the instant that is looked at.
+struct StagePlace {
+    Stage stage;
+    StageInstant instant;
+    uint32_t performer = 0;  // of stage.performers and instant.performers
+    size_t layer = 0;        // the painted one's place in its list: in `stage`, though it may not be saved yet
+    std::string change;      // what adding it there said; empty where it lay there before
+
+    const StagePerformer& who() const { return stage.performers[performer]; }
+    const InstantPerformer& stands() const { return instant.performers[performer]; }
+};
+
+struct Easel {
+    // Reads all that the options name. Throws InputError.
+    explicit Easel(const PaintOptions& options);
+
+    std::optional<StagePlace> place;  // where the scene is a stage
+    VOctree tree;
+    Canvas canvas;
+    EditLayer layer;  // the painted one
+    float at = 0;     // the frame that is looked at
+
+    // What the performer looks like: the layers of its list that show, the painted one in its place; that one alone
+    // where there is no stage. Pointers into the easel.
+    std::vector<PaintUse> shown() const;
+
+    // The layer's file; then the stage, where the layer is new in the performer's list. Atomically, each.
+    void save(const PaintOptions& options) const;
+
+  private:
+    std::vector<std::unique_ptr<EditLayer>> others_;  // by the list; null for the painted one and what does not show
+};
+
+// The camera of the options in a picture of this size, in the performer's space as it stands on its stage.
+Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size);
+
+}  // namespace neuvv

@@ -1,0 +1,149 @@
+#include "tools/paint_options.h"
+
+#include "base/error.h"
+#include "stage/stage_settings.h"
+#include "tools/commands.h"
+#include "tools/options.h"
+
+namespace neuvv {
+
+namespace {
+
+Region box_of(const std::string& option, const std::string& text) {
+    const std::vector<double> n = parse_numbers(option, text, 6, "write X0,Y0,Z0,X1,Y1,Z1");
+    const glm::vec3 a(n[0], n[1], n[2]), b(n[3], n[4], n[5]);
+    return box_region(glm::min(a, b), glm::max(a, b));
+}
+
+Region sphere_of(const std::string& option, const std::string& text) {
+    const std::vector<double> n = parse_numbers(option, text, 4, "write X,Y,Z,RADIUS");
+    if (!(n[3] > 0)) throw InputError(option, text, "has no radius above 0", "write X,Y,Z,RADIUS in metres");
+    return sphere_region({n[0], n[1], n[2]}, static_cast<float>(n[3]));
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& paint, PaintOptions& options) {
+    paint.add_option("scene", options.scene, "The .nvv file, or a stage (.gltf, .glb) that a performer stands on")
+        ->required();
+    paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none")->required();
+    paint.add_option("--node", options.node, "Of a stage: the performer, by name or index; not needed where it is one");
+    paint.add_option("--time", options.time_s, "Of a stage: the time at which it is looked at, seconds (default: 0)")
+        ->check(number_between(-kMaxStageSeconds, kMaxStageSeconds));
+    paint.add_flag("--json", options.json, "Print JSON: edits, leaves, colours, densities, erased; the stage's layer");
+}
+
+CLI::Option* add_frame_options(CLI::App& verb, PaintOptions& options) {
+    verb.add_option("--frames", options.frames, "FIRST:LAST frame of the clip at which it holds (default: all of it)");
+    verb.add_option("--at", options.at,
+                    "The frame that is looked at (default: 0; on a stage, the one that shows at --time)");
+    return verb
+        .add_option("--follow", options.follow,
+                    "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
+                    "--frames); all: whenever it is opaque")
+        ->check(CLI::IsMember({"not", "run", "all"}))
+        ->capture_default_str();
+}
+
+void add_camera_options(CLI::App& verb, PaintOptions& options) {
+    CLI::Option* camera = verb.add_option("--camera", options.camera,
+                                          "A camera path or transforms.json, of which --key is the camera; or the name "
+                                          "of a stage's camera (default there: its first)");
+    verb.add_option("--key", options.key, "Which of its frames, from 0")->needs(camera);
+    verb.add_option("--orbit", options.orbit_deg, "In place of it, degrees around the scene: 0 is the front, +Z")
+        ->check(number_between(-1e6, 1e6))
+        ->excludes(camera);
+}
+
+void add_region_options(CLI::App& verb, PaintOptions& options) {
+    verb.add_option("--box", options.boxes,
+                    "X0,Y0,Z0,X1,Y1,Z1 in the performer's own metres, wherever it stands; any of several");
+    verb.add_option("--sphere", options.spheres, "X,Y,Z,RADIUS in the same metres; any of several");
+    verb.add_option("--within-box", options.within_boxes, "Only what lies in this box, too");
+    verb.add_option("--within-sphere", options.within_spheres, "Only what lies in this sphere, too");
+    verb.add_option("--without-box", options.without_boxes, "But for what lies in this box");
+    verb.add_option("--without-sphere", options.without_spheres, "But for what lies in this sphere");
+}
+
+void add_alpha_option(CLI::App& verb, PaintOptions& options) {
+    verb.add_option("--alpha", options.alpha, "How much of the colour")
+        ->check(number_between(0, 1))
+        ->capture_default_str();
+}
+
+void add_density_option(CLI::App& verb, PaintOptions& options) {
+    verb.add_option("--density", options.density, "1/m that leaves get; 0 erases")
+        ->check(number_between(0, double{kMaxPaintSigma}));
+}
+
+void add_brush_options(CLI::App& verb, PaintOptions& options) {
+    verb.add_option("--line", options.line, "X,Y X,Y ...: the pixels that the stroke goes along")->required();
+    verb.add_option("--size", options.size,
+                    "WIDTHxHEIGHT of the picture that they lie in: on a stage, that of `neuvv render STAGE --size`")
+        ->capture_default_str();
+    verb.add_option("--radius", options.radius_m, "In the performer's own metres, wherever it stands")
+        ->check(number_between(1e-6, 1e6))
+        ->capture_default_str();
+    verb.add_option("--hardness", options.hardness, "The part of the radius that is painted whole")
+        ->check(number_between(0, 1))
+        ->capture_default_str();
+}
+
+Region region_of(const PaintOptions& options) {
+    const bool anywhere = options.boxes.empty() && options.spheres.empty();
+    Region region = [anywhere](glm::vec3) { return anywhere; };
+    for (const std::string& text : options.boxes) region = either(region, box_of("--box", text));
+    for (const std::string& text : options.spheres) region = either(region, sphere_of("--sphere", text));
+    for (const std::string& text : options.within_boxes) region = both(region, box_of("--within-box", text));
+    for (const std::string& text : options.within_spheres) region = both(region, sphere_of("--within-sphere", text));
+    for (const std::string& text : options.without_boxes) region = without(region, box_of("--without-box", text));
+    for (const std::string& text : options.without_spheres)
+        region = without(region, sphere_of("--without-sphere", text));
+    return region;
+}
+
+void expect_region(const PaintOptions& options) {
+    if (options.boxes.empty() && options.spheres.empty())
+        throw InputError("neuvv paint", "", "no leaves are chosen", "give --box X0,Y0,Z0,X1,Y1,Z1 or --sphere X,Y,Z,R");
+}
+
+void expect_change(const PaintOptions& options) {
+    if (options.colour.empty() && !options.density && !options.hue && !options.saturation)
+        throw InputError("neuvv paint", "", "nothing is said that leaves shall become",
+                         "give --colour '#d02020', --density, or for a region --hue or --saturation");
+}
+
+EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames) {
+    EditFrames frames;
+    frames.follow = options.follow == "all" ? Follow::kAll : options.follow == "run" ? Follow::kRun : Follow::kNot;
+    const FrameRange range = parse_frame_range(options.frames, clip_frames);
+    const bool instant = options.frames.empty() && frames.follow != Follow::kNot;
+    frames.first = instant ? at : static_cast<float>(range.first);
+    frames.last = instant ? at : static_cast<float>(range.last);
+    return frames;
+}
+
+Brush brush_of(const PaintOptions& options) {
+    Brush brush;
+    brush.radius_m = static_cast<float>(options.radius_m);
+    brush.hardness = static_cast<float>(options.hardness);
+    brush.colour = colour_of(options);
+    brush.alpha = options.colour.empty() ? 0 : static_cast<float>(options.alpha);
+    brush.sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
+    return brush;
+}
+
+std::vector<glm::dvec2> line_of(const PaintOptions& options) {
+    std::vector<glm::dvec2> pixels;
+    for (const std::string& text : options.line) {
+        const std::vector<double> at = parse_numbers("--line", text, 2, "write X,Y X,Y ...");
+        pixels.emplace_back(at[0], at[1]);
+    }
+    return pixels;
+}
+
+glm::vec3 colour_of(const PaintOptions& options) {
+    return glm::vec3(parse_colour(options.colour.empty() ? "black" : options.colour));
+}
+
+}  // namespace neuvv
