@@ -18,6 +18,14 @@ namespace {
 
 constexpr int kMaxDigits = 9;  // of a numbered file name
 
+// CSS's basic colours.
+constexpr std::pair<const char*, const char*> kColours[] = {
+    {"white", "ffffff"},   {"silver", "c0c0c0"}, {"grey", "808080"},   {"gray", "808080"},  {"black", "000000"},
+    {"red", "ff0000"},     {"maroon", "800000"}, {"yellow", "ffff00"}, {"olive", "808000"}, {"lime", "00ff00"},
+    {"green", "008000"},   {"aqua", "00ffff"},   {"teal", "008080"},   {"blue", "0000ff"},  {"navy", "000080"},
+    {"fuchsia", "ff00ff"}, {"purple", "800080"},
+};
+
 // The whole of `text` as a number.
 template <typename T>
 bool read_number(std::string_view text, T& value) {
@@ -62,22 +70,27 @@ PictureSize parse_size(const std::string& text) {
     return size;
 }
 
-glm::vec4 parse_colour(const std::string& text) {
+glm::vec4 parse_colour(const std::string& option, const std::string& text) {
     const std::string name = lower(text);
     if (name == "clear" || name == "transparent" || name == "none") return glm::vec4(0);
-    std::string hex = name;
-    if (name == "white") hex = "ffffff";
-    if (name == "black") hex = "000000";
-    if (name == "grey" || name == "gray") hex = "808080";
+    std::string hex = name, names;
+    for (const auto& [known, digits] : kColours) {
+        if (name == known) hex = digits;
+        names += std::string(known) + ", ";
+    }
     if (!hex.empty() && hex[0] == '#') hex.erase(0, 1);
     const bool digits =
         hex.size() == 6 && std::all_of(hex.begin(), hex.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
-    if (!digits)
-        throw InputError("--background", text, "is not a colour", "write white, black, grey, clear or '#rrggbb'");
+    if (!digits) throw InputError(option, text, "is not a colour", "write '#rrggbb', " + names + "or clear");
     const auto rgb = static_cast<uint32_t>(std::stoul(hex, nullptr, 16));
     glm::vec4 colour(1);
     for (int c = 0; c < 3; ++c) colour[c] = static_cast<float>(linear_from_srgb((rgb >> (16 - 8 * c) & 255u) / 255.0));
     return colour;
+}
+
+bool is_stage(const std::string& scene) {
+    const std::string ending = lower(std::filesystem::path(scene).extension().string());
+    return ending == ".gltf" || ending == ".glb";
 }
 
 FrameRange parse_frame_range(const std::string& text, uint32_t frames) {

@@ -4,8 +4,10 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 
@@ -18,19 +20,19 @@ constexpr double kMaxLength = 1e9, kMaxLux = 1e9;
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
                                   const std::string& mend) {
     std::vector<double> numbers;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t end = std::min(text.find(',', begin), text.size());
+    for (const std::string& part : split(text, ',')) {
         double number = NAN;
-        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, number);
-        if (error != std::errc() || stop != text.data() + end || !(std::abs(number) <= kMaxLength)) break;
+        const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+        if (error == std::errc::result_out_of_range) number = std::strtod(part.c_str(), nullptr);  // all or nothing
+        if (stop != part.data() + part.size()) number = NAN;
+        if (std::abs(number) > kMaxLength)
+            throw InputError(option, text, fmt::format("is too large: {} is the most", kMaxLength), mend);
         numbers.push_back(number);
-        begin = end + 1;
-        if (end == text.size()) break;
-        if (begin == text.size()) numbers.push_back(NAN);  // a comma at the end
     }
-    bool sound = numbers.size() == count && std::count(text.begin(), text.end(), ',') + 1 == static_cast<long>(count);
+    bool sound = numbers.size() == count;
     for (const double number : numbers) sound = sound && std::isfinite(number);
-    if (!sound) throw InputError(option, text, fmt::format("is not {} numbers", count), mend);
+    if (!sound)
+        throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), mend);
     return numbers;
 }
 
@@ -57,7 +59,9 @@ glm::dvec3 parse_vector(const std::string& option, const std::string& text) {
 
 glm::dvec3 parse_light_colour(const std::string& option, const std::string& text) {
     if (text.find(',') != std::string::npos) return parse_vector(option, text);
-    return glm::dvec3(glm::vec3(parse_colour(text)));
+    const glm::vec4 colour = parse_colour(option, text);
+    if (colour.a < 1) throw InputError(option, text, "is no colour of light", "write black for none");
+    return glm::dvec3(glm::vec3(colour));
 }
 
 Placement PlacementOptions::placement() const {
@@ -138,8 +142,8 @@ void add_stage_options(CLI::App& verb, StageOptions& options) {
         ->check(number_between(-1e6, 1e6));
     verb.add_option("--blend", options.blend, "Of performers: exact, or layer over layer as the paper has it")
         ->check(CLI::IsMember({"exact", "paper"}));
-    add_switch(verb, "--shadows", options.shadows, "Shadows");
-    add_switch(verb, "--falloff", options.falloff, "Light falls off with its distance");
+    add_switch(verb, "--shadows", options.shadows, "Whether lights cast shadows");
+    add_switch(verb, "--falloff", options.falloff, "Whether lights shine on performers");
 }
 
 LightEdit LightOptions::edit() const {
@@ -147,7 +151,7 @@ LightEdit LightOptions::edit() const {
     edit.kind = kind;
     edit.intensity = intensity;
     edit.range_m = range;
-    if (!color.empty()) edit.color = parse_light_colour("--color", color);
+    if (!color.empty()) edit.color = parse_light_colour("--colour", color);
     if (!cone.empty()) {
         const std::vector<double> angles = parse_numbers("--cone", cone, 2, "write two half angles, as in 20,30");
         edit.inner_cone_deg = angles[0];
@@ -159,7 +163,7 @@ LightEdit LightOptions::edit() const {
 void add_light_options(CLI::App& verb, LightOptions& options) {
     verb.add_option("--kind", options.kind, "spot, point or directional")
         ->check(CLI::IsMember({"spot", "point", "directional"}));
-    verb.add_option("--color", options.color, "A colour's name, #rrggbb, or linear R,G,B");
+    verb.add_option("--colour,--color", options.color, "A colour's name, #rrggbb, or linear R,G,B");
     verb.add_option("--intensity", options.intensity, "Candela; lux of a directional light")
         ->check(number_between(0, kMaxLux));
     verb.add_option("--range", options.range, "Where its light ends, metres")->check(number_between(1e-6, kMaxLength));

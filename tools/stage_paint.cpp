@@ -124,7 +124,7 @@ Camera camera_of(const PaintOptions& options, const VOctree& tree, PictureSize s
 }
 
 glm::vec3 colour_of(const std::string& text) {
-    return glm::vec3(parse_colour(text));
+    return glm::vec3(parse_colour("--colour", text));
 }
 
 // The scene and its layer, from their files.
