@@ -1,11 +1,14 @@
-// neuvv info: what a .nvv holds.
+// neuvv info: what a .nvv holds, or a stage.
 #include <fmt/format.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/report.h"
+#include "tools/stage_info.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -14,7 +17,7 @@ namespace {
 
 struct InfoOptions {
     std::string file;
-    bool json = false, check = false;
+    bool json = false, check = false, memory = false;
 };
 
 uint32_t weights_per_leaf(const NvvHead& head) {
@@ -69,7 +72,17 @@ void print(const InfoOptions& options, const NvvSummary& summary) {
     if (options.check) fmt::print("checked: whole and sound\n");
 }
 
-void run(const InfoOptions& options) {
+void run(const InfoOptions& options, const CommonOptions& common) {
+    if (is_stage(options.file)) {
+        if (options.check)
+            throw InputError("--check", options.file, "is for clips", "leave it out: stages are always checked");
+        StageInfoOptions stage;
+        stage.stage = options.file;
+        stage.json = options.json;
+        stage.memory = options.memory;
+        return print_stage_info(stage, common);
+    }
+    if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
     const NvvSummary summary = summarise_nvv(options.file);
     if (options.check) {
         read_nvv_coarse(options.file);
@@ -83,17 +96,21 @@ void run(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info(CLI::App& app, CommonOptions&) {
-    CLI::App* verb = app.add_subcommand("info", "Say what a .nvv file holds");
+void add_info(CLI::App& app, CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("info", "Say what a .nvv file holds, or who and what is on a stage");
     const auto options = std::make_shared<InfoOptions>();
-    verb->add_option("file", options->file, "The .nvv file")->required();
+    verb->add_option("file", options->file,
+                     "A .nvv file, or a stage: .gltf or .glb (`neuvv stage info` tells it at any time)")
+        ->required();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
+    verb->add_flag("--memory", options->memory, "Of a stage: measure what its clips take on a device, each once");
     verb->footer(std::string(kExamplesHead + 2) +
                  "  neuvv info build/performer.nvv\n"
                  "  neuvv info build/performer.nvv --check\n"
-                 "  neuvv info build/performer.nvv --json | jq .leaves");
-    verb->callback([options] { run(*options); });
+                 "  neuvv info build/performer.nvv --json | jq .leaves\n"
+                 "  neuvv info build/show.gltf --memory");
+    verb->callback([options, &common] { run(*options, common); });
 }
 
 }  // namespace neuvv

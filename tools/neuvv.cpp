@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -12,16 +14,38 @@ namespace {
 
 constexpr int kFailure = 1, kBadInput = 2;
 
+// What stands below a verb.
+std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App* verb) { return !verb->get_name().empty(); });
+}
+
+// The verb that the user reached, as typed: "stage set".
+std::pair<const CLI::App*, std::string> reached_verb(const CLI::App* app) {
+    std::string path;
+    for (auto below = app->get_subcommands(); !below.empty(); below = app->get_subcommands()) {
+        app = below[0];
+        path += (path.empty() ? "" : " ") + app->get_name();
+    }
+    return {app, path};
+}
+
 // One line: what is wrong, and where to look.
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-    const auto verbs = app->get_subcommands();
-    const std::string verb = verbs.empty() ? "" : verbs[0]->get_name() + " ";
+    const auto [verb, path] = reached_verb(app);
     std::string problem = error.what();
-    const auto unknown = app->remaining();
-    if (verbs.empty() && !unknown.empty()) problem = "there is no verb " + unknown[0];
+    const auto unknown = app->remaining(true);
+    const auto below = verbs_of(*verb);
+    const bool typed = !unknown.empty() && !unknown[0].starts_with('-');
+    if (!below.empty() && (typed || problem.find("subcommand") != std::string::npos)) {
+        std::string names;
+        for (const CLI::App* one : below) names += (names.empty() ? "" : ", ") + one->get_name();
+        problem = typed ? fmt::format("there is no `{}{}{}`", path, path.empty() ? "" : " ", unknown[0])
+                        : fmt::format("`neuvv{}{}` needs a verb", path.empty() ? "" : " ", path);
+        problem += "; choose from " + names;
+    }
     for (char& c : problem)
         if (c == '\n' || c == '\r') c = ' ';
-    return fmt::format("neuvv: {}; `neuvv {}--help` shows how\n", problem, verb);
+    return fmt::format("neuvv: {}; `neuvv {}{}--help` shows how\n", problem, path, path.empty() ? "" : " ");
 }
 
 int run(int argc, char** argv) {

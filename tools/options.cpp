@@ -6,10 +6,12 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/text.h"
 #include "media/image.h"
 
 namespace neuvv {
@@ -18,6 +20,14 @@ namespace {
 
 constexpr int kMaxDigits = 9;       // of a numbered file name
 constexpr double kMaxNumber = 1e9;  // of a list of them
+
+// CSS's basic colours.
+constexpr std::pair<const char*, const char*> kColours[] = {
+    {"white", "ffffff"},   {"silver", "c0c0c0"}, {"grey", "808080"},   {"gray", "808080"},  {"black", "000000"},
+    {"red", "ff0000"},     {"maroon", "800000"}, {"yellow", "ffff00"}, {"olive", "808000"}, {"lime", "00ff00"},
+    {"green", "008000"},   {"aqua", "00ffff"},   {"teal", "008080"},   {"blue", "0000ff"},  {"navy", "000080"},
+    {"fuchsia", "ff00ff"}, {"purple", "800080"},
+};
 
 // The whole of `text` as a number.
 template <typename T>
@@ -66,36 +76,43 @@ PictureSize parse_size(const std::string& text) {
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
                                   const std::string& mend) {
     std::vector<double> numbers;
-    bool sound = true;
-    for (size_t begin = 0; sound && begin <= text.size();) {
-        const size_t end = std::min(text.find(',', begin), text.size());
-        double number = 0;
-        sound =
-            read_number(std::string_view(text).substr(begin, end - begin), number) && std::abs(number) <= kMaxNumber;
+    for (const std::string& part : split(text, ',')) {
+        double number = NAN;
+        const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+        if (error == std::errc::result_out_of_range) number = std::strtod(part.c_str(), nullptr);  // all or nothing
+        if (stop != part.data() + part.size()) number = NAN;
+        if (std::abs(number) > kMaxNumber)
+            throw InputError(option, text, fmt::format("is too large: {} is the most", kMaxNumber), mend);
         numbers.push_back(number);
-        begin = end + 1;
     }
-    if (!sound || numbers.size() != count)
-        throw InputError(option, text, fmt::format("is not {} numbers", count), mend);
+    bool sound = numbers.size() == count;
+    for (const double number : numbers) sound = sound && std::isfinite(number);
+    if (!sound)
+        throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), mend);
     return numbers;
 }
 
-glm::vec4 parse_colour(const std::string& text) {
+glm::vec4 parse_colour(const std::string& option, const std::string& text) {
     const std::string name = lower(text);
     if (name == "clear" || name == "transparent" || name == "none") return glm::vec4(0);
-    std::string hex = name;
-    if (name == "white") hex = "ffffff";
-    if (name == "black") hex = "000000";
-    if (name == "grey" || name == "gray") hex = "808080";
+    std::string hex = name, names;
+    for (const auto& [known, digits] : kColours) {
+        if (name == known) hex = digits;
+        names += std::string(known) + ", ";
+    }
     if (!hex.empty() && hex[0] == '#') hex.erase(0, 1);
     const bool digits =
         hex.size() == 6 && std::all_of(hex.begin(), hex.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
-    if (!digits)
-        throw InputError("--background", text, "is not a colour", "write white, black, grey, clear or '#rrggbb'");
+    if (!digits) throw InputError(option, text, "is not a colour", "write '#rrggbb', " + names + "or clear");
     const auto rgb = static_cast<uint32_t>(std::stoul(hex, nullptr, 16));
     glm::vec4 colour(1);
     for (int c = 0; c < 3; ++c) colour[c] = static_cast<float>(linear_from_srgb((rgb >> (16 - 8 * c) & 255u) / 255.0));
     return colour;
+}
+
+bool is_stage(const std::string& scene) {
+    const std::string ending = lower(std::filesystem::path(scene).extension().string());
+    return ending == ".gltf" || ending == ".glb";
 }
 
 FrameRange parse_frame_range(const std::string& text, uint32_t frames) {

@@ -19,8 +19,12 @@ PictureSize parse_size(const std::string& text);
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
                                   const std::string& mend);
 
-// Linear RGB and opacity of "white", "black", "grey", "clear", "#rrggbb" or "rrggbb" (sRGB).
-glm::vec4 parse_colour(const std::string& text);
+// Linear RGB and opacity of one of CSS's sixteen basic names, "grey", "clear", "#rrggbb" or "rrggbb" (sRGB). `option`
+// is for the error.
+glm::vec4 parse_colour(const std::string& option, const std::string& text);
+
+// A stage by its name: .gltf or .glb.
+bool is_stage(const std::string& scene);
 
 // First and last frame of the clip, fractions allowed.
 struct FrameRange {

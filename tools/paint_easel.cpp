@@ -97,7 +97,7 @@ Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees
 Camera stage_camera(const PaintOptions& options, const StagePlace& place, PictureSize size) {
     if (names_camera_path(options.camera)) return path_camera(options, size);
     if (options.key) throw InputError("--key", fmt::format("{}", *options.key), "is for camera paths", "leave it out");
-    const bool orbits = options.orbit_deg || (options.camera.empty() && place.instant.cameras.empty());
+    const bool orbits = options.orbit_deg || (options.camera.empty() && !has_camera(place.instant));
     if (orbits) return orbit_camera(performers_box(place.stage, place.instant), options.orbit_deg.value_or(0), size);
     return camera_of(place.stage, options.camera, place.instant, size.width, size.height);
 }

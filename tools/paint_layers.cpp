@@ -1,5 +1,7 @@
 #include "tools/paint_layers.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <optional>
 
@@ -23,6 +25,19 @@ std::optional<float> opacity_of(const std::string& text) {
     return value;
 }
 
+// A name that is no file but for what stands behind its last colon: that is meant as a blend, or as an opacity.
+void expect_blend_or_opacity(const std::string& name, const std::string& last) {
+    std::error_code error;
+    const bool names_layer = name.find(".nvpaint:") != std::string::npos ||
+                             std::filesystem::exists(name.substr(0, name.size() - last.size() - 1), error);
+    if (!names_layer || std::filesystem::exists(name, error)) return;
+    double number = 0;
+    const auto [end, problem] = std::from_chars(last.data(), last.data() + last.size(), number);
+    if (problem != std::errc::invalid_argument && end == last.data() + last.size())
+        throw InputError("--paint", name, fmt::format("{} is no opacity", last), "write 0 to 1");
+    parse_blend("--paint", last);
+}
+
 // Takes what stands behind the last colon off, which a file's name may have, too.
 std::optional<std::string> last_part(const std::string& text) {
     const size_t colon = text.rfind(':');
@@ -34,7 +49,8 @@ std::optional<std::string> last_part(const std::string& text) {
 
 PaintBlend parse_blend(const std::string& option, const std::string& text) {
     if (const auto blend = blend_of(text)) return *blend;
-    throw InputError(option, text, "is no blend", "write normal, multiply, tint or recolour");
+    throw InputError(option, text, fmt::format("there is no blend {}", text),
+                     "write normal, multiply, tint or recolour");
 }
 
 PaintStack read_paint_stack(const std::vector<std::string>& names, const PaintedField& field) {
@@ -49,9 +65,12 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const Painted
             if (!blend) throw InputError("--paint", file, "has an opacity but no blend", "write FILE:normal:0.5");
             use.blend = parse_blend("--paint", *blend);
             file.resize(file.size() - blend->size() - 1);
-        } else if (last && blend_of(*last)) {
-            use.blend = *blend_of(*last);
-            file.resize(file.size() - last->size() - 1);
+        } else if (last) {
+            expect_blend_or_opacity(file, *last);
+            if (const auto blend = blend_of(*last)) {
+                use.blend = *blend;
+                file.resize(file.size() - last->size() - 1);
+            }
         }
         stack.layers.push_back(read_paint(file, field));
         stack.uses.push_back(use);

@@ -143,7 +143,7 @@ std::vector<glm::dvec2> line_of(const PaintOptions& options) {
 }
 
 glm::vec3 colour_of(const PaintOptions& options) {
-    return glm::vec3(parse_colour(options.colour.empty() ? "black" : options.colour));
+    return glm::vec3(parse_colour("--colour", options.colour.empty() ? "black" : options.colour));
 }
 
 }  // namespace neuvv

@@ -35,7 +35,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option(
             "-o,--output", options.output,
             "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first; "
-            ".exr: linear light, premultiplied alpha and Z in metres")
+            ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         ->required();
     CLI::Option* orbit =
         verb.add_flag("--orbit", options.orbit,
@@ -52,14 +52,16 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         "with a time ignore it");
     verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one instant (default: all of it)");
     verb.add_option("--fps", options.fps,
-                    "Pictures a second (default: the clip's or the stage's); the clip keeps its speed, and frames "
+                    "Pictures a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
+                    "speed, and frames "
                     "between its own are "
                     "interpolated");
     verb.add_option("--size", options.size,
                     "WIDTHxHEIGHT (default: that of --camera, else 720x720, of a stage 1280x720)");
     verb.add_option(
         "--background", options.background,
-        "white, black, grey, clear or '#rrggbb' (default: white for a video, clear for pictures; of a stage its own)");
+        "A colour's name, '#rrggbb' or clear (default: white for a video, clear for pictures; of a stage its own). It "
+        "stands in a stage's environment's place, which shines all the same");
     CLI::Option* samples = add_samples_option(verb, options.samples);
     CLI::Option* scale =
         verb.add_option("--scale", options.scale,
@@ -84,8 +86,9 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--falloff", options.falloff, "on or off. Of a stage: whether lights shine on performers")
         ->check(CLI::IsMember({"on", "off"}));
     verb.add_flag("--resume", options.resume,
-                  "Go on with a render that was interrupted. Numbered pictures always can; a video can if it was begun "
-                  "so, and keeps its pictures beside it until it is whole");
+                  "Go on with a render that was interrupted. Numbered pictures always can, by the record beside them "
+                  "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its pictures beside it "
+                  "until it is whole");
     verb.add_flag("--json", options.json,
                   "Print JSON: output, pictures, rendered, width, height, fps, seconds (from submission until the "
                   "pictures were there), ...");

@@ -7,6 +7,7 @@
 #include "tools/render_job.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
+#include "voctree/chunk_file.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -15,10 +16,13 @@ namespace {
 
 constexpr PictureSize kDefaultSize{720, 720};
 
-std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tree, const Playback& playback,
+// Sets the rate of `playback`, which the path may have.
+std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tree, Playback& playback,
                                 PictureSize size) {
+    playback.output_fps = checked_fps(options, 0, playback.clip_fps);
     if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kDefaultSize);
     const CameraPath path = read_camera_path(options.camera, playback.output_fps);
+    playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
     return path_steps(path, playback, tree.frames, size, kDefaultSize);
 }
 
@@ -44,7 +48,7 @@ RenderPlan plan_render(const RenderOptions& options) {
     plan.tree = read_nvv(options.scene);
     plan.paint = read_paint_stack(options.paint, painted_field(plan.tree));
     const double clip_fps = plan.tree.fps;
-    plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, checked_fps(options, clip_fps)};
+    plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
     plan.path = view_path(options, plan.tree, plan.playback, wanted);
     const bool instant = plan.playback.range.first == plan.playback.range.last;
     if (instant && plan.output.kind == PictureOutput::Kind::kPicture && options.camera.empty())
@@ -88,6 +92,9 @@ void expect_no_stage_options(const RenderOptions& options) {
 }  // namespace
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
+    if (std::filesystem::exists(options.scene) && content_of(options.scene) == FileContent::kOther)
+        throw InputError(options.scene, "", "is neither a clip nor a stage",
+                         "name a .nvv of `neuvv train`, or a .gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
     const RenderPlan plan = plan_render(options);
     const PictureSize size = plan.size;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -18,16 +18,11 @@ constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 }  // namespace
 
-bool is_stage(const std::string& scene) {
-    std::string extension = std::filesystem::path(scene).extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension == ".gltf" || extension == ".glb";
-}
-
 ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output) {
     const bool video = output.kind == PictureOutput::Kind::kVideo;
     ResolveSettings resolve;
-    resolve.background = parse_colour(options.background.empty() ? (video ? "white" : "clear") : options.background);
+    resolve.background =
+        parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
     if (options.depth) resolve.show = Show::kDepth;
     if (options.alpha) resolve.show = Show::kAlpha;
     if (video && resolve.show == Show::kColour && resolve.background.a < 1)
@@ -50,11 +45,11 @@ void expect_fitting_output(const PictureOutput& output, const RenderOptions& opt
     if (options.scale < 1) throw InputError("--scale", "", "what is scaled up is not linear", mend);
 }
 
-double checked_fps(const RenderOptions& options, double otherwise) {
+double checked_fps(const RenderOptions& options, double path_fps, double otherwise) {
     if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
         throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of pictures",
                          fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
-    return options.fps.value_or(otherwise);
+    return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : otherwise);
 }
 
 RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize size, size_t pictures) {
@@ -80,8 +75,10 @@ RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& 
     Progress progress("render", pictures);
     for (uint32_t i = 0; i < pictures; ++i) {
         if (stop_requested())
-            throw RuntimeFailure(fmt::format("{}: stopped before the end{}", options.output,
-                                             sink.resumable() ? "; --resume goes on with it" : ""));
+            throw RuntimeFailure(fmt::format("{}: stopped before the end; {}", options.output,
+                                             sink.resumable() ? "--resume goes on with it"
+                                             : video ? "begin a video with --resume to be able to go on with it"
+                                                     : "begin it anew"));
         if (!sink.has(i)) {
             render(i);
             ++totals.rendered;

@@ -30,9 +30,6 @@ struct RenderTotals {
     double fps = 0, rays = 0, seconds = 0;
 };
 
-// A stage by its name: .gltf or .glb.
-bool is_stage(const std::string& scene);
-
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common);
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common);
 
@@ -41,7 +38,8 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
 ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
 void expect_fitting_output(const PictureOutput& output, const RenderOptions& options);
 void expect_fitting_output(const PictureOutput& output, size_t pictures);
-double checked_fps(const RenderOptions& options, double otherwise);
+// That of --fps, else of the camera path where it has one, else `otherwise`.
+double checked_fps(const RenderOptions& options, double path_fps, double otherwise);
 inline uint32_t samples_of(const RenderOptions& options) {
     return options.scale < 1 ? 1 : options.samples;
 }

@@ -34,6 +34,17 @@ RenderRecord read_record(const std::filesystem::path& path) {
     return record;
 }
 
+constexpr char kContent[] = "xxh3:";
+
+bool is_content(const std::string& fact) {
+    return fact.starts_with(kContent);
+}
+
+// A fact as a person reads it.
+std::string words_of(const std::string& fact) {
+    return is_content(fact) ? "a file" : fact;
+}
+
 std::string fact(const RenderFacts& facts, const std::string& name) {
     const auto found = facts.find(name);
     return found == facts.end() ? "none" : found->second;
@@ -49,7 +60,7 @@ std::string content_fact(const std::filesystem::path& path) {
     while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
         XXH3_64bits_update(state.get(), block.data(), static_cast<size_t>(file.gcount()));
     if (!file.eof() || file.bad()) throw InputError(path.string(), "", "cannot be read");
-    return fmt::format("xxh3:{:016x}", XXH3_64bits_digest(state.get()));
+    return fmt::format("{}{:016x}", kContent, XXH3_64bits_digest(state.get()));
 }
 
 void write_render_record(const std::filesystem::path& file, const RenderRecord& record) {
@@ -68,7 +79,11 @@ uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts&
     for (const auto& [name, value] : names)
         if (const std::string now = fact(facts, name), then = fact(record.facts, name); now != then)
             throw InputError(file.string(), name,
-                             fmt::format("was {} for the pictures that are there, and is {} now", then, now), kAnew);
+                             is_content(now) && is_content(then)
+                                 ? "was changed since the pictures that are there were rendered"
+                                 : fmt::format("was {} for the pictures that are there, and is {} now", words_of(then),
+                                               words_of(now)),
+                             kAnew);
     return record.finished;
 }
 

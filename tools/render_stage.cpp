@@ -51,22 +51,6 @@ std::pair<double, double> time_range(const std::string& text, double duration_s)
     return range;
 }
 
-// World box around all that stands on the stage at an instant.
-std::pair<glm::dvec3, glm::dvec3> stage_box(const Stage& stage, const StageInstant& instant) {
-    glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (const InstantPerformer& performer : instant.performers) {
-        const StageClip& clip = stage.clips[performer.clip];
-        for (int i = 0; i < 8; i++) {
-            const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
-            const glm::dvec3 place(performer.world_from_performer * glm::dvec4(corner, 1));
-            low = glm::min(low, place);
-            high = glm::max(high, place);
-        }
-    }
-    if (low.x <= high.x) return {low, high};
-    return {glm::dvec3(-1), glm::dvec3(1)};
-}
-
 void expect_stage_options(const RenderOptions& options) {
     if (!options.frames.empty())
         throw InputError("--frames", options.frames, "is for clips", "choose --time of a stage, in seconds");
@@ -81,17 +65,13 @@ void override_settings(const RenderOptions& options, Stage& stage) {
     if (options.falloff) stage.settings.falloff = *options.falloff == "on";
 }
 
-bool is_path_file(const std::string& camera) {
-    return std::filesystem::path(camera).extension() == ".json";
-}
-
 // One turn around the stage, for stages that nobody has put a camera on.
 std::vector<ViewStep> turn_around(const StagePlan& plan) {
     const double seconds = std::max(kTurnSeconds, plan.pictures / plan.fps);
     Playback turn;  // as if a clip of that many frames played
     turn.clip_fps = turn.output_fps = plan.fps;
     turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
-    return orbit_path(stage_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, plan.size);
+    return orbit_path(performers_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, plan.size);
 }
 
 // The camera of picture i.
@@ -110,12 +90,41 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
         const auto i = static_cast<uint32_t>(uint64_t{plan.pictures} * k / std::min(kInstants, plan.pictures));
         const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =
-            depth_range({{camera_of(options, plan, instant, i), 0}}, stage_box(plan.stage, instant));
+            depth_range({{camera_of(options, plan, instant, i), 0}}, performers_box(plan.stage, instant));
         nearest = std::min(nearest, near);
         farthest = std::max(farthest, far);
     }
     plan.resolve.depth_near_m = static_cast<float>(nearest);
     plan.resolve.depth_far_m = static_cast<float>(farthest);
+}
+
+// Which pictures: those of --time, else of the whole path, else of the whole stage.
+void plan_time(const RenderOptions& options, StagePlan& plan) {
+    if (plan.path && options.time.empty()) {
+        plan.pictures = static_cast<uint32_t>(path_pictures(*plan.path, plan.fps, plan.stage.duration_s));
+        return;
+    }
+    const bool moves = plan.path && plan.path->keys.size() > 1;
+    const auto [first_s, last_s] = time_range(options.time, moves ? plan.path->duration_s : plan.stage.duration_s);
+    const double pictures = std::max(1.0, std::round((last_s - first_s) * plan.fps));
+    if (pictures > kMaxPictures)
+        throw InputError("--time", options.time, fmt::format("makes more than {} pictures", kMaxPictures),
+                         "choose less of it, or a lower --fps");
+    plan.first_s = first_s;
+    plan.pictures = static_cast<uint32_t>(pictures);
+}
+
+// More lights than the renderer takes are no mistake of the file, but a surprise.
+void tell_of_lights(const RenderOptions& options, const Stage& stage, const StageInstant& instant) {
+    const size_t lights = instant.lights.size();
+    const auto end = instant.lights.begin() + static_cast<ptrdiff_t>(std::min<size_t>(lights, kMaxSetLights));
+    const auto casting = std::count_if(instant.lights.begin(), end,
+                                       [](const InstantLight& light) { return set_light(light).casts_shadow; });
+    if (lights > kMaxSetLights)
+        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", options.scene, lights, kMaxSetLights);
+    if (stage.settings.shadows && casting > static_cast<ptrdiff_t>(kMaxShadows))
+        fmt::print(stderr, "{}: {} of its lights would cast shadows, of which the first {} do\n", options.scene,
+                   casting, kMaxShadows);
 }
 
 StagePlan plan_stage(const RenderOptions& options) {
@@ -127,19 +136,12 @@ StagePlan plan_stage(const RenderOptions& options) {
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
     plan.stage = load_stage(options.scene);
     override_settings(options, plan.stage);
-    plan.fps = checked_fps(options, plan.stage.fps);
-    double duration_s = plan.stage.duration_s;
-    if (is_path_file(options.camera)) {
+    plan.fps = checked_fps(options, 0, plan.stage.fps);
+    if (names_camera_path(options.camera)) {
         plan.path = read_camera_path(options.camera, plan.fps);
-        duration_s = plan.path->duration_s;
+        plan.fps = checked_fps(options, plan.path->fps, plan.stage.fps);
     }
-    const auto [first_s, last_s] = time_range(options.time, duration_s);
-    const double pictures = std::max(1.0, std::round((last_s - first_s) * plan.fps));
-    if (pictures > kMaxPictures)
-        throw InputError("--time", options.time, fmt::format("makes more than {} pictures", kMaxPictures),
-                         "choose less of it, or a lower --fps");
-    plan.first_s = first_s;
-    plan.pictures = static_cast<uint32_t>(pictures);
+    plan_time(options, plan);
     const bool still = plan.output.kind == PictureOutput::Kind::kPicture;
     if (still && options.time.empty() && !plan.path) plan.pictures = 1;
     expect_fitting_output(plan.output, plan.pictures);
@@ -149,9 +151,9 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
     const StageInstant first = stage_at(plan.stage, plan.first_s);
-    if (!plan.path && (options.orbit || (first.cameras.empty() && options.camera.empty())))
-        plan.turn = turn_around(plan);
+    if (!plan.path && (options.orbit || (!has_camera(first) && options.camera.empty()))) plan.turn = turn_around(plan);
     camera_of(options, plan, first, 0);  // there is one
+    tell_of_lights(options, plan.stage, first);
     set_depth_range(options, plan);
     return plan;
 }
@@ -185,7 +187,7 @@ void render_picture(StageRenderer& renderer, const RenderOptions& options, const
                     PictureSink& sink) {
     const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
     const Camera camera = camera_of(options, plan, instant, i);
-    renderer.show(instant);
+    renderer.show(instant, options.background.empty());
     FrameSettings settings = renderer.settings_at(instant);
     settings.scale = options.scale;
     settings.resolve = plan.resolve;

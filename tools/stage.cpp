@@ -5,12 +5,15 @@
 
 #include "base/error.h"
 #include "edit/operations.h"
+#include "media/image.h"
+#include "shared/lights.h"
 #include "stage/stage.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/stage_info.h"
 #include "tools/stage_options.h"
+#include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -40,10 +43,25 @@ void edit(const Target& target, const Operation& operation) {
     fmt::print("{}: {}\n", output, change);
 }
 
-std::filesystem::path existing(const std::string& file) {
+// A time map whose parts lie in the clip. Clips may be missing: then nobody knows.
+void expect_fitting_time(const TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) throw InputError(file, "", "is no file");
-    return file;
+    if (!std::filesystem::exists(clip, error)) return;
+    const NvvHead head = summarise_nvv(clip).head;
+    const std::string text = text_of(time);
+    expect_parts_within(timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text), "--time", text);
+}
+
+// A layer that the performer's clip can wear: what does not fit would only show when it is rendered.
+void expect_fitting_paint(const StageFile& file, uint32_t node, const std::string& performer,
+                          const std::filesystem::path& layer) {
+    const std::filesystem::path clip = clip_of(file, node);
+    try {
+        read_paint(layer, painted_field(read_nvv(clip)));
+    } catch (const InputError& problem) {
+        throw InputError(file.path.string(), fmt::format("\"{}\", which plays {}", performer, clip.filename().string()),
+                         problem.what());
+    }
 }
 
 void add_new(CLI::App& stage) {
@@ -53,6 +71,7 @@ void add_new(CLI::App& stage) {
     verb->footer("\n\nExamples:\n  neuvv stage new build/show.gltf");
     verb->callback([output] {
         std::error_code error;
+        if (!is_stage(*output)) throw InputError(*output, "", "is no name for a stage", "end it in .gltf or .glb");
         if (std::filesystem::exists(*output, error))
             throw InputError(*output, "", "is there already", "remove it, or choose another name");
         prepare_output_file("STAGE", *output);
@@ -85,6 +104,7 @@ void add_add(CLI::App& stage) {
         edit(options->target, [&](StageFile& file) {
             PerformerEdit performer = options->performer.edit();
             performer.clip = options->clip;
+            if (performer.time) expect_fitting_time(*performer.time, options->clip);
             return add_performer(file, options->name, performer, options->place.placement());
         });
     });
@@ -101,7 +121,11 @@ struct SetOptions {
 std::string set_node(StageFile& file, const SetOptions& options) {
     const uint32_t node = find_node(file, *options.node);
     PerformerEdit performer = options.performer.edit();
-    if (options.clip) performer.clip = existing(*options.clip);
+    if (options.clip) {
+        summarise_nvv(*options.clip);
+        performer.clip = *options.clip;
+    }
+    if (performer.time) expect_fitting_time(*performer.time, performer.clip ? *performer.clip : clip_of(file, node));
     const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||
                               performer.visible || performer.casts_shadow || performer.receives_shadow;
     std::string change;
@@ -138,6 +162,7 @@ void add_set(CLI::App& stage) {
                              "leave the node out, or set them one after the other");
         if (!names_node && node->count_all() + performer->count_all() > 0)
             throw InputError("stage set", options->target.stage, "these options are a node's", "name the node");
+        if (options->stage.environment && !options->stage.environment->empty()) read_png(*options->stage.environment);
         edit(options->target, [&](StageFile& file) {
             return names_node ? set_node(file, *options) : set_stage(file, options->stage.edit());
         });
@@ -164,12 +189,14 @@ void add_duplicate(CLI::App& stage) {
     pattern->add_option("--row", options->row, "One beside the other along +X, so many metres apart")
         ->check(number_between(-1e6, 1e6));
     pattern->add_option("--ring", options->ring, "On a circle of this radius, facing outward")
-        ->check(number_between(0, 1e6));
+        ->check(number_between(1e-3, 1e6));
     pattern->add_option("--fan", options->fan, "On an arc of such a circle: radius, degrees")
         ->expected(2)
         ->check(number_between(-1e6, 1e6));
     pattern->require_option(1);
-    verb->add_option("--stagger", options->stagger, "Each starts so much later: 3f, frames of the clip, or 0.5s")
+    verb->add_option("--stagger", options->stagger,
+                     "Each is so much behind the one before: 3f, frames of the clip, or 0.5s. What loops runs "
+                     "from the start on; what does not starts so much later, and the stage becomes longer")
         ->capture_default_str();
     verb->add_option("--spin-step", options->spin_step, "Each spins so much faster, degrees a second")
         ->check(number_between(-kMaxSpin, kMaxSpin));
@@ -187,6 +214,8 @@ void add_duplicate(CLI::App& stage) {
             settings.pattern = CopyPattern::kFan;
             settings.arc_deg = options->fan[1];
         }
+        if (!options->fan.empty() && options->fan[0] == 0)
+            throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
         settings.distance_m = options->row ? *options->row : options->ring ? *options->ring : options->fan[0];
         edit(options->target,
              [&](StageFile& file) { return duplicate_node(file, find_node(file, options->node), settings); });
@@ -232,7 +261,10 @@ std::string change_light(StageFile& file, const LightVerbOptions& options) {
 }
 
 void add_light_verb(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand("light", "Add a light, change it or take it off");
+    CLI::App* verb = stage.add_subcommand(
+        "light", fmt::format("Add a light, change it or take it off. The first {} of a stage shine; the first {} spots "
+                             "and directional lights of them cast shadows, points none",
+                             kMaxSetLights, kMaxShadows));
     const auto options = std::make_shared<LightVerbOptions>();
     add_target(*verb, options->target);
     verb->add_option("NODE", options->node, "The light's name or index");
@@ -243,7 +275,7 @@ void add_light_verb(CLI::App& stage) {
     add_light_options(*verb, options->light);
     verb->footer(
         "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-        "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --color '#ffd0a0'\n"
+        "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
         "  neuvv stage light build/show.gltf back --remove");
     verb->callback([options] { edit(options->target, [&](StageFile& file) { return change_light(file, *options); }); });
@@ -268,7 +300,10 @@ std::string change_paint(StageFile& file, const PaintVerbOptions& options) {
     if (options.add.has_value() == options.layer.has_value())
         throw InputError("stage paint", options.target.stage, "needs either --add or --layer",
                          "see `neuvv stage paint --help`");
-    if (options.add) return add_paint_layer(file, node, existing(*options.add), edit);
+    if (options.add) {
+        expect_fitting_paint(file, node, options.node, *options.add);
+        return add_paint_layer(file, node, *options.add, edit);
+    }
     if (options.remove) return remove_paint_layer(file, node, *options.layer);
     const std::string change = set_paint_layer(file, node, *options.layer, edit);
     return options.to ? move_paint_layer(file, node, *options.layer, *options.to) : change;
@@ -286,7 +321,11 @@ void add_paint(CLI::App& stage) {
     verb->add_option("--name", options->name, "Its name");
     verb->add_option("--opacity", options->opacity, "0 to 1")->check(number_between(0, 1));
     verb->add_option("--visible", options->visible, "on or off")->check(CLI::IsMember({"on", "off"}));
-    verb->add_option("--blend", options->blend, "normal, multiply, tint or recolour")
+    verb->add_option(
+            "--blend", options->blend,
+            "How its colours go over what is below. normal: in their place; multiply: times them, as a filter; "
+            "tint: times them, but as bright as before, as if lit by them; recolour: their hue and saturation, "
+            "as bright as before")
         ->check(CLI::IsMember({"normal", "multiply", "tint", "recolour"}));
     verb->footer(
         "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"

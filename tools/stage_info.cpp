@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,18 +21,13 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct InfoOptions {
-    std::string stage;
-    double at_s = 0, slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
-    bool json = false, memory = false;
-};
-
 // What a clip takes on the device: its field, and the slices that are kept of it.
 struct ClipMemory {
     uint64_t field_bytes = 0, slice_bytes = 0;
 };
 
-std::vector<ClipMemory> measure_memory(const Stage& stage, const InfoOptions& options, const CommonOptions& common) {
+std::vector<ClipMemory> measure_memory(const Stage& stage, const StageInfoOptions& options,
+                                       const CommonOptions& common) {
     const Device device(common.device);
     const auto budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     std::vector<ClipMemory> all;
@@ -78,12 +74,41 @@ std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instan
     return shares;
 }
 
+// How a performer's node stands: degrees about the world's X, then Y, then Z, as --turn has them, and factors along its
+// axes; a mirror image has a negative first one. Shear is not in it.
+struct Stand {
+    glm::dvec3 turn_deg{0}, scale{1};
+};
+
+Stand stand_of(const glm::dmat4& world_from_node) {
+    glm::dmat3 axes(world_from_node);
+    Stand stand;
+    for (int i = 0; i < 3; ++i) stand.scale[i] = glm::length(axes[i]);
+    if (glm::determinant(axes) < 0) stand.scale.x = -stand.scale.x;
+    for (int i = 0; i < 3; ++i) axes[i] /= stand.scale[i] != 0 ? stand.scale[i] : 1;
+    stand.turn_deg =
+        glm::degrees(glm::dvec3(std::atan2(axes[1][2], axes[2][2]), std::asin(std::clamp(-axes[0][2], -1.0, 1.0)),
+                                std::atan2(axes[0][1], axes[0][0])));
+    return stand;
+}
+
+const GltfLight& light_of(const Stage& stage, const InstantLight& light) {
+    return stage.scene.lights[static_cast<size_t>(stage.scene.nodes[light.node].light)];
+}
+
+ordered_json paint_json(const PerformerSettings& settings) {
+    auto list = ordered_json::array();
+    for (const PaintLayer& layer : settings.paint) list.push_back(json_of(layer));
+    return list;
+}
+
 ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
     auto list = ordered_json::array();
     for (const InstantPerformer& at : instant.performers) {
         const StagePerformer& performer = stage.performers[at.performer];
         const PerformerSettings& settings = performer.settings;
         const double length = length_s(performer.timeline);
+        const Stand stand = stand_of(instant.pose.world_from_node[performer.node]);
         list.push_back({{"node", performer.node},
                         {"name", performer.name},
                         {"clip", at.clip},
@@ -91,14 +116,35 @@ ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
                         {"seconds", std::isfinite(length) ? ordered_json(length) : ordered_json()},
                         {"frame", at.frame},
                         {"position", vector_json(glm::dvec3(at.world_from_performer[3]))},
+                        {"turn", vector_json(stand.turn_deg)},
+                        {"scale", vector_json(stand.scale)},
                         {"spin", settings.spin_deg_per_s},
                         {"visible", at.visible},
                         {"opacity", settings.opacity},
                         {"casts_shadow", at.casts_shadow},
                         {"receives_shadow", at.receives_shadow},
-                        {"paint_layers", settings.paint.size()}});
+                        {"paint_layers", settings.paint.size()},
+                        {"paint", paint_json(settings)}});
     }
     return list;
+}
+
+ordered_json light_json(const Stage& stage, const InstantLight& light, const LightShare& share) {
+    const GltfLight& source = light_of(stage, light);
+    ordered_json json = {{"node", light.node},
+                         {"name", node_title(stage.scene, light.node)},
+                         {"kind", kind_name(light.kind)},
+                         {"position", vector_json(light.position)},
+                         {"direction", vector_json(light.direction)},
+                         {"intensity", vector_json(light.intensity)},
+                         {"colour", vector_json(source.color)},
+                         {"range", source.range_m > 0 ? ordered_json(source.range_m) : ordered_json()},
+                         {"shines", share.shines},
+                         {"casts_shadow", share.casts_shadow},
+                         {"limited", !share.text.empty()}};
+    if (light.kind == GltfLightKind::kSpot)
+        json["cone"] = {glm::degrees(source.inner_cone_rad), glm::degrees(source.outer_cone_rad)};
+    return json;
 }
 
 ordered_json json_of(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
@@ -106,7 +152,14 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
                          {"duration", stage.duration_s},
                          {"fps", stage.fps},
                          {"at", instant.time_s},
-                         {"ambient", vector_json(stage.ambient)}};
+                         {"ambient", vector_json(stage.ambient)},
+                         {"background", vector_json(stage.settings.background)},
+                         {"blend", kStageBlendNames[static_cast<size_t>(stage.settings.blend)]},
+                         {"shadows", stage.settings.shadows},
+                         {"falloff", stage.settings.falloff}};
+    if (const auto& environment = stage.settings.environment)
+        json["environment"] = {
+            {"uri", environment->uri}, {"intensity", environment->intensity}, {"rotation", environment->rotation_deg}};
     json["performers"] = performers_json(stage, instant);
     json["clips"] = json["lights"] = json["cameras"] = ordered_json::array();
     uint64_t total = 0;
@@ -120,18 +173,8 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
     }
     if (!memory.empty()) json["device_bytes"] = total;
     const std::vector<LightShare> shares = shares_of(stage, instant);
-    for (size_t i = 0; i < shares.size(); ++i) {
-        const InstantLight& light = instant.lights[i];
-        json["lights"].push_back({{"node", light.node},
-                                  {"name", node_title(stage.scene, light.node)},
-                                  {"kind", kind_name(light.kind)},
-                                  {"position", vector_json(light.position)},
-                                  {"direction", vector_json(light.direction)},
-                                  {"intensity", vector_json(light.intensity)},
-                                  {"shines", shares[i].shines},
-                                  {"casts_shadow", shares[i].casts_shadow},
-                                  {"limited", !shares[i].text.empty()}});
-    }
+    for (size_t i = 0; i < shares.size(); ++i)
+        json["lights"].push_back(light_json(stage, instant.lights[i], shares[i]));
     for (const InstantCamera& camera : instant.cameras)
         json["cameras"].push_back({{"node", camera.node},
                                    {"name", camera.name},
@@ -147,20 +190,80 @@ std::string place_text(const glm::dvec3& v) {
     return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x, v.y, v.z);
 }
 
+// +0.0 makes zeros of negative ones, and of what rounds to them.
+std::string vector_text(const glm::dvec3& v) {
+    const auto tidy = [](double number) { return std::round(number * 1e4) / 1e4 + 0.0; };
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", tidy(v.x), tidy(v.y), tidy(v.z));
+}
+
+// One number where the three are alike.
+std::string numbers_text(const glm::dvec3& v) {
+    return glm::length(v - glm::dvec3(v.x)) < 1e-6 ? fmt::format("{:.6g}", v.x) : vector_text(v);
+}
+
+std::string paint_text(const PerformerSettings& settings) {
+    std::string text;
+    for (const PaintLayer& layer : settings.paint) {
+        text += (text.empty() ? "" : ", ") + (layer.name.empty() ? decoded_uri(layer.uri) : layer.name);
+        if (layer.blend != PaintBlend::kNormal)
+            text += fmt::format(" ({})", kPaintBlendNames[static_cast<size_t>(layer.blend)]);
+        if (layer.opacity != 1) text += fmt::format(" at {:.6g}", layer.opacity);
+        if (!layer.visible) text += " not seen";
+    }
+    return text;
+}
+
+// What is not as usual with a performer.
+std::string more_of(const StagePerformer& performer, const InstantPerformer& at, const glm::dmat4& world_from_node) {
+    const PerformerSettings& settings = performer.settings;
+    std::string text = settings.time.empty() ? "as the clip's" : text_of(settings.time);
+    const Stand stand = stand_of(world_from_node);
+    if (glm::length(stand.turn_deg) > 1e-4) text += fmt::format(", turned by {}°", vector_text(stand.turn_deg));
+    if (glm::length(stand.scale - glm::dvec3(1)) > 1e-6) text += ", scaled by " + numbers_text(stand.scale);
+    if (settings.spin_deg_per_s != 0) text += fmt::format(", spins {}°/s", settings.spin_deg_per_s);
+    if (settings.opacity != 1) text += fmt::format(", opacity {}", settings.opacity);
+    if (!at.visible) text += ", not seen";
+    if (!settings.casts_shadow) text += ", casts no shadows";
+    if (!settings.receives_shadow) text += ", no shadows fall on it";
+    if (!settings.paint.empty()) text += ", painted: " + paint_text(settings);
+    return text;
+}
+
+std::string light_text(const Stage& stage, const InstantLight& light, const LightShare& share) {
+    const GltfLight& source = light_of(stage, light);
+    std::string text =
+        fmt::format("{:.6g} {}", source.intensity, light.kind == GltfLightKind::kDirectional ? "lx" : "cd");
+    if (source.color != glm::dvec3(1)) text += ", colour " + numbers_text(source.color);
+    if (light.kind == GltfLightKind::kSpot)
+        text += fmt::format(", cone {:.4g}° to {:.4g}°", glm::degrees(source.inner_cone_rad),
+                            glm::degrees(source.outer_cone_rad));
+    if (source.range_m > 0) text += fmt::format(", ends {:.6g} m off", source.range_m);
+    if (!share.text.empty()) return text + ", " + share.text;
+    return text + (share.casts_shadow ? ", casts shadows" : ", no shadows");
+}
+
+std::string settings_text(const Stage& stage) {
+    const StageSettings& settings = stage.settings;
+    std::string text =
+        fmt::format("ambient light {}, background {}", numbers_text(stage.ambient), numbers_text(settings.background));
+    if (const auto& environment = settings.environment) {
+        text += fmt::format(", environment {}", decoded_uri(environment->uri));
+        if (environment->intensity != 1) text += fmt::format(", intensity {:.6g}", environment->intensity);
+        if (environment->rotation_deg != 0) text += fmt::format(", turned by {:.6g}°", environment->rotation_deg);
+    }
+    return text + fmt::format("; blend {}, shadows {}, falloff {}",
+                              kStageBlendNames[static_cast<size_t>(settings.blend)], settings.shadows ? "on" : "off",
+                              settings.falloff ? "on" : "off");
+}
+
 void print_performers(const Stage& stage, const StageInstant& instant) {
     if (instant.performers.empty()) return;
     fmt::print("\nnode  performer         clip  frame   at                      time\n");
     for (const InstantPerformer& at : instant.performers) {
         const StagePerformer& performer = stage.performers[at.performer];
-        std::string more = performer.settings.time.empty() ? "as the clip's" : text_of(performer.settings.time);
-        if (performer.settings.spin_deg_per_s != 0)
-            more += fmt::format(", spins {}°/s", performer.settings.spin_deg_per_s);
-        if (performer.settings.opacity != 1) more += fmt::format(", opacity {}", performer.settings.opacity);
-        if (!at.visible) more += ", not seen";
-        if (!performer.settings.paint.empty())
-            more += fmt::format(", {} paint layers", performer.settings.paint.size());
         fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
-                   place_text(glm::dvec3(at.world_from_performer[3])), more);
+                   place_text(glm::dvec3(at.world_from_performer[3])),
+                   more_of(performer, at, instant.pose.world_from_node[performer.node]));
     }
 }
 
@@ -198,6 +301,7 @@ void print(const Stage& stage, const StageInstant& instant, const std::vector<Cl
     fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
                stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
                instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
+    fmt::print("{}\n", settings_text(stage));
     print_performers(stage, instant);
     print_clips(stage, memory);
     print_lights(stage, instant);
@@ -209,7 +313,9 @@ void print(const Stage& stage, const StageInstant& instant, const std::vector<Cl
                    place_text(glm::dvec3(camera.world_from_camera[3])));
 }
 
-void run(const InfoOptions& options, const CommonOptions& common) {
+}  // namespace
+
+void print_stage_info(const StageInfoOptions& options, const CommonOptions& common) {
     const Stage stage = load_stage(options.stage);
     const StageInstant instant = stage_at(stage, options.at_s);
     const std::vector<ClipMemory> memory =
@@ -220,11 +326,9 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         print(stage, instant, memory);
 }
 
-}  // namespace
-
 void add_stage_info(CLI::App& stage, CommonOptions& common) {
     CLI::App* verb = stage.add_subcommand("info", "Say who and what is on a stage");
-    const auto options = std::make_shared<InfoOptions>();
+    const auto options = std::make_shared<StageInfoOptions>();
     verb->add_option("STAGE", options->stage, "The stage, .gltf or .glb")->required();
     verb->add_option("--at", options->at_s, "At which stage time, seconds")
         ->check(number_between(-kMaxStageSeconds, kMaxStageSeconds))
@@ -237,7 +341,7 @@ void add_stage_info(CLI::App& stage, CommonOptions& common) {
                  "  neuvv stage info build/show.gltf\n"
                  "  neuvv stage info build/show.gltf --at 1.5 --json\n"
                  "  neuvv stage info build/show.gltf --memory");
-    verb->callback([options, &common] { run(*options, common); });
+    verb->callback([options, &common] { print_stage_info(*options, common); });
 }
 
 }  // namespace neuvv

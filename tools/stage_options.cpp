@@ -1,6 +1,9 @@
 #include "tools/stage_options.h"
 
+#include <fmt/format.h>
+
 #include "base/error.h"
+#include "base/text.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 
@@ -33,7 +36,9 @@ glm::dvec3 parse_vector(const std::string& option, const std::string& text) {
 
 glm::dvec3 parse_light_colour(const std::string& option, const std::string& text) {
     if (text.find(',') != std::string::npos) return parse_vector(option, text);
-    return glm::dvec3(glm::vec3(parse_colour(text)));
+    const glm::vec4 colour = parse_colour(option, text);
+    if (colour.a < 1) throw InputError(option, text, "is no colour of light", "write black for none");
+    return glm::dvec3(glm::vec3(colour));
 }
 
 Placement PlacementOptions::placement() const {
@@ -114,8 +119,8 @@ void add_stage_options(CLI::App& verb, StageOptions& options) {
         ->check(number_between(-1e6, 1e6));
     verb.add_option("--blend", options.blend, "Of performers: exact, or layer over layer as the paper has it")
         ->check(CLI::IsMember({"exact", "paper"}));
-    add_switch(verb, "--shadows", options.shadows, "Shadows");
-    add_switch(verb, "--falloff", options.falloff, "Light falls off with its distance");
+    add_switch(verb, "--shadows", options.shadows, "Whether lights cast shadows");
+    add_switch(verb, "--falloff", options.falloff, "Whether lights shine on performers");
 }
 
 LightEdit LightOptions::edit() const {
@@ -123,7 +128,7 @@ LightEdit LightOptions::edit() const {
     edit.kind = kind;
     edit.intensity = intensity;
     edit.range_m = range;
-    if (!color.empty()) edit.color = parse_light_colour("--color", color);
+    if (!color.empty()) edit.color = parse_light_colour("--colour", color);
     if (!cone.empty()) {
         const std::vector<double> angles = parse_numbers("--cone", cone, 2, "write two half angles, as in 20,30");
         edit.inner_cone_deg = angles[0];
@@ -135,7 +140,7 @@ LightEdit LightOptions::edit() const {
 void add_light_options(CLI::App& verb, LightOptions& options) {
     verb.add_option("--kind", options.kind, "spot, point or directional")
         ->check(CLI::IsMember({"spot", "point", "directional"}));
-    verb.add_option("--color", options.color, "A colour's name, #rrggbb, or linear R,G,B");
+    verb.add_option("--colour,--color", options.color, "A colour's name, #rrggbb, or linear R,G,B");
     verb.add_option("--intensity", options.intensity, "Candela; lux of a directional light")
         ->check(number_between(0, kMaxLux));
     verb.add_option("--range", options.range, "Where its light ends, metres")->check(number_between(1e-6, kMaxLength));

@@ -30,12 +30,10 @@ double playing_frame(const Playback& playback, double i) {
     return std::min(playback.range.first + played, playback.range.last);
 }
 
-// Pictures that `repeats` times the range take.
-size_t picture_count(const Playback& playback, double seconds) {
-    const double count = std::round(seconds * playback.output_fps);
+size_t picture_count(double fps, double seconds) {
+    const double count = std::round(seconds * fps);
     if (!(count <= kMaxPictures))
-        throw InputError("--fps", fmt::format("{}", playback.output_fps),
-                         fmt::format("makes more than {} pictures", kMaxPictures),
+        throw InputError("--fps", fmt::format("{}", fps), fmt::format("makes more than {} pictures", kMaxPictures),
                          "choose fewer --frames or a lower --fps");
     return std::max<size_t>(1, static_cast<size_t>(count));
 }
@@ -72,14 +70,6 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
     return distance;
 }
 
-size_t path_pictures(const CameraPath& path, const Playback& playback) {
-    if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : picture_count(playback, clip_seconds(playback));
-    if (path.cyclic) return picture_count(playback, path.duration_s);
-    constexpr double kRounding = 1e-6;  // of a picture: a last key at i / fps is picture i
-    const double last = std::floor(path.duration_s * playback.output_fps + kRounding);
-    return picture_count(playback, (last + 1) / playback.output_fps);
-}
-
 }  // namespace
 
 std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree) {
@@ -101,7 +91,7 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree) {
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
                                  PictureSize size) {
     const double seconds = clip_seconds(playback);
-    const size_t count = picture_count(playback, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
+    const size_t count = picture_count(playback.output_fps, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
     const glm::dvec3 centre = 0.5 * (box.first + box.second), half = 0.5 * (box.second - box.first);
     const double tan_short = std::tan(0.5 * kAngleOfView), shorter = std::min(size.width, size.height);
     const double distance =
@@ -127,7 +117,7 @@ std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playbac
                                  PictureSize size, PictureSize fallback) {
     if (size.width == 0) size = {path.width, path.height};
     if (size.width == 0) size = fallback;
-    std::vector<ViewStep> steps(path_pictures(path, playback));
+    std::vector<ViewStep> steps(path_pictures(path, playback.output_fps, clip_seconds(playback)));
     for (size_t i = 0; i < steps.size(); ++i) {
         const double time_s = static_cast<double>(i) / playback.output_fps;
         const std::optional<double> clip_time = clip_time_at(path, time_s);
@@ -140,6 +130,13 @@ std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playbac
 
 bool names_camera_path(const std::string& camera) {
     return std::filesystem::path(camera).extension() == ".json";
+}
+
+size_t path_pictures(const CameraPath& path, double fps, double still_s) {
+    if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : picture_count(fps, still_s);
+    if (path.cyclic) return picture_count(fps, path.duration_s);
+    constexpr double kRounding = 1e-6;  // of a picture: a last key at i / fps is picture i
+    return picture_count(fps, (std::floor(path.duration_s * fps + kRounding) + 1) / fps);
 }
 
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box) {

@@ -42,6 +42,10 @@ std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playbac
 // of the stage.
 bool names_camera_path(const std::string& camera);
 
+// How many pictures a path has at a rate: both ends of an open one are shown. One key without a clip time is a camera
+// that stands for `still_s`.
+size_t path_pictures(const CameraPath& path, double fps, double still_s);
+
 // Nearest and farthest distance of a box's bounding sphere over a path, for pictures of depth.
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box);
 

@@ -222,8 +222,8 @@ double nerfstudio_seconds(const JsonNode& node, const char* name) {
 
 // `camera_path` holds every picture of the path, `fps` a second.
 void add_nerfstudio_pictures(CameraPath& path, const JsonNode& root) {
-    if (!root.has("fps")) root.fail("has no fps", "save the path in nerfstudio's render panel");
-    const double fps = json_number(root["fps"], kMinFps, kMaxFps, "a rate of pictures");
+    if (path.fps == 0) root.fail("has no fps", "save the path in nerfstudio's render panel");
+    const double fps = path.fps;
     const NerfstudioWorld world(root);
     const JsonNode pictures = root["camera_path"];
     for (size_t i = 0; i < pictures.value.size(); ++i) {
@@ -276,6 +276,7 @@ CameraPath nerfstudio_path(const JsonNode& root) {
         path.width = side("render_width");
         path.height = side("render_height");
     }
+    if (root.has("fps")) path.fps = json_number(root["fps"], kMinFps, kMaxFps, "a rate of pictures");
     const bool pictures = root.has("camera_path") && (!root["camera_path"].value.empty() || !root.has("keyframes"));
     expect_list(root[pictures ? "camera_path" : "keyframes"]);
     (pictures ? add_nerfstudio_pictures : add_nerfstudio_keys)(path, root);

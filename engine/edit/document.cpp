@@ -100,6 +100,10 @@ ordered_json& performer_of(StageFile& file, uint32_t node) {
     return *performer;
 }
 
+const ordered_json& performer_of(const StageFile& file, uint32_t node) {
+    return performer_of(const_cast<StageFile&>(file), node);  // which it only finds
+}
+
 ordered_json& list_in(ordered_json& json, const char* name) {
     if (!json.contains(name)) json[name] = ordered_json::array();
     if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");

@@ -57,6 +57,7 @@ std::vector<uint32_t> family_of(const StageFile& file, uint32_t node);
 
 // The performer on a node; throws InputError where there is none.
 ordered_json& performer_of(StageFile& file, uint32_t node);
+const ordered_json& performer_of(const StageFile& file, uint32_t node);
 // The list json[name], made where it is missing.
 ordered_json& list_in(ordered_json& json, const char* name);
 // The scene that a stage shows, made of all nodes that have no parent where the document has none.

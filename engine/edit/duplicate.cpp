@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "edit/document.h"
 #include "edit/operations.h"
+#include "voctree/nvv.h"
 
 namespace neuvv {
 
@@ -59,12 +60,36 @@ LocalPlace copy_place(const LocalPlace& first, const CopySettings& settings, uin
     return turned_about(first, place_of(first) - settings.distance_m * front, angle_rad);
 }
 
-// A performer's copy: later, and spinning faster.
-void stagger(ordered_json& performer, const CopySettings& settings, uint32_t copy) {
-    if (settings.stagger.value != 0) {
-        const ClipTime by{settings.stagger.value * copy, settings.stagger.frames};
-        list_in(performer, "time").push_back({{"operator", "offset"}, {"by", text_of(by)}});
+// The performer's time, made ready for its clip.
+Timeline timeline_of(const StageFile& file, uint32_t node) {
+    const std::filesystem::path clip = clip_of(file, node);
+    const ordered_json& performer = performer_of(file, node);
+    const std::string name = file.path.string(), place = title_of(file, node) + ": time";
+    try {
+        const NvvHead head = summarise_nvv(clip).head;
+        const TimeMap map = time_map_of(performer.value("time", ordered_json::array()), name, place);
+        return timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
+    } catch (const InputError& problem) {
+        throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
     }
+}
+
+// The offset of what is later by `by`. What never ends has begun before the stage, so that it runs from the start on:
+// it is within a round of its period behind.
+ClipTime offset_of(const ClipTime& by, const Timeline& timeline) {
+    const double period = period_s(timeline) * (by.frames ? timeline.fps : 1);
+    if (period == 0) return by;
+    constexpr double kSteps = 1e9;  // of a frame or second, to which text is rounded
+    double ahead = std::fmod(-by.value, period);
+    if (ahead < 0) ahead += period;
+    ahead = std::round(ahead * kSteps) / kSteps;
+    return {ahead >= period ? 0 : -ahead, by.frames};
+}
+
+// A performer's copy: later, and spinning faster.
+void stagger(ordered_json& performer, const CopySettings& settings, const Timeline& timeline, uint32_t copy) {
+    const ClipTime by = offset_of({settings.stagger.value * copy, settings.stagger.frames}, timeline);
+    if (by.value != 0) list_in(performer, "time").push_back({{"operator", "offset"}, {"by", text_of(by)}});
     if (settings.spin_step != 0) performer["spin"] = performer.value("spin", 0.0) + settings.spin_step * copy;
 }
 
@@ -111,11 +136,12 @@ std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settin
     siblings_of(file, node);  // a document without a scene gets it before there are copies to list
     FreeNames names(file);
     std::vector<uint32_t> copies;
+    const Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : Timeline{};
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
         const uint32_t index = copies.emplace_back(copy_family(file, family, names));
         set_local_place(node_of(file, index), copy_place(first, settings, copy));
         if (ordered_json* performer = find_extension(node_of(file, index), kPerformerExtension))
-            stagger(*performer, settings, copy);
+            stagger(*performer, settings, timeline, copy);
     }
     if (ordered_json* siblings = siblings_of(file, node))
         for (const uint32_t index : copies) siblings->push_back(index);

@@ -42,6 +42,22 @@ void edit_light(ordered_json& light, const LightEdit& edit) {
     if (edit.outer_cone_deg) spot["outerConeAngle"] = glm::radians(*edit.outer_cone_deg);
 }
 
+// What was changed, in words.
+std::string changes_of(const LightEdit& edit, const ordered_json& light) {
+    std::string text;
+    const auto also = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+    if (edit.kind) also(*edit.kind);
+    if (edit.color) also("colour " + text_of(*edit.color));
+    if (edit.intensity)
+        also(fmt::format("{:.6g} {}", *edit.intensity, light["type"] == "directional" ? "lux" : "candela"));
+    if (edit.range_m) also(fmt::format("ends {:.6g} m off", *edit.range_m));
+    if (light["type"] == "spot") {
+        if (edit.inner_cone_deg) also(fmt::format("full light up to {:.6g}°", *edit.inner_cone_deg));
+        if (edit.outer_cone_deg) also(fmt::format("none from {:.6g}°", *edit.outer_cone_deg));
+    }
+    return text.empty() ? "as it was" : text;
+}
+
 }  // namespace
 
 std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement) {
@@ -52,9 +68,9 @@ std::string add_light(StageFile& file, const std::string& name, const LightEdit&
         const size_t index = lights.size();
         lights.push_back({{"type", "spot"}, {"intensity", kDefaultCandela}});
         edit_light(lights[index], edit);
-        const std::string kind = lights[index]["type"].get<std::string>();
+        const std::string kind = lights[index]["type"].get<std::string>(), words = changes_of(edit, lights[index]);
         make_extension(file, node_of(file, node), kLightsExtension)["light"] = index;
-        return fmt::format("added {} light {}", kind, place_node(file, node, placement));
+        return fmt::format("added {} light {}, {}", kind, place_node(file, node, placement), words);
     });
 }
 
@@ -68,7 +84,7 @@ std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit) {
         lights.push_back(ordered_json());
     }
     lights[held["light"].get<size_t>()] = changed;
-    return fmt::format("{}: {}", title_of(file, node), changed.dump());
+    return fmt::format("{}: {}", title_of(file, node), changes_of(edit, changed));
 }
 
 std::string remove_light(StageFile& file, uint32_t node) {

@@ -43,12 +43,27 @@ LocalPlace placed(LocalPlace place, const Placement& placement) {
     return place;
 }
 
+// What was done, in words; always where it stands.
+std::vector<std::string> changes_of(const Placement& placement, const LocalPlace& place) {
+    std::vector<std::string> changes;
+    if (placement.matrix) changes.push_back("a matrix of its own");
+    if (placement.turn_deg) changes.push_back(fmt::format("turned by {}°", text_of(*placement.turn_deg)));
+    if (placement.scale) {
+        const glm::dvec3 factors = *placement.scale;
+        const bool even = factors == glm::dvec3(factors.x);
+        changes.push_back(fmt::format("scaled by {}", even ? fmt::format("{:.6g}", factors.x) : text_of(factors)));
+    }
+    if (placement.aim) changes.push_back("looks at " + text_of(*placement.aim));
+    changes.push_back("at " + text_of(place_of(place)));
+    return changes;
+}
+
 void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdit& edit,
                     std::vector<std::string>& changes) {
     const auto put = [&](const char* name, const auto& value, const std::string& text) {
         if (!value) return;
         performer[name] = *value;
-        changes.push_back(fmt::format("{} {}", name, text));
+        changes.push_back(text);
     };
     if (edit.clip) {
         performer["uri"] = uri_of_file(file, *edit.clip);
@@ -61,11 +76,12 @@ void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdi
             performer["time"] = json_of(*edit.time);
         changes.push_back("time " + (edit.time->empty() ? "as the clip's" : text_of(*edit.time)));
     }
-    put("spin", edit.spin_deg_per_s, fmt::format("{}", edit.spin_deg_per_s.value_or(0)));
-    put("opacity", edit.opacity, fmt::format("{}", edit.opacity.value_or(0)));
-    put("visible", edit.visible, fmt::format("{}", edit.visible.value_or(false)));
-    put("castsShadow", edit.casts_shadow, fmt::format("{}", edit.casts_shadow.value_or(false)));
-    put("receivesShadow", edit.receives_shadow, fmt::format("{}", edit.receives_shadow.value_or(false)));
+    put("spin", edit.spin_deg_per_s, fmt::format("spins {}° a second", edit.spin_deg_per_s.value_or(0)));
+    put("opacity", edit.opacity, fmt::format("opacity {}", edit.opacity.value_or(0)));
+    put("visible", edit.visible, edit.visible.value_or(false) ? "is seen" : "is not seen");
+    put("castsShadow", edit.casts_shadow, edit.casts_shadow.value_or(false) ? "casts shadows" : "casts no shadows");
+    put("receivesShadow", edit.receives_shadow,
+        edit.receives_shadow.value_or(false) ? "shadows fall on it" : "no shadows fall on it");
 }
 
 void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edit, std::vector<std::string>& changes) {
@@ -81,29 +97,34 @@ void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edi
     if (edit.environment) environment["uri"] = uri_of_file(file, *edit.environment);
     if (edit.environment_intensity) environment["intensity"] = *edit.environment_intensity;
     if (edit.environment_rotation_deg) environment["rotation"] = *edit.environment_rotation_deg;
-    changes.push_back("environment " + environment.dump());
+    changes.push_back(fmt::format("environment {}, intensity {:.6g}, turned by {:.6g}°",
+                                  environment["uri"].get<std::string>(), environment.value("intensity", 1.0),
+                                  environment.value("rotation", 0.0)));
 }
 
 std::string edit_stage(StageFile& file, const StageEdit& edit) {
     declare_extension(file, kStageExtension);
     ordered_json& stage = make_extension(file, scene_of(file), kStageExtension);
     std::vector<std::string> changes;
-    const auto put = [&](const char* name, const auto& value) {
-        if (!value) return;
-        stage[name] = *value;
-        changes.push_back(fmt::format("{} {}", name, stage[name].dump()));
+    const auto put = [&](const char* name, const ordered_json& value, const std::string& text) {
+        stage[name] = value;
+        changes.push_back(text);
     };
-    const auto put_color = [&](const char* name, const std::optional<glm::dvec3>& color) {
-        put(name, color ? std::optional<ordered_json>(json_of(*color)) : std::nullopt);
+    const auto put_color = [&](const char* name, const char* text, const std::optional<glm::dvec3>& color) {
+        if (color) put(name, json_of(*color), fmt::format("{} {}", text, text_of(*color)));
     };
-    put("duration", edit.duration_s);
-    put("fps", edit.fps);
-    put_color("background", edit.background);
-    put_color("ambient", edit.ambient);
+    if (edit.duration_s) put("duration", *edit.duration_s, fmt::format("lasts {:.6g} s", *edit.duration_s));
+    if (edit.fps) put("fps", *edit.fps, fmt::format("{:.6g} pictures a second", *edit.fps));
+    put_color("background", "background", edit.background);
+    put_color("ambient", "ambient light", edit.ambient);
     edit_environment(file, stage, edit, changes);
-    if (edit.blend) put("blend", std::optional<std::string>(kStageBlendNames[static_cast<size_t>(*edit.blend)]));
-    put("shadows", edit.shadows);
-    put("falloff", edit.falloff);
+    if (edit.blend) {
+        const char* const name = kStageBlendNames[static_cast<size_t>(*edit.blend)];
+        put("blend", name, fmt::format("performers blend: {}", name));
+    }
+    if (edit.shadows) put("shadows", *edit.shadows, *edit.shadows ? "lights cast shadows" : "no shadows");
+    if (edit.falloff)
+        put("falloff", *edit.falloff, *edit.falloff ? "lights shine on performers" : "no lights shine on performers");
     return "stage: " + (changes.empty() ? "as it was" : with_commas(changes));
 }
 
@@ -155,14 +176,18 @@ std::string place_node(StageFile& file, uint32_t node, const Placement& placemen
         }
     }
     set_local_place(json, place);
-    return fmt::format("{}: at {}{}", title_of(file, node), text_of(place_of(place)),
+    return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, place)),
                        is_animated(file, node) ? ", but an animation moves it" : "");
 }
 
 std::string rename_node(StageFile& file, uint32_t node, const std::string& name) {
     const std::string before = title_of(file, node);
-    node_of(file, node)["name"] = name;
-    return fmt::format("{}: named \"{}\"", before, name);
+    ordered_json& json = node_of(file, node);
+    if (json.contains("name")) json["name"] = "";  // its own is free
+    const std::string free = FreeNames(file).take(name);
+    json["name"] = free;
+    return fmt::format("{}: named \"{}\"{}", before, free,
+                       free == name ? "" : fmt::format(", as there is a \"{}\" already", name));
 }
 
 std::string add_performer(StageFile& file, const std::string& name, const PerformerEdit& edit,
@@ -182,6 +207,10 @@ std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& e
     std::vector<std::string> changes;
     edit_performer(file, performer_of(file, node), edit, changes);
     return title_of(file, node) + ": " + (changes.empty() ? "as it was" : with_commas(changes));
+}
+
+std::filesystem::path clip_of(const StageFile& file, uint32_t node) {
+    return file_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
 }
 
 std::string set_stage(StageFile& file, const StageEdit& edit) {

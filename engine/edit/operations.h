@@ -34,6 +34,7 @@ struct Placement {
     std::optional<glm::dvec3> aim;       // a point that its −Z shall look at
 };
 std::string place_node(StageFile& file, uint32_t node, const Placement& placement);
+// With a number behind it where another node bears the name.
 std::string rename_node(StageFile& file, uint32_t node, const std::string& name);
 
 struct PerformerEdit {
@@ -46,6 +47,8 @@ struct PerformerEdit {
 std::string add_performer(StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement);
 std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& edit);
+// The .nvv that a performer's node plays; whether it is there is not asked.
+std::filesystem::path clip_of(const StageFile& file, uint32_t node);
 
 struct StageEdit {
     std::optional<double> duration_s, fps;
@@ -66,7 +69,7 @@ struct CopySettings {
     CopyPattern pattern = CopyPattern::kRow;
     double distance_m = 1;  // between neighbours of a row; radius of ring and fan
     double arc_deg = 90;    // of a fan
-    ClipTime stagger;       // each copy starts so much after the one before
+    ClipTime stagger;       // each copy is so much behind the one before; what never ends runs from the start on
     double spin_step = 0;   // each spins so much faster, degrees per second
 };
 std::string duplicate_node(StageFile& file, uint32_t node, const CopySettings& settings);

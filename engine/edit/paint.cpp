@@ -26,6 +26,14 @@ void edit_layer(ordered_json& layer, const PaintEdit& edit) {
     if (edit.blend) layer["blend"] = kPaintBlendNames[static_cast<size_t>(*edit.blend)];
 }
 
+// "0 \"red\" (red.nvpaint): tint, opacity 0.5".
+std::string words_of(size_t index, const ordered_json& layer) {
+    const std::string name = layer.value("name", "");
+    return fmt::format("{} {}({}): {}, opacity {:.6g}{}", index, name.empty() ? "" : fmt::format("\"{}\" ", name),
+                       layer["uri"].get<std::string>(), layer.value("blend", "normal"), layer.value("opacity", 1.0),
+                       layer.value("visible", true) ? "" : ", not seen");
+}
+
 }  // namespace
 
 std::string add_paint_layer(StageFile& file, uint32_t node, const std::filesystem::path& paint, const PaintEdit& edit) {
@@ -33,13 +41,13 @@ std::string add_paint_layer(StageFile& file, uint32_t node, const std::filesyste
     ordered_json layer = {{"uri", uri_of_file(file, paint)}};
     edit_layer(layer, edit);
     layers.push_back(layer);
-    return fmt::format("{}: paint layer {}, {}", title_of(file, node), layers.size() - 1, layer.dump());
+    return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layers.size() - 1, layer));
 }
 
 std::string set_paint_layer(StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit) {
     ordered_json& json = layer_of(file, node, layer);
     edit_layer(json, edit);
-    return fmt::format("{}: paint layer {}, {}", title_of(file, node), layer, json.dump());
+    return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layer, json));
 }
 
 std::string move_paint_layer(StageFile& file, uint32_t node, size_t from, size_t to) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "voctree/half.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
@@ -81,15 +82,19 @@ uint32_t StageRenderer::add_paint(const StagePerformer& performer) {
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
-        const std::string place = fmt::format("{}: paint layer {}", performer.name, i);
-        layers.push_back(read_paint(file_of_uri(stage_.file, layer.uri, place), painted_[performer.clip]));
+        const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
+        try {
+            layers.push_back(read_paint(file_of_uri(stage_.file, layer.uri, place), painted_[performer.clip]));
+        } catch (const InputError& problem) {
+            throw InputError(stage_.file.path.string(), place, problem.what());
+        }
         uses.push_back({nullptr, layer.blend, static_cast<float>(layer.opacity)});
     }
     for (size_t i = 0; i < layers.size(); i++) uses[i].layer = &layers[i];
     return paint_of_layers_[all] = uses.empty() ? 0 : frames_->paints(performer.clip).add(uses);
 }
 
-void StageRenderer::show(const StageInstant& instant) {
+void StageRenderer::show(const StageInstant& instant, bool show_environment) {
     std::vector<SetLight> lights;
     for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
     SetAmbient ambient;
@@ -97,7 +102,7 @@ void StageRenderer::show(const StageInstant& instant) {
     if (stage_.settings.environment) {
         ambient.environment_intensity = stage_.settings.environment->intensity;
         ambient.environment_rotation = glm::radians(stage_.settings.environment->rotation_deg);
-        ambient.show_environment = true;
+        ambient.show_environment = show_environment;
     }
     set_->pose(instant.pose);
     set_->light(lights, ambient, {stage_.settings.shadows, stage_.settings.shadows});

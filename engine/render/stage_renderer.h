@@ -19,8 +19,8 @@ class StageRenderer {
     StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
                   const std::function<void(size_t, size_t)>& loaded = {});
 
-    // Puts set and lights to an instant of the stage.
-    void show(const StageInstant& instant);
+    // Puts set and lights to an instant of the stage. Its environment shines even where it is not shown, behind all.
+    void show(const StageInstant& instant, bool show_environment = true);
     // What a frame of that instant draws: visible performers, blending, lights and background as the stage has them.
     FrameSettings settings_at(const StageInstant& instant) const;
 

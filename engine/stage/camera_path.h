@@ -36,6 +36,7 @@ struct CameraPath {
     bool cyclic = false;
     double duration_s = 0;
     uint32_t width = 0, height = 0;  // that the path was made for; 0: any
+    double fps = 0;                  // likewise
 };
 
 // The camera at an instant, in a picture of this size: the vertical angle of view is the path's. Before the first key

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "base/error.h"
+#include "voctree/chunk_file.h"
 
 namespace neuvv {
 
@@ -16,6 +18,10 @@ uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset) {
 
 // A header of 12 bytes, a JSON chunk, at most one BIN chunk that we look at; chunk headers are 8 bytes.
 GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::string& file) {
+    if (const FileContent ours = content_of(std::span(bytes).first(std::min<size_t>(bytes.size(), 16)));
+        ours != FileContent::kOther)
+        throw InputError(file, "", ours == FileContent::kClip ? "is a clip, not a glTF scene" : "is a layer of paint",
+                         "make a stage for it: `neuvv stage new`, then `neuvv stage add` or `paint`");
     GltfContainer container{false, 0, bytes.size()};
     container.binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
     if (!container.binary) return container;

@@ -199,6 +199,45 @@ void check_views(const Source& source, const json& root) {
             throw InputError(source.file, fmt::format("/images/{}/bufferView", i), "does not exist");
 }
 
+// The buffers' files; tinygltf would say less about a missing one.
+void check_buffers(const Source& source, const json& root) {
+    const json none = json::array();
+    const json& buffers = root.contains("buffers") ? root["buffers"] : none;
+    for (size_t i = 0; i < buffers.size(); ++i) {
+        const std::string place = fmt::format("/buffers/{}/uri", i), uri = buffers[i].value("uri", "");
+        if (uri.empty() || uri.starts_with("data:")) continue;
+        const std::filesystem::path path = std::filesystem::path(source.folder) / decoded_uri(uri);
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(path, error))
+            throw InputError(source.file, place, fmt::format("\"{}\" is not there", uri),
+                             "put it beside the scene, or export the scene anew as a .glb");
+        const uint64_t bytes = std::filesystem::file_size(path, error),
+                       wanted = buffers[i].value("byteLength", uint64_t{0});
+        if (!error && bytes < wanted)
+            throw InputError(source.file, place, fmt::format("\"{}\" has {} bytes of {}", uri, bytes, wanted),
+                             "it is cut off, or of another export: export the scene again");
+    }
+}
+
+void check_version(const Source& source, const json& root) {
+    const json asset = root.value("asset", json::object());
+    for (const char* name : {"version", "minVersion"}) {
+        if (!asset.is_object() || !asset.contains(name)) continue;  // tinygltf asks for the former
+        const std::string version = asset[name].is_string() ? asset[name].get<std::string>() : asset[name].dump();
+        if (!version.starts_with("2."))
+            throw InputError(source.file, fmt::format("/asset/{}", name),
+                             fmt::format("is glTF {}, this program reads 2.0", version), "export it as glTF 2.0");
+    }
+}
+
+// Where a required extension that is unknown comes from.
+std::string mend_of_extension(const std::string& name) {
+    for (const char* compression : {"draco", "meshopt", "basisu", "texture_webp", "texture_avif", "texture_dds"})
+        if (name.find(compression) != std::string::npos)
+            return "export without compression of meshes and textures, which this program does not read";
+    return "export without it, or take it out of the list where the scene makes sense without";
+}
+
 void check_extensions(const Source& source, const json& root) {
     const auto required = root.find("extensionsRequired");
     if (required == root.end() || !required->is_array()) return;
@@ -211,7 +250,7 @@ void check_extensions(const Source& source, const json& root) {
             known = known || name == ours;
         if (!known)
             throw InputError(source.file, "/extensionsRequired", fmt::format("needs {}, which is not supported", name),
-                             "export without it (no mesh or texture compression)");
+                             mend_of_extension(name));
     }
 }
 
@@ -227,11 +266,13 @@ void check_json(const Source& source) {
     }
     if (!root.is_object())
         throw InputError(source.file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    check_version(source, root);
     check_types(source, root);
     check_materials(source, root);
     check_extensions(source, root);
     check_uris(source, root);
     check_views(source, root);
+    check_buffers(source, root);
 }
 
 // File access for tinygltf, which would also search the working folder: only below the model's folder.

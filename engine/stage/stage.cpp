@@ -97,6 +97,14 @@ void expect_placeable(const Stage& stage) {
                              "look at its transform and those of the nodes above it");
 }
 
+// How long a performer's part takes: until its end, or where it has none as long as its clip.
+double performance_s(const Stage& stage, const StagePerformer& performer) {
+    if (stage.clips.empty()) return 0;  // missing ones are allowed
+    const StageClip& clip = stage.clips[performer.clip];
+    const double length = length_s(performer.timeline);
+    return std::isfinite(length) ? length : clip.frames / clip.fps;
+}
+
 void read_settings(Stage& stage) {
     const int32_t root = stage.scene.root;
     if (root >= 0)
@@ -108,7 +116,8 @@ void read_settings(Stage& stage) {
                 file_of_uri(stage.file, stage.settings.environment->uri, place + "/environment/uri");
         }
     double longest_s = 0;
-    for (const StageClip& clip : stage.clips) longest_s = std::max(longest_s, clip.frames / clip.fps);
+    for (const StagePerformer& performer : stage.performers)
+        longest_s = std::max(longest_s, performance_s(stage, performer));
     for (const GltfAnimation& animation : stage.scene.animations) longest_s = std::max(longest_s, animation.duration_s);
     stage.duration_s = stage.settings.duration_s.value_or(std::min(longest_s, kMaxStageSeconds));
     stage.fps = stage.settings.fps.value_or(

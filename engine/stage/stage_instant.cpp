@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <charconv>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -79,11 +81,13 @@ InstantCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScene&
 }
 
 [[noreturn]] void fail_camera(const Stage& stage, const StageInstant& instant, const std::string& problem) {
-    std::string names;
+    std::string names;  // of those that are drawn
     for (size_t i = 0; i < instant.cameras.size(); ++i)
-        names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, instant.cameras[i].name);
-    throw InputError(stage.file.path.string(), "cameras", problem,
-                     names.empty() ? "the stage has none: add one" : "choose from " + names);
+        if (!instant.cameras[i].orthographic)
+            names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", i, instant.cameras[i].name);
+    throw InputError(
+        stage.file.path.string(), "cameras", problem,
+        names.empty() ? "the stage has none that is perspective: add one, or choose --orbit" : "choose from " + names);
 }
 
 const InstantCamera& find_camera(const Stage& stage, const std::string& name_or_index, const StageInstant& instant) {
@@ -134,6 +138,11 @@ std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const Stage
         }
     }
     return {low, high};
+}
+
+bool has_camera(const StageInstant& instant) {
+    return std::any_of(instant.cameras.begin(), instant.cameras.end(),
+                       [](const InstantCamera& camera) { return !camera.orthographic; });
 }
 
 Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,

@@ -54,6 +54,9 @@ StageInstant stage_at(const Stage& stage, double stage_s);
 // World box, low and high, around the boxes of all performers; ±1 m where there are none.
 std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const StageInstant& instant);
 
+// Whether there is one that camera_of takes.
+bool has_camera(const StageInstant& instant);
+
 // The camera of this name, else of this index into instant.cameras in decimal; empty: the first that is not
 // orthographic. Square pixels, the file's vertical angle. Throws InputError listing what there is.
 Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,

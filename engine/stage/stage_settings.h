@@ -21,7 +21,7 @@ struct StageEnvironment {
 };
 
 struct StageSettings {
-    std::optional<double> duration_s;  // not given: the longest clip or animation
+    std::optional<double> duration_s;  // not given: until all performers and animations are at their end
     std::optional<double> fps;         // not given: that of the first clip
     glm::dvec3 background{0};          // linear RGB where nothing is seen
     std::optional<StageEnvironment> environment;

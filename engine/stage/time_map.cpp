@@ -29,6 +29,11 @@ double wrapped(double t, double period) {
     return rest > period - kFrameTolerance ? 0 : rest;
 }
 
+// From the first to the last frame of the part.
+double ping_pong_way(const Timeline::Step& step) {
+    return std::max(0.0, step.b - step.a - step.frame);
+}
+
 // The time before the operator that it shows at t, which is from 0 to the length after it.
 double shown_by(const Timeline::Step& step, double t) {
     switch (step.verb) {
@@ -49,7 +54,7 @@ double shown_by(const Timeline::Step& step, double t) {
         case TimeVerb::kLoop:
             return step.a + std::min(wrapped(t, step.b - step.a), std::max(0.0, step.b - step.a - step.frame));
         case TimeVerb::kPingPong: {
-            const double way = step.b - step.a - step.frame;
+            const double way = ping_pong_way(step);
             if (way <= kFrameTolerance) return step.a;
             const double there_and_back = std::fmod(t, 2 * way);
             return step.a + std::min(there_and_back, 2 * way - there_and_back);
@@ -116,6 +121,19 @@ Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std:
     return timeline;
 }
 
+void expect_parts_within(const Timeline& timeline, const std::string& file, const std::string& place) {
+    for (size_t i = 0; i < timeline.steps.size(); ++i) {
+        const Timeline::Step& step = timeline.steps[i];
+        const bool has_part =
+            step.verb == TimeVerb::kClip || step.verb == TimeVerb::kLoop || step.verb == TimeVerb::kPingPong;
+        if (!has_part || step.b <= step.length + 20 * kFrameTolerance) continue;
+        throw InputError(
+            file, fmt::format("{}/{}", place, i),
+            fmt::format("ends at frame {:.6g}, but what it is of has {:.6g}", step.b, step.length),
+            fmt::format("end it at {0:.6g}f; to hold the end, put pause:{0:.6g}f:1s before it", step.length));
+    }
+}
+
 double frame_at(const Timeline& timeline, double stage_s) {
     double t = snapped(std::clamp(stage_s * timeline.fps, -kMaxStageFrames, kMaxStageFrames));
     for (size_t i = timeline.steps.size(); i-- > 0;) {
@@ -128,6 +146,17 @@ double frame_at(const Timeline& timeline, double stage_s) {
 
 double length_s(const Timeline& timeline) {
     return (timeline.steps.empty() ? timeline.frames : timeline.steps.back().length_after) / timeline.fps;
+}
+
+double period_s(const Timeline& timeline) {
+    double period = 0;
+    for (const Timeline::Step& step : timeline.steps) {
+        if (step.verb == TimeVerb::kLoop) period = step.b - step.a;
+        if (step.verb == TimeVerb::kPingPong) period = 2 * ping_pong_way(step);
+        if (step.verb == TimeVerb::kSpeed) period /= step.factor;
+        if (step.verb == TimeVerb::kFreeze || step.verb == TimeVerb::kClip) period = 0;
+    }
+    return period > kFrameTolerance ? period / timeline.fps : 0;
 }
 
 }  // namespace neuvv

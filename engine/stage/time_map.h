@@ -87,7 +87,15 @@ Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std:
 // kFrameTolerance of a whole one.
 double frame_at(const Timeline& timeline, double stage_s);
 
+// Throws InputError where a part that is cut out or repeated reaches beyond the end of what it is of: the last frame
+// would stand there, which nobody means. Files may have such parts.
+void expect_parts_within(const Timeline& timeline, const std::string& file, const std::string& place);
+
 // Seconds of stage time until its end; INFINITY where endless.
 double length_s(const Timeline& timeline);
+
+// Seconds of stage time after which an endless timeline shows the same again, sooner or later; 0: it has an end, or
+// stands still.
+double period_s(const Timeline& timeline);
 
 }  // namespace neuvv

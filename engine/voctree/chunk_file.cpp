@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <memory>
@@ -138,6 +139,21 @@ void ChunkWriter::finish() {
             fmt::format("{}: not written: {} bytes of content pack into {}, and readers refuse files "
                         "that unpack to so many times their size",
                         path_, raw_bytes_, file_bytes_));
+}
+
+FileContent content_of(std::span<const uint8_t> first_bytes) {
+    if (first_bytes.size() < sizeof(FileStart) + 4 || std::memcmp(first_bytes.data(), kMagic, 4) != 0)
+        return FileContent::kOther;
+    return std::memcmp(&first_bytes[sizeof(FileStart)], "PTHD", 4) == 0 ? FileContent::kPaint : FileContent::kClip;
+}
+
+FileContent content_of(const std::filesystem::path& path) {
+    std::array<uint8_t, sizeof(FileStart) + 4> bytes{};
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return FileContent::kOther;
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
+    return content_of(std::span<const uint8_t>(bytes).first(static_cast<size_t>(file.gcount())));
 }
 
 ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind) : path_(path.string()) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,11 @@ class ChunkWriter {
     uint64_t file_bytes_ = 0, raw_bytes_ = 0;
     std::vector<std::string> names_;
 };
+
+// What our files begin with, for those who were given the wrong one.
+enum class FileContent { kOther, kClip, kPaint };
+FileContent content_of(std::span<const uint8_t> first_bytes);  // 16 of them tell
+FileContent content_of(const std::filesystem::path& path);     // kOther where it cannot be read
 
 // What a file of ours is called in errors, and who writes such.
 struct FileKind {

@@ -86,6 +86,8 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
 }
 
 EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field) {
+    if (content_of(path) == FileContent::kClip)
+        throw InputError(path.string(), "", "is a clip, not a layer of paint", "name a file that `neuvv paint` wrote");
     ChunkReader file(path, {".nvpaint", "neuvv paint"});
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kHeadName)

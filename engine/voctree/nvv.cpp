@@ -206,6 +206,11 @@ std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunk>& ext
     return "";
 }
 
+void expect_no_paint(const std::filesystem::path& path) {
+    if (content_of(path) == FileContent::kPaint)
+        throw InputError(path.string(), "", "is a layer of paint, not a clip", "name the .nvv that it was painted on");
+}
+
 }  // namespace
 
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra,
@@ -226,6 +231,7 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
 }
 
 VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra) {
+    expect_no_paint(path);
     ChunkReader file(path);
     PartialTree part;
     std::vector<NvvChunk> found;
@@ -276,6 +282,7 @@ std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
 }
 
 NvvSummary summarise_nvv(const std::filesystem::path& path) {
+    expect_no_paint(path);
     ChunkReader file(path);
     NvvSummary summary;
     summary.version = kNvvVersion;

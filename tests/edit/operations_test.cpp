@@ -195,6 +195,33 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
     EXPECT_EQ(stage().clips.size(), 1u) << "all of one .nvv";
 }
 
+// Loops of seven frames, each two frames behind the one before: all run from the start on, none waits for its offset.
+TEST_F(Edits, CopiesOfALoopRunFromTheStart) {
+    const std::vector<std::pair<std::string, ClipTime>> ways = {
+        {"loop", {2, true}}, {"loop", {2 / 25.0, false}}, {"loop,speed:0.5", {4, true}}, {"loop", {-5, true}}};
+    for (const auto& [time, stagger] : ways) {
+        SetUp();
+        PerformerEdit edit;
+        edit.clip = at("anna.nvv");
+        edit.time = parse_time_map(time, "test", "");
+        add_performer(file, "eva", edit, {});
+        duplicate_node(file, find_node(file, "eva"), {.count = 4, .stagger = stagger});
+        const double pace = time == "loop" ? 1 : 2;  // stage frames a frame of the clip
+        for (int i = 0; i < 5; ++i)
+            for (const int frame : {0, 1, 5, 30}) {
+                const InstantPerformer copy =
+                    performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), frame * pace / 25);
+                EXPECT_EQ(copy.frame, (frame + 70 - 2 * i) % 7) << time << " copy " << i << " at " << frame;
+            }
+    }
+    std::filesystem::remove(at("anna.nvv"));
+    expect_input_error(
+        [&] {
+            duplicate_node(file, find_node(file, "eva"), {.stagger = {1, true}});
+        },
+        {"eva", "anna.nvv", "its clip"});
+}
+
 TEST_F(Edits, RowsAndFansStandWhereTheySay) {
     PerformerEdit edit;
     edit.clip = at("anna.nvv");

@@ -338,7 +338,7 @@ TEST(GltfHostile, ViewsAndBuffers) {
     expect_error(glb, "/accessors/0", "overlap");
     glb = triangle();
     glb.root["buffers"] = {{{"byteLength", 36}, {"uri", "nowhere.bin"}}};
-    expect_error(glb, "nowhere.bin", "not found");
+    expect_error(glb, "nowhere.bin", "is not there");
     glb.root["buffers"] = {{{"byteLength", 1000}}};
     EXPECT_NE(error_of(glb), "");
     glb.root["buffers"] = {{{"byteLength", 0}}};

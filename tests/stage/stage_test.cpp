@@ -119,6 +119,14 @@ TEST_F(Stages, OneClipForAllThatPlayIt) {
     EXPECT_EQ(stage.performers[2].clip, 0u);
     EXPECT_EQ(stage.performers[1].name, "node 1");
     EXPECT_EQ(stage.duration_s, 1) << "50 frames of 50 fps";
+    const auto lasts = [&](const char* time) {
+        json["nodes"][2]["extensions"]["NEUVV_performer"]["time"] = json_of(parse_time_map(time, "test", ""));
+        write_text(at("stage/s.gltf"), json.dump());
+        return load_stage(at("stage/s.gltf")).duration_s;
+    };
+    EXPECT_EQ(lasts("offset:1.5s"), 2.5) << "to the last one's end";
+    EXPECT_EQ(lasts("offset:-0.5s"), 1);
+    EXPECT_EQ(lasts("loop,offset:3s"), 1) << "endless: as long as its clip";
     EXPECT_EQ(stage.fps, 50);
     EXPECT_EQ(stage_at(stage, 0.5).performers[0].frame, 25);
     EXPECT_EQ(stage_at(stage, 0.5).performers[1].frame, 9);
@@ -142,6 +150,7 @@ TEST_F(Stages, OrthographicCamerasAreNamedAndNotDrawn) {
     EXPECT_TRUE(stage_at(stage, 0).cameras.at(0).orthographic);
     expect_input_error([&] { camera_of(stage, "Camera", stage_at(stage, 0), 8, 8); }, {"Camera", "orthographic"});
     expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"perspective"});
+    expect_input_error([&] { camera_of(stage, "nobody", stage_at(stage, 0), 8, 8); }, {"none that is perspective"});
 }
 
 TEST_F(Stages, HostileOnesAreRefusedInALine) {
@@ -155,6 +164,12 @@ TEST_F(Stages, HostileOnesAreRefusedInALine) {
     expect_refused(R"("children" : [ 4, 5 ])", R"("children":[4,99])", {"/nodes/3/children", "99"});
     expect_refused("\"KHR_lights_punctual\" ],", "\"KHR_lights_punctual\", \"ACME_fog\" ],",
                    {"ACME_fog", "not supported"});
+    expect_refused("\"KHR_lights_punctual\" ],", "\"KHR_lights_punctual\", \"KHR_draco_mesh_compression\" ],",
+                   {"KHR_draco", "without compression"});
+    expect_refused("\"version\" : \"2.0\"", "\"version\" : \"1.0\"", {"/asset/version", "glTF 1.0", "2.0"});
+    expect_refused("\"version\" : \"2.0\"", "\"version\" : \"2.1\", \"minVersion\":3", {"/asset/minVersion", "3"});
+    expect_refused("stage%20data.bin", "gone.bin", {"/buffers/0/uri", "gone.bin", "beside"});
+    expect_refused("\"byteLength\" : 128", "\"byteLength\":129", {"/buffers/0/uri", "128 bytes of 129"});
     expect_refused("\"anna.nvv\"", "\"berta.nvv\"", {"stage.gltf", "\"Anna\"", "berta.nvv"});
     expect_refused("\"anna.nvv\"", "\"stage.gltf\"", {"\"Anna\"", "stage.gltf"});
     expect_refused("\"anna.nvv\"", "\"/anna.nvv\"", {"/nodes/4/extensions/NEUVV_performer/uri", "relative"});

@@ -60,6 +60,42 @@ TEST(TimeMap, OperatorsEditWhatThoseBeforeThemLeft) {
     EXPECT_EQ(shown("offset:0.5f,hold,loop", 4), (Frames{0, 0, 1, 2}));
 }
 
+TEST(TimeMap, PeriodsAreThoseOfWhatIsShown) {
+    const std::pair<const char*, double> periods[] = {{"", 0},
+                                                      {"speed:0.5", 0},
+                                                      {"loop", 10},
+                                                      {"speed:0.5,loop", 20},
+                                                      {"loop,speed:4", 2.5},
+                                                      {"loop:2f:5f,offset:3f", 3},
+                                                      {"ping-pong", 18},
+                                                      {"ping-pong:2f:3f", 0},
+                                                      {"loop,freeze:3f", 0},
+                                                      {"loop,clip:1f:14f", 0},
+                                                      {"loop,clip:1f:14f,loop", 13},
+                                                      {"loop,pause:4f:6f", 10}};
+    for (const auto& [text, frames] : periods) {
+        const Timeline map = timeline(text);
+        const double period = period_s(map);
+        EXPECT_NEAR(period * kFps, frames, 1e-9) << text;
+        for (int i = 30; i < 60 && period > 0; ++i)
+            EXPECT_NEAR(frame_at(map, i / kFps), frame_at(map, i / kFps + period), 1e-6) << text << " at " << i;
+    }
+}
+
+TEST(TimeMap, PartsBeyondTheEndAreToldOf) {
+    const auto check = [](const char* text) { expect_parts_within(timeline(text), "--time", text); };
+    for (const char* text :
+         {"loop:0:10f", "loop:0:0.4s", "clip:8f:10f", "loop,clip:8f:14f", "ping-pong", "offset:2f,loop:0:12f"})
+        EXPECT_NO_THROW(check(text)) << text;
+    expect_input_error([&] { check("loop:0:100s"); }, {"--time", "2500", "10", "end it at 10f", "pause:10f"});
+    expect_input_error([&] { check("clip:0:8f,ping-pong:2f:9f"); }, {"/1", "8f"});
+}
+
+TEST(TimeMap, SpacesAreAllowed) {
+    EXPECT_EQ(parse_time_map(" loop : 0:2s , speed:0.5", "f", "p"), parse_time_map("loop:0:2s,speed:0.5", "f", "p"));
+    expect_input_error([&] { parse_time_map("lo op", "f", "p"); }, {"lo op"});
+}
+
 TEST(TimeMap, TheEndsHoldAtAnyTime) {
     for (const char* text : {"", "loop", "reverse", "ping-pong", "offset:-400s", "offset:-400s,loop", "offset:400s",
                              "speed:1000,speed:1000,loop", "speed:0.001,ping-pong", "jump:1f:9f,loop", "pause:900s:2s",

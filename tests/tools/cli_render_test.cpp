@@ -6,6 +6,7 @@
 #include "support/child_process.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/camera_path_file.h"
+#include "voctree/nvpaint.h"
 
 namespace neuvv {
 namespace {
@@ -63,6 +64,52 @@ TEST_F(CliRender, PathsAreFollowed) {
     expect_refused(command("o.png", {"--camera", path}), 2, {"--output", "is one file for"});
     write_text(file("other.json"), "{\"a\": 1}");
     expect_refused(command("o_%d.png", {"--camera", file("other.json")}), 2, {"other.json", "no camera path"});
+}
+
+// nerfstudio's paths have a rate of their own; clips and stages show both ends of a path.
+TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
+    nlohmann::json path = {{"camera_type", "perspective"},
+                           {"render_width", 48},
+                           {"render_height", 40},
+                           {"fps", 4},
+                           {"default_transition_sec", 1.0}};
+    for (int i = 0; i < 2; ++i) {
+        nlohmann::json key = {{"fov", 50}, {"matrix", {1, 0, 0, 0.1 * i, 0, 0, -1, -3, 0, 1, 0, 0.5, 0, 0, 0, 1}}};
+        path["keyframes"].push_back(key);
+    }
+    write_text(file("nerf.json"), path.dump());
+    const std::string show = file("show.gltf");
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene}).code, 0);
+    const auto pictures = [&](const std::string& what, const std::vector<std::string>& more) {
+        std::vector<std::string> words = {"render",          what,    "-o", file("p_%d.png"), "--camera",
+                                          file("nerf.json"), "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(words);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return nlohmann::json::parse(result.out).at("pictures").get<int>();
+    };
+    for (const std::string& what : {scene, show}) {
+        EXPECT_EQ(pictures(what, {"--fps", "2"}), 3) << what;
+        EXPECT_EQ(pictures(what, {}), 5) << what << ": at the path's own rate";
+    }
+    path["keyframes"].erase(size_t{1});
+    write_text(file("nerf.json"), path.dump());
+    for (const std::string& what : {scene, show})
+        EXPECT_EQ(pictures(what, {"--fps", "2"}), 4) << what << ": a fixed camera sees all of the clip's two seconds";
+}
+
+TEST_F(CliRender, PaintIsNamedAsItIsMeant) {
+    write_paint(file("a.nvpaint"), {painted_field(read_nvv(scene)), {}});
+    const auto refused = [&](const std::string& paint, const std::vector<std::string>& parts) {
+        expect_refused({"render", scene, "-o", file("x.png"), "--frames", "0", "--paint", paint}, 2, parts);
+    };
+    refused(file("a.nvpaint") + ":screen", {"there is no blend screen", "multiply"});
+    refused(file("a.nvpaint") + ":screen:0.5", {"there is no blend screen"});
+    refused(file("a.nvpaint") + ":tint:80", {"80 is no opacity", "0 to 1"});
+    refused(file("a.nvpaint") + ":80", {"80 is no opacity", "0 to 1"});
+    refused(file("gone.nvpaint"), {"gone.nvpaint", "no such file"});
+    refused(scene, {"is a clip, not a layer of paint"});
 }
 
 TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {

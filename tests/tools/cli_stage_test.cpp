@@ -4,6 +4,7 @@
 #include "media/exr.h"
 #include "media/video.h"
 #include "tests/tools/cli_gpu.h"
+#include "voctree/nvpaint.h"
 
 namespace neuvv {
 namespace {
@@ -56,6 +57,58 @@ TEST_F(CliStage, EveryEditAndSwitchShows) {
     const Image pair = still();
     EXPECT_NE(before.rgba, pair.rgba);
     EXPECT_NE(pair.rgba, still({"--blend", "paper"}).rgba) << "they stand in each other";
+}
+
+// A backdrop of one's own stands in the environment's place, whose light stays.
+TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
+    Image sky(16, 8);
+    std::fill(sky.rgba.begin(), sky.rgba.end(), uint8_t{255});
+    for (size_t i = 0; i < sky.rgba.size(); i += 4) sky.rgba[i] = 40;
+    write_png(file("sky.png"), sky);
+    const Image without = still({"--background", "#00ff00"});
+    done({"stage", "set", show, "--environment", file("sky.png")});
+    const Image with = still({"--background", "#00ff00"});
+    const size_t top = 4 * 32, floor = 4 * (64 * 46 + 32);  // above the floor's end; in front
+    EXPECT_NEAR(still().rgba[top], 40, 1);
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(with.rgba[top + c], c == 1 ? 255 : 0);
+    EXPECT_GT(with.rgba[floor + 2], without.rgba[floor + 2]) << "it shines";
+}
+
+TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
+    for (int i = 0; i < 5; ++i) done({"stage", "light", show, "--add", "--at", "0,3,0", "--aim", "0,0,0.1"});
+    const ProgramResult casting = run_neuvv({"render", show, "-o", file("still.png"), "--size", "16x16"});
+    EXPECT_NE(casting.err.find("6 of its lights would cast shadows, of which the first 4 do"), std::string::npos)
+        << casting.err;
+    for (int i = 0; i < 11; ++i) done({"stage", "light", show, "--add", "--kind", "point", "--at", "0,3,0"});
+    const std::vector<std::string> words = {"render", show,    "-o",        file("still_%d.png"),
+                                            "--size", "16x16", "--shadows", "off"};
+    const ProgramResult all = run_neuvv(words);
+    const size_t said = all.err.find("has 17 lights, of which the first 16 shine");
+    EXPECT_NE(said, std::string::npos) << all.err;
+    EXPECT_EQ(all.err.find("shine", said + 50), std::string::npos) << "once";
+    EXPECT_EQ(all.err.find("shadows"), std::string::npos) << "none are wanted";
+}
+
+// Without a camera that is drawn, the stage is seen on a turn around it.
+TEST_F(CliStage, OrthographicCamerasAreAsNone) {
+    std::string text = read_text(show);
+    const auto begin = text.find("\"type\": \"perspective\""), end = text.find('}', begin);
+    text.replace(begin, end - begin + 1,
+                 R"("type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0})");
+    write_text(show, text);
+    const Image seen = still();
+    EXPECT_EQ(seen.rgba, still({"--orbit"}).rgba);
+}
+
+// Paint that does not fit its clip any more is named with its node and its place in the list.
+TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
+    write_paint(file("red.nvpaint"), {painted_field(tree), {}});
+    done({"stage", "paint", show, "anna", "--add", file("red.nvpaint")});
+    write_nvv(scene, test::random_tree({.leaves = 90, .frames = 4}));
+    const ProgramResult result = run_neuvv({"render", show, "-o", file("x.png"), "--size", "16x16"});
+    EXPECT_EQ(result.code, 2);
+    for (const char* part : {"show.gltf", "\"anna\": paint layer 0", "red.nvpaint", "another scene"})
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << " not in: " << result.err;
 }
 
 TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {

@@ -21,18 +21,23 @@ TEST(Options, Size) {
 }
 
 TEST(Options, Colour) {
-    EXPECT_EQ(parse_colour("clear"), glm::vec4(0));
-    EXPECT_EQ(parse_colour("white"), glm::vec4(1));
-    EXPECT_EQ(parse_colour("BLACK"), glm::vec4(0, 0, 0, 1));
+    const auto parse = [](const std::string& text) { return parse_colour("--colour", text); };
+    EXPECT_EQ(parse("clear"), glm::vec4(0));
+    EXPECT_EQ(parse("white"), glm::vec4(1));
+    EXPECT_EQ(parse("BLACK"), glm::vec4(0, 0, 0, 1));
+    EXPECT_EQ(parse("red"), glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(parse("Aqua"), glm::vec4(0, 1, 1, 1));
+    EXPECT_EQ(parse("gray"), parse("#808080"));
+    EXPECT_EQ(parse("olive"), parse("#808000"));
     for (const char* text : {"#ff8000", "ff8000", "#FF8000"}) {
-        const glm::vec4 colour = parse_colour(text);
+        const glm::vec4 colour = parse(text);
         EXPECT_EQ(colour.r, 1);
         EXPECT_NEAR(colour.g, linear_from_srgb(128 / 255.0), 1e-6);
         EXPECT_EQ(colour.b, 0);
         EXPECT_EQ(colour.a, 1);
     }
     for (const char* text : {"", "#", "blurple", "#fff", "#ff80000", "##f8000", "#gg0000", "0xff80"})
-        expect_input_error([&] { parse_colour(text); }, {"--background", "#rrggbb"});
+        expect_input_error([&] { parse(text); }, {"--colour", "#rrggbb", "fuchsia", "clear"});
 }
 
 TEST(Options, FrameRange) {

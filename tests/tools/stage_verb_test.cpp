@@ -8,6 +8,7 @@
 #include "tests/stage/stage_files.h"
 #include "tests/tools/run_neuvv.h"
 #include "tools/stage_options.h"
+#include "voctree/nvpaint.h"
 
 namespace neuvv {
 namespace {
@@ -64,7 +65,7 @@ TEST_F(StageVerb, AShowFromNothing) {
     EXPECT_EQ(json["performers"][1]["name"], "berta");
     EXPECT_EQ(json["performers"][1]["spin"], -45);
     EXPECT_EQ(json["performers"][1]["casts_shadow"], false);
-    EXPECT_EQ(json["performers"][3]["time"], "loop,speed:2,offset:6f");
+    EXPECT_EQ(json["performers"][3]["time"], "loop,speed:2,offset:-1f") << "6 frames behind within 3.5";
     EXPECT_TRUE(json["performers"][3]["seconds"].is_null()) << "endless";
     EXPECT_EQ(info({"--at", "0.12"})["performers"][0]["frame"], 6);
     ASSERT_EQ(json["lights"].size(), 2u);
@@ -75,7 +76,7 @@ TEST_F(StageVerb, AShowFromNothing) {
     expect_done({"light", show, "rim", "--remove"});
     EXPECT_EQ(info()["performers"].size(), 3u);
     EXPECT_EQ(info()["lights"].size(), 1u);
-    write_text(file("red.nvpaint"), "red");
+    write_paint(file("red.nvpaint"), {painted_field(read_nvv(clip)), {}});
     expect_done({"paint", show, "anna", "--add", file("red.nvpaint"), "--name", "red", "--blend", "tint"});
     expect_done({"paint", show, "anna", "--layer", "0", "--opacity", "0.5"});
     EXPECT_EQ(info()["performers"][0]["paint_layers"], 1);
@@ -185,10 +186,79 @@ TEST_F(StageVerb, WhatCannotBeDoneIsOneLine) {
     expect_refused({"stage", "light", show, "anna", "--intensity", "3"}, 2, {"anna", "no light"});
     expect_refused({"stage", "paint", show, "anna", "--layer", "0", "--opacity", "1"}, 2, {"no paint layer 0"});
     expect_refused({"stage", "remove", show, "anna", "-o", file("x.glb")}, 2, {"x.glb", ".gltf"});
+    expect_refused({"stage", "duplicate", show, "anna", "--ring", "0"}, 2, {"--ring"});
+    expect_refused({"stage", "duplicate", show, "anna", "--fan", "0", "90"}, 2, {"--fan"});
+    expect_refused({"stage", "set", show, "anna", "--time", "loop:0:100s"}, 2, {"--time", "2500", "7f"});
+    expect_refused({"stage", "set", show, "anna", "--scale", "1e30"}, 2, {"--scale", "too large"});
+    expect_refused({"stage", "light", show, "key", "--color", "redd"}, 2, {"--colour", "redd", "fuchsia"});
+    expect_refused({"stage", "set", show, "--background", "redd"}, 2, {"--background"});
+    expect_refused({"stage", "set", show, "--ambient", "clear"}, 2, {"--ambient", "no colour of light"});
+    expect_refused({"stage", "new", file("show.txt")}, 2, {"show.txt", ".gltf or .glb"});
     EXPECT_EQ(read_text(show), before);
-    expect_done({"set", show, "floor", "--name", "anna"});
+    std::string twice = before;
+    twice.replace(twice.find("\"floor\"", twice.find("\"nodes\": [\n")), 7, "\"anna\"");
+    write_text(show, twice);
     expect_refused({"stage", "remove", show, "anna"}, 2, {"2 nodes", "choose by index: 0, 3"});
     expect_done({"remove", show, "3"});
+}
+
+TEST_F(StageVerb, MistypedVerbsAreToldWhatThereIs) {
+    expect_refused({"stage", "ad", show}, 2, {"there is no `stage ad`", "new, add, set", "neuvv stage --help"});
+    expect_refused({"stage"}, 2, {"`neuvv stage` needs a verb", "duplicate", "neuvv stage --help"});
+    expect_refused({"dance"}, 2, {"there is no `dance`", "render", "`neuvv --help`"});
+    expect_refused({"paint", clip, file("x.nvpaint"), "undo"}, 2,
+                   {"there is no `paint undo`", "restore", "neuvv paint --help"});
+    expect_refused({"stage", "set", show, "--wobble"}, 2, {"--wobble", "neuvv stage set --help"});
+    expect_refused({"stage", "light", show, "key", "--intensity", "x"}, 2, {"--intensity", "neuvv stage light --help"});
+}
+
+TEST_F(StageVerb, NamesThatAreTakenAreNumbered) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    expect_done({"set", show, "anna", "--name", "floor"}, "\"floor 2\", as there is a \"floor\" already");
+    expect_done({"set", show, "floor 2", "--name", "floor 2"}, "named \"floor 2\"\n");
+}
+
+// The wrong kind of file is told from its content, before anything is written.
+TEST_F(StageVerb, FilesOfAnotherKindAreNamed) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    const std::string before = read_text(show), layer = file("red.nvpaint"), other = file("other.nvv");
+    test::put_clip(other, 9);
+    write_paint(layer, {painted_field(read_nvv(other)), {}});
+    expect_refused({"stage", "add", show, layer}, 2, {"red.nvpaint", "is a layer of paint"});
+    expect_refused({"stage", "set", show, "anna", "--clip", layer}, 2, {"is a layer of paint"});
+    expect_refused({"stage", "info", clip}, 2, {"eva.nvv", "is a clip", "neuvv stage new"});
+    expect_refused({"stage", "paint", show, "anna", "--add", layer}, 2, {"show.gltf", "anna", "eva.nvv", "9 frames"});
+    expect_refused({"stage", "paint", show, "anna", "--add", clip}, 2, {"is a clip, not a layer of paint"});
+    expect_refused({"stage", "set", show, "--environment", file("none.png")}, 2, {"none.png"});
+    expect_refused({"stage", "set", show, "--environment", show}, 2, {"show.gltf"});
+    EXPECT_EQ(read_text(show), before);
+    write_text(file("x.txt"), "text");
+    expect_refused({"render", file("x.txt"), "-o", file("x.png"), "--time", "0"}, 2,
+                   {"x.txt", "neither a clip nor a stage"});
+}
+
+TEST_F(StageVerb, InfoIsOneForClipsAndStages) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna", "--turn", "0, 30, 0", "--scale", "2", "--casts-shadow", "off"},
+                "turned by (0, 30, 0)°, scaled by 2, at (0, 0, 0)");
+    expect_done({"set", show, "--shadows", "off", "--background", "red"}, "background (1, 0, 0), no shadows");
+    expect_done({"light", show, "--add", "--kind", "point", "--colour", "lime", "--range", "3"},
+                "point, colour (0, 1, 0), ends 3 m off");
+    expect_done({"light", show, "key", "--cone", "15,25", "--turn", "0,10,0"},
+                "full light up to 15°, none from 25°; \"key\"");
+    const ProgramResult text = run_neuvv({"info", show}), same = run_neuvv({"stage", "info", show});
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_EQ(text.out, same.out);
+    for (const char* part :
+         {"turned by (0, 30, 0)°", "scaled by 2", "casts no shadows", "cone 15° to 25°", "60 cd", "colour (0, 1, 0)",
+          "ends 3 m off", "background (1, 0, 0)", "blend exact, shadows off, falloff on"})
+        EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in: " << text.out;
+    EXPECT_EQ(run_neuvv({"info", show, "--json"}).out, run_neuvv({"stage", "info", show, "--json"}).out);
+    EXPECT_NEAR(info()["performers"][0]["turn"][1].get<double>(), 30, 1e-9);
+    EXPECT_EQ(info()["lights"][1]["colour"][1], 1);
+    expect_refused({"info", clip, "--memory"}, 2, {"--memory", "stages"});
 }
 
 // A performer whose .nvv went away: the stage says so, and can be mended.
@@ -204,8 +274,12 @@ TEST_F(StageVerb, AMissingClipIsNamedAndCanBeRemoved) {
 TEST(StageOptions, VectorsAndColours) {
     EXPECT_EQ(parse_vector("--at", "1,-2.5,1e-3"), glm::dvec3(1, -2.5, 1e-3));
     for (const char* text :
-         {"", "1", "1,2", "1,2,3,4", "1,2,", ",1,2", "1,2,x", "1, 2,3", "inf,0,0", "1e99,0,0", "1,2,3,"})
+         {"", "1", "1,2", "1,2,3,4", "1,2,", ",1,2", "1,2,x", "1 2,3", "1,2 0,3", "nan,0,0", "1,2,3,"})
         expect_input_error([&] { parse_vector("--at", text); }, {"--at", "3 numbers"});
+    for (const char* text : {"inf,0,0", "1e99,0,0", "0,0,-1e999", "1,2e9,3"})
+        expect_input_error([&] { parse_vector("--at", text); }, {"--at", "too large"});
+    EXPECT_EQ(parse_vector("--at", " 1, 2 ,3"), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(parse_vector("--at", "1e-999,0,0"), glm::dvec3(0));
     EXPECT_EQ(parse_light_colour("--ambient", "0.25,2,0"), glm::dvec3(0.25, 2, 0));
     EXPECT_EQ(parse_light_colour("--ambient", "white"), glm::dvec3(1));
     EXPECT_NEAR(parse_light_colour("--ambient", "#bcbcbc").x, 0.5, 0.01) << "sRGB";
