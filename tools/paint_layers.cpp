@@ -49,7 +49,7 @@ std::optional<std::string> last_part(const std::string& text) {
 
 PaintBlend parse_blend(const std::string& option, const std::string& text) {
     if (const auto blend = blend_of(text)) return *blend;
-    throw InputError(option, text, fmt::format("there is no blend {}", text),
+    throw InputError(option, "", fmt::format("there is no blend `{}`", text),
                      "write normal, multiply, tint or recolour");
 }
 

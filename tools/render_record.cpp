@@ -76,15 +76,19 @@ uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts&
     const RenderRecord record = read_record(file);
     RenderFacts names = facts;
     names.insert(record.facts.begin(), record.facts.end());
+    std::string differing;  // a file rather than what follows from it
     for (const auto& [name, value] : names)
-        if (const std::string now = fact(facts, name), then = fact(record.facts, name); now != then)
-            throw InputError(file.string(), name,
-                             is_content(now) && is_content(then)
-                                 ? "was changed since the pictures that are there were rendered"
-                                 : fmt::format("was {} for the pictures that are there, and is {} now", words_of(then),
-                                               words_of(now)),
-                             kAnew);
-    return record.finished;
+        if (fact(facts, name) != fact(record.facts, name) &&
+            (differing.empty() || (is_content(value) && !is_content(names[differing]))))
+            differing = name;
+    if (differing.empty()) return record.finished;
+    const std::string now = fact(facts, differing), then = fact(record.facts, differing);
+    throw InputError(
+        file.string(), differing,
+        is_content(now) && is_content(then)
+            ? "was changed since the pictures that are there were rendered"
+            : fmt::format("was {} for the pictures that are there, and is {} now", words_of(then), words_of(now)),
+        kAnew);
 }
 
 }  // namespace neuvv

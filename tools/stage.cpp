@@ -30,10 +30,15 @@ void add_target(CLI::App& verb, Target& target) {
     verb.add_option("-o,--output", target.output, "Save it here; default: where it was");
 }
 
+void expect_stage_name(const std::string& option, const std::string& file) {
+    if (!is_stage(file)) throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
+}
+
 // One operation: nothing is saved that could not be loaded again, missing clips aside.
 template <typename Operation>
 void edit(const Target& target, const Operation& operation) {
     const std::string& output = target.output.empty() ? target.stage : target.output;
+    if (!target.output.empty()) expect_stage_name("--output", output);
     StageFile file = read_stage_file(target.stage);
     expect_sound_document(file);
     const std::string change = operation(file);
@@ -71,7 +76,7 @@ void add_new(CLI::App& stage) {
     verb->footer("\n\nExamples:\n  neuvv stage new build/show.gltf");
     verb->callback([output] {
         std::error_code error;
-        if (!is_stage(*output)) throw InputError(*output, "", "is no name for a stage", "end it in .gltf or .glb");
+        expect_stage_name("STAGE", *output);
         if (std::filesystem::exists(*output, error))
             throw InputError(*output, "", "is there already", "remove it, or choose another name");
         prepare_output_file("STAGE", *output);

@@ -104,8 +104,8 @@ TEST_F(CliRender, PaintIsNamedAsItIsMeant) {
     const auto refused = [&](const std::string& paint, const std::vector<std::string>& parts) {
         expect_refused({"render", scene, "-o", file("x.png"), "--frames", "0", "--paint", paint}, 2, parts);
     };
-    refused(file("a.nvpaint") + ":screen", {"there is no blend screen", "multiply"});
-    refused(file("a.nvpaint") + ":screen:0.5", {"there is no blend screen"});
+    refused(file("a.nvpaint") + ":screen", {"there is no blend `screen`", "multiply"});
+    refused(file("a.nvpaint") + ":screen:0.5", {"there is no blend `screen`"});
     refused(file("a.nvpaint") + ":tint:80", {"80 is no opacity", "0 to 1"});
     refused(file("a.nvpaint") + ":80", {"80 is no opacity", "0 to 1"});
     refused(file("gone.nvpaint"), {"gone.nvpaint", "no such file"});

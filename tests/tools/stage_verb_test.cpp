@@ -194,6 +194,7 @@ TEST_F(StageVerb, WhatCannotBeDoneIsOneLine) {
     expect_refused({"stage", "set", show, "--background", "redd"}, 2, {"--background"});
     expect_refused({"stage", "set", show, "--ambient", "clear"}, 2, {"--ambient", "no colour of light"});
     expect_refused({"stage", "new", file("show.txt")}, 2, {"show.txt", ".gltf or .glb"});
+    expect_refused({"stage", "set", show, "anna", "--spin", "1", "-o", file("show.txt")}, 2, {"--output", "show.txt"});
     EXPECT_EQ(read_text(show), before);
     std::string twice = before;
     twice.replace(twice.find("\"floor\"", twice.find("\"nodes\": [\n")), 7, "\"anna\"");
