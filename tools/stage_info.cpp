@@ -285,15 +285,12 @@ void print_clips(const Stage& stage, const std::vector<ClipMemory>& memory) {
 
 void print_lights(const Stage& stage, const StageInstant& instant) {
     if (instant.lights.empty()) return;
-    fmt::print("\nnode  light             kind         at                      intensity\n");
+    fmt::print("\nnode  light             kind         at                      light\n");
     const std::vector<LightShare> shares = shares_of(stage, instant);
     for (size_t i = 0; i < shares.size(); ++i) {
         const InstantLight& light = instant.lights[i];
-        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  ({:.4g}, {:.4g}, {:.4g}) {}{}{}\n", light.node,
-                   node_title(stage.scene, light.node), kind_name(light.kind), place_text(light.position),
-                   light.intensity.r, light.intensity.g, light.intensity.b,
-                   light.kind == GltfLightKind::kDirectional ? "lx" : "cd", shares[i].text.empty() ? "" : ", ",
-                   shares[i].text);
+        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, node_title(stage.scene, light.node),
+                   kind_name(light.kind), place_text(light.position), light_text(stage, light, shares[i]));
     }
 }
 
