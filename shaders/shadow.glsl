@@ -48,7 +48,8 @@ float set_shadow(uint light, vec3 world, vec3 normal) {
     return lit / 9.0;
 }
 
-// 1 lit, down to 1 − alpha behind a performer as seen from the light, bilinear over four texels. What lies less than `lift` metres behind it stays lit: on performers, whose own depth the coarse map has only so well.
+// 1 lit, down to 1 − alpha behind a performer as seen from the light, bilinear over four texels. What lies less than
+// `lift` metres behind it stays lit: on performers, whose own depth the coarse map has only so well.
 float performer_shadow(uint light, vec3 world, float lift) {
     const ShaderLight from = lights.light[light];
     if (from.shadow == kNoShadow || lights.performer_shadows == 0u) return 1.0;

@@ -12,6 +12,9 @@ namespace neuvv {
 struct PictureSize {
     uint32_t width = 0, height = 0;
 };
+// Of a clip and of a stage, where nobody says otherwise.
+constexpr PictureSize kClipSize{720, 720}, kStageSize{1280, 720};
+
 // "1280x720".
 PictureSize parse_size(const std::string& text);
 

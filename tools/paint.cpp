@@ -52,6 +52,9 @@ std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const
                                          const EditFrames& frames) {
     std::vector<LeafEdit> all;
     const auto first = static_cast<uint32_t>(std::ceil(frames.first)), last = static_cast<uint32_t>(frames.last);
+    if (first > last)
+        throw InputError("--frames", fmt::format("{}:{}", frames.first, frames.last), "has no whole frame",
+                         "--every-frame projects on whole ones");
     Progress progress("project", last - first + 1);
     for (uint32_t frame = first; frame <= last; frame++) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
@@ -84,7 +87,7 @@ std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const C
     expect_change(options);
     const Brush brush = brush_of(options);
     const std::vector<glm::dvec2> line = line_of(options);
-    const Camera camera = camera_of(options, easel, parse_size(options.size));
+    const Camera camera = camera_of(options, easel, picture_size(options, easel));
     PickedScene scene(easel, common);
     return held_in(stroke(easel.canvas, scene.sigma, brush, touches_under(scene.picker, camera, line)), easel.canvas,
                    region_of(options));
@@ -97,27 +100,30 @@ std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, co
     const std::vector<uint32_t> leaves = options.density.value_or(0) > 0
                                              ? all_leaves_in(easel.canvas, region)
                                              : leaves_in(easel.canvas, region, frames.first, frames.last);
+    const auto sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
     std::vector<LeafEdit> edits;
-    if (options.hue || options.saturation)
-        edits = shift_colours(
+    if (options.density && (options.hue || options.saturation))
+        edits = at_frames(easel.canvas, set_density(leaves, sigma), frames);
+    if (options.hue || options.saturation) {
+        std::vector<LeafEdit> colours = shift_colours(
             easel.canvas, leaves, frames.first, frames.last,
             {static_cast<float>(options.hue.value_or(0)), static_cast<float>(options.saturation.value_or(1))});
-    else
-        edits = at_frames(easel.canvas, fill_leaves(leaves, colour_of(options), options.colour.empty() ? 0.0f : 1.0f),
-                          frames);
-    for (LeafEdit& edit : edits) {
-        edit.alpha *= static_cast<float>(options.alpha);
-        edit.sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
+        for (LeafEdit& edit : colours) edit.alpha *= static_cast<float>(options.alpha);
+        edits.insert(edits.end(), colours.begin(), colours.end());
+        return edits;
     }
-    return edits;
+    edits = fill_leaves(leaves, colour_of(options), options.colour.empty() ? 0.0f : static_cast<float>(options.alpha));
+    for (LeafEdit& edit : edits) edit.sigma = sigma;
+    return at_frames(easel.canvas, edits, frames);
 }
 
 // Where the layer lies on its stage.
 nlohmann::ordered_json stage_json(const StagePlace& place) {
+    const bool listed = place.layer < place.who().settings.paint.size();
     return {{"file", place.stage.file.path.string()},
             {"node", place.who().node},
             {"name", place.who().name},
-            {"layer", place.layer},
+            {"layer", listed ? nlohmann::ordered_json(place.layer) : nlohmann::ordered_json()},
             {"added", !place.change.empty()}};
 }
 
@@ -164,15 +170,20 @@ void paint(const PaintOptions& options, const Edits& make) {
     Easel easel(options);
     const EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
     const std::vector<LeafEdit> edits = make(easel, frames);
-    if (edits.empty()) fmt::print(stderr, "no leaf is there: the layer stays as it is\n");
+    if (edits.empty()) {
+        fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
+        easel.leave();
+        print_layer(options, easel);
+        return;
+    }
     add_edits(easel.layer, edits);
     finish(options, easel);
 }
 
 void restore(const PaintOptions& options) {
     expect_region(options);
+    Easel easel(options, Easel::Use::kRead);
     prepare_output_file("layer", options.layer);
-    Easel easel(options);
     const EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
     remove_edits(easel.layer, all_leaves_in(easel.canvas, region_of(options)), frames.first, frames.last);
     finish(options, easel);
@@ -185,7 +196,8 @@ void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options,
     add_camera_options(*verb, *options);
     add_alpha_option(*verb, *options);
     add_region_options(*verb, *options);
-    CLI::Option* follow = add_frame_options(*verb, *options);
+    add_frame_options(*verb, *options);
+    CLI::Option* follow = add_follow_option(*verb, *options);
     verb->add_flag("--every-frame", options->every_frame,
                    "Onto each of --frames as it is then, as a projector would: nothing is left bare when the performer "
                    "moves. On a stage it stands as at --time")
@@ -206,6 +218,7 @@ void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, c
     add_alpha_option(*verb, *options);
     add_region_options(*verb, *options);
     add_frame_options(*verb, *options);
+    add_follow_option(*verb, *options);
     verb->callback([options, &common] {
         paint(*options, [&](Easel& easel, const EditFrames& frames) {
             return at_frames(easel.canvas, brushed(easel, *options, common), frames);
@@ -223,12 +236,15 @@ void add_region(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) 
     CLI::App* verb = paints.add_subcommand("region", "All leaves of a region: a colour, another hue, a density");
     add_scene_options(*verb, *options);
     CLI::Option* colour = verb->add_option("--colour,--color", options->colour, "'#rrggbb' or a name");
+    CLI::Option* follow = add_follow_option(*verb, *options);
     verb->add_option("--hue", options->hue, "Degrees that hues turn by, at each frame from what they are then")
         ->check(number_between(-360, 360))
-        ->excludes(colour);
+        ->excludes(colour)
+        ->excludes(follow);
     verb->add_option("--saturation", options->saturation, "What saturation is multiplied by")
         ->check(number_between(0, 100))
-        ->excludes(colour);
+        ->excludes(colour)
+        ->excludes(follow);
     add_alpha_option(*verb, *options);
     add_density_option(*verb, *options);
     add_region_options(*verb, *options);
@@ -244,6 +260,7 @@ void add_erase_and_restore(CLI::App& paints, const std::shared_ptr<PaintOptions>
         add_region_options(*verb, *options);
         add_frame_options(*verb, *options);
     }
+    add_follow_option(*erase, *options);
     erase->callback([options] {
         options->density = 0;
         fill(*options);
@@ -254,11 +271,7 @@ void add_erase_and_restore(CLI::App& paints, const std::shared_ptr<PaintOptions>
 void add_info(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
     CLI::App* verb = paints.add_subcommand("info", "What the layer holds");
     add_scene_options(*verb, *options);
-    verb->callback([options] {
-        Easel easel(*options);
-        easel.layer = read_paint(options->layer, easel.layer.field);  // it must be there
-        print_layer(*options, easel);
-    });
+    verb->callback([options] { print_layer(*options, Easel(*options, Easel::Use::kRead)); });
 }
 
 }  // namespace

@@ -47,13 +47,13 @@ bool is_painted(const Stage& stage, const PaintLayer& entry, const std::string& 
     return is_same_file(file_of_uri(stage.file, entry.uri, "paint"), layer);
 }
 
-StagePlace place_on_stage(const PaintOptions& options) {
+StagePlace place_on_stage(const PaintOptions& options, Easel::Use use) {
     StagePlace place;
     place.stage = load_stage(options.scene);
     place.performer = chosen_performer(place.stage, options.node);
     const std::vector<PaintLayer>& list = place.who().settings.paint;
     while (place.layer < list.size() && !is_painted(place.stage, list[place.layer], options.layer)) place.layer++;
-    if (place.layer == list.size()) {
+    if (place.layer == list.size() && use == Easel::Use::kPaint) {
         prepare_output_file("scene", options.scene);
         StageFile file = place.stage.file;
         place.change = add_paint_layer(file, place.who().node, options.layer, {});
@@ -63,8 +63,8 @@ StagePlace place_on_stage(const PaintOptions& options) {
     return place;
 }
 
-std::optional<StagePlace> opened_stage(const PaintOptions& options) {
-    if (is_stage(options.scene)) return place_on_stage(options);
+std::optional<StagePlace> opened_stage(const PaintOptions& options, Easel::Use use) {
+    if (is_stage(options.scene)) return place_on_stage(options, use);
     if (!options.node.empty())
         throw InputError("--node", options.node, "is for stages", "leave it out: a .nvv is one performer");
     if (options.time_s)
@@ -104,12 +104,12 @@ Camera stage_camera(const PaintOptions& options, const StagePlace& place, Pictur
 
 }  // namespace
 
-Easel::Easel(const PaintOptions& options)
-    : place(opened_stage(options)),
+Easel::Easel(const PaintOptions& options, Use use)
+    : place(opened_stage(options, use)),
       tree(read_nvv(place ? place->stage.clips[place->who().clip].path : std::filesystem::path(options.scene))),
       canvas(tree) {
     layer.field = painted_field(tree);
-    if (std::filesystem::exists(options.layer)) layer = read_paint(options.layer, layer.field);
+    if (use == Use::kRead || std::filesystem::exists(options.layer)) layer = read_paint(options.layer, layer.field);
     at = static_cast<float>(options.at.value_or(place ? double{place->stands().frame} : 0));
     if (!(at >= 0 && at <= static_cast<float>(tree.frames - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
@@ -134,6 +134,12 @@ std::vector<PaintUse> Easel::shown() const {
     return uses;
 }
 
+void Easel::leave() {
+    if (!place || place->change.empty()) return;
+    place->change.clear();
+    place->layer = place->who().settings.paint.size();
+}
+
 void Easel::save(const PaintOptions& options) const {
     write_paint(options.layer, layer);
     if (!place || place->change.empty()) return;
@@ -143,6 +149,15 @@ void Easel::save(const PaintOptions& options) const {
                          fmt::format("add the layer, which is painted: `neuvv stage paint {} {} --add {}`",
                                      options.scene, place->who().node, options.layer));
     save_stage_file(file, options.scene);
+}
+
+PictureSize picture_size(const PaintOptions& options, const Easel& easel) {
+    if (!options.size.empty()) return parse_size(options.size);
+    if (easel.place ? names_camera_path(options.camera) : !options.camera.empty()) {
+        const CameraPath path = read_camera_path(options.camera, 1);
+        if (path.width > 0 && path.height > 0) return {path.width, path.height};
+    }
+    return easel.place ? kStageSize : kClipSize;
 }
 
 Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size) {

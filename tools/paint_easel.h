@@ -17,7 +17,8 @@ struct StagePlace {
     Stage stage;
     StageInstant instant;
     uint32_t performer = 0;  // of stage.performers and instant.performers
-    size_t layer = 0;        // the painted one's place in its list: in `stage`, though it may not be saved yet
+    size_t layer = 0;        // the painted one's place in its list: in `stage`, though it may not be saved yet; the
+                             // list's size: it is not there
     std::string change;      // what adding it there said; empty where it lay there before
 
     const StagePerformer& who() const { return stage.performers[performer]; }
@@ -25,8 +26,10 @@ struct StagePlace {
 };
 
 struct Easel {
-    // Reads all that the options name. Throws InputError.
-    explicit Easel(const PaintOptions& options);
+    // Reads all that the options name. A layer that is to be painted need not be there, nor in the performer's list,
+    // yet; one that is to be read must. Throws InputError.
+    enum class Use { kPaint, kRead };
+    explicit Easel(const PaintOptions& options, Use use = Use::kPaint);
 
     std::optional<StagePlace> place;  // where the scene is a stage
     VOctree tree;
@@ -38,6 +41,8 @@ struct Easel {
     // where there is no stage. Pointers into the easel.
     std::vector<PaintUse> shown() const;
 
+    // Nothing was painted: what the stage's list would have got it does not get.
+    void leave();
     // The layer's file; then the stage, where the layer is new in the performer's list. Atomically, each.
     void save(const PaintOptions& options) const;
 
@@ -45,6 +50,8 @@ struct Easel {
     std::vector<std::unique_ptr<EditLayer>> others_;  // by the list; null for the painted one and what does not show
 };
 
+// The size of the picture whose pixels the options name.
+PictureSize picture_size(const PaintOptions& options, const Easel& easel);
 // The camera of the options in a picture of this size, in the performer's space as it stands on its stage.
 Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size);
 

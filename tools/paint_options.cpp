@@ -33,10 +33,13 @@ void add_scene_options(CLI::App& paint, PaintOptions& options) {
     paint.add_flag("--json", options.json, "Print JSON: edits, leaves, colours, densities, erased; the stage's layer");
 }
 
-CLI::Option* add_frame_options(CLI::App& verb, PaintOptions& options) {
+void add_frame_options(CLI::App& verb, PaintOptions& options) {
     verb.add_option("--frames", options.frames, "FIRST:LAST frame of the clip at which it holds (default: all of it)");
     verb.add_option("--at", options.at,
                     "The frame that is looked at (default: 0; on a stage, the one that shows at --time)");
+}
+
+CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options) {
     return verb
         .add_option("--follow", options.follow,
                     "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
@@ -79,8 +82,8 @@ void add_density_option(CLI::App& verb, PaintOptions& options) {
 void add_brush_options(CLI::App& verb, PaintOptions& options) {
     verb.add_option("--line", options.line, "X,Y X,Y ...: the pixels that the stroke goes along")->required();
     verb.add_option("--size", options.size,
-                    "WIDTHxHEIGHT of the picture that they lie in: on a stage, that of `neuvv render STAGE --size`")
-        ->capture_default_str();
+                    "WIDTHxHEIGHT of the picture that they lie in (default: that of `neuvv render`: of the path of "
+                    "--camera, else 720x720, of a stage 1280x720)");
     verb.add_option("--radius", options.radius_m, "In the performer's own metres, wherever it stands")
         ->check(number_between(1e-6, 1e6))
         ->capture_default_str();
@@ -143,7 +146,10 @@ std::vector<glm::dvec2> line_of(const PaintOptions& options) {
 }
 
 glm::vec3 colour_of(const PaintOptions& options) {
-    return glm::vec3(parse_colour("--colour", options.colour.empty() ? "black" : options.colour));
+    const glm::vec4 colour = parse_colour("--colour", options.colour.empty() ? "black" : options.colour);
+    if (colour.a < 1)
+        throw InputError("--colour", options.colour, "is no colour", "to erase, choose `neuvv paint erase`");
+    return glm::vec3(colour);
 }
 
 }  // namespace neuvv

@@ -22,7 +22,7 @@ struct PaintOptions {
     std::string follow = "not";
     bool every_frame = false;
     // From where
-    std::string camera, image, size = "720x720";
+    std::string camera, image, size;  // empty: that of the picture that `neuvv render` makes
     std::optional<uint32_t> key;
     std::optional<double> orbit_deg;
     // Which leaves
@@ -38,8 +38,8 @@ struct PaintOptions {
 };
 
 void add_scene_options(CLI::App& paint, PaintOptions& options);
-// Returns --follow.
-CLI::Option* add_frame_options(CLI::App& verb, PaintOptions& options);
+void add_frame_options(CLI::App& verb, PaintOptions& options);
+CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options);
 void add_camera_options(CLI::App& verb, PaintOptions& options);
 void add_region_options(CLI::App& verb, PaintOptions& options);
 void add_alpha_option(CLI::App& verb, PaintOptions& options);

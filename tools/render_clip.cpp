@@ -14,16 +14,14 @@ namespace neuvv {
 
 namespace {
 
-constexpr PictureSize kDefaultSize{720, 720};
-
 // Sets the rate of `playback`, which the path may have.
 std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tree, Playback& playback,
                                 PictureSize size) {
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
-    if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kDefaultSize);
+    if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kClipSize);
     const CameraPath path = read_camera_path(options.camera, playback.output_fps);
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
-    return path_steps(path, playback, tree.frames, size, kDefaultSize);
+    return path_steps(path, playback, tree.frames, size, kClipSize);
 }
 
 // What is rendered, all of it known before the device is touched.

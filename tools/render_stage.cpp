@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "render/stage_renderer.h"
+#include "tools/light_shares.h"
 #include "tools/progress.h"
 #include "tools/render_job.h"
 #include "tools/view_path.h"
@@ -15,7 +16,6 @@ namespace neuvv {
 
 namespace {
 
-constexpr PictureSize kDefaultSize{1280, 720};
 constexpr double kMaxPictures = 1e6;
 constexpr double kTurnSeconds = 4;  // of a stage that nothing moves on and no camera sees
 
@@ -115,16 +115,20 @@ void plan_time(const RenderOptions& options, StagePlan& plan) {
 }
 
 // More lights than the renderer takes are no mistake of the file, but a surprise.
-void tell_of_lights(const RenderOptions& options, const Stage& stage, const StageInstant& instant) {
-    const size_t lights = instant.lights.size();
-    const auto end = instant.lights.begin() + static_cast<ptrdiff_t>(std::min<size_t>(lights, kMaxSetLights));
-    const auto casting = std::count_if(instant.lights.begin(), end,
-                                       [](const InstantLight& light) { return set_light(light).casts_shadow; });
-    if (lights > kMaxSetLights)
-        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", options.scene, lights, kMaxSetLights);
-    if (stage.settings.shadows && casting > static_cast<ptrdiff_t>(kMaxShadows))
-        fmt::print(stderr, "{}: {} of its lights would cast shadows, of which the first {} do\n", options.scene,
-                   casting, kMaxShadows);
+void tell_of_lights(const Stage& stage, const StageInstant& instant) {
+    const std::vector<LightShare> shares = shares_of(stage, instant);
+    const std::string file = stage.file.path.string();
+    size_t shining = 0, casting = 0, shadowless = 0;
+    for (const LightShare& share : shares) {
+        shining += share.shines;
+        casting += share.casts_shadow;
+        shadowless += share.shines && !share.text.empty();
+    }
+    if (shining < shares.size())
+        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", file, shares.size(), shining);
+    if (stage.settings.shadows && shadowless > 0)
+        fmt::print(stderr, "{}: {} of its lights would cast shadows, of which the first {} do\n", file,
+                   casting + shadowless, casting);
 }
 
 StagePlan plan_stage(const RenderOptions& options) {
@@ -147,13 +151,13 @@ StagePlan plan_stage(const RenderOptions& options) {
     expect_fitting_output(plan.output, plan.pictures);
     plan.size = wanted.width                    ? wanted
                 : plan.path && plan.path->width ? PictureSize{plan.path->width, plan.path->height}
-                                                : kDefaultSize;
+                                                : kStageSize;
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
     const StageInstant first = stage_at(plan.stage, plan.first_s);
     if (!plan.path && (options.orbit || (!has_camera(first) && options.camera.empty()))) plan.turn = turn_around(plan);
     camera_of(options, plan, first, 0);  // there is one
-    tell_of_lights(options, plan.stage, first);
+    tell_of_lights(plan.stage, first);
     set_depth_range(options, plan);
     return plan;
 }

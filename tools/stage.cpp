@@ -61,6 +61,8 @@ void expect_fitting_time(const TimeMap& time, const std::filesystem::path& clip)
 void expect_fitting_paint(const StageFile& file, uint32_t node, const std::string& performer,
                           const std::filesystem::path& layer) {
     const std::filesystem::path clip = clip_of(file, node);
+    std::error_code error;
+    if (!std::filesystem::exists(clip, error)) return;
     try {
         read_paint(layer, painted_field(read_nvv(clip)));
     } catch (const InputError& problem) {

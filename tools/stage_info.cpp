@@ -9,9 +9,8 @@
 
 #include "gpu/device.h"
 #include "render/frame.h"
-#include "render/set_lights.h"
-#include "render/stage_renderer.h"
 #include "stage/stage_instant.h"
+#include "tools/light_shares.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
@@ -48,30 +47,6 @@ ordered_json vector_json(const glm::dvec3& v) {
 
 const char* kind_name(GltfLightKind kind) {
     return kind == GltfLightKind::kSpot ? "spot" : kind == GltfLightKind::kPoint ? "point" : "directional";
-}
-
-// What the limits leave of the stage's lights: as they are packed for a frame.
-struct LightShare {
-    bool shines = true, casts_shadow = false;
-    std::string text;  // what they take away
-};
-
-std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instant) {
-    std::vector<SetLight> lights;
-    for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
-    const ShaderLights packed = pack_lights(lights, {}, {}, {}, performers_box(stage, instant), std::nullopt);
-    std::vector<LightShare> shares(lights.size());
-    for (size_t i = 0; i < lights.size(); ++i) {
-        LightShare& share = shares[i];
-        share.shines = i < packed.count;
-        const bool has_map = share.shines && packed.light[i].shadow != kNoShadow;
-        share.casts_shadow = has_map && stage.settings.shadows;
-        if (!share.shines)
-            share.text = fmt::format("does not shine: only the first {} do", kMaxSetLights);
-        else if (lights[i].casts_shadow && !has_map)
-            share.text = fmt::format("casts no shadow: only the first {} spots and directional lights do", kMaxShadows);
-    }
-    return shares;
 }
 
 // How a performer's node stands: degrees about the world's X, then Y, then Z, as --turn has them, and factors along its

@@ -137,23 +137,25 @@ struct Shade {
     float weight = 0;
 };
 
-std::vector<Shade> shades_of(const Canvas& canvas, uint32_t leaf, std::span<const float> frames,
-                             std::span<const float> sigma, const ColourShift& shift) {
+// `rows` of `frames`.
+std::vector<Shade> shades_of(const VOctree& tree, uint32_t leaf, std::span<const float> frames,
+                             std::span<const InstantRows> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
     bool there = false;
     for (size_t i = 0; i < frames.size(); i++) {
-        const bool before = std::exchange(there, sigma[i] > 0);
+        const float sigma = density(tree, rows[i], leaf);
+        const bool before = std::exchange(there, sigma > 0);
         if (!there) continue;
-        const glm::vec3 colour = shifted(mean_colour(canvas.tree, leaf, frames[i]), shift), root = glm::sqrt(colour);
+        const glm::vec3 colour = shifted(mean_colour(tree, rows[i], leaf), shift), root = glm::sqrt(colour);
         if (before) {
             Shade& shade = shades.back();
             const glm::vec3 least = glm::min(shade.least, root), most = glm::max(shade.most, root);
             if (glm::all(glm::lessThanEqual(most - least, glm::vec3(kSameColour)))) {
-                shade = {shade.first, frames[i], least, most, shade.sum + sigma[i] * colour, shade.weight + sigma[i]};
+                shade = {shade.first, frames[i], least, most, shade.sum + sigma * colour, shade.weight + sigma};
                 continue;
             }
         }
-        shades.push_back({frames[i], frames[i], root, root, sigma[i] * colour, sigma[i]});
+        shades.push_back({frames[i], frames[i], root, root, sigma * colour, sigma});
     }
     return shades;
 }
@@ -165,16 +167,13 @@ std::vector<LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32
     std::vector<float> frames{first};
     for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
     if (last > first) frames.push_back(last);
-    std::vector<std::vector<float>> sigmas;  // by frame, of all leaves
-    for (const float frame : frames) sigmas.push_back(densities(canvas, frame));
+    std::vector<InstantRows> rows;
+    for (const float frame : frames) rows.emplace_back(canvas.tree, frame);
     std::vector<std::vector<LeafEdit>> of_leaf(leaves.size());
     parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {
-        std::vector<float> sigma(frames.size());
-        for (size_t i = begin; i < end; i++) {
-            for (size_t frame = 0; frame < frames.size(); frame++) sigma[frame] = sigmas[frame][leaves[i]];
-            for (const Shade& shade : shades_of(canvas, leaves[i], frames, sigma, shift))
+        for (size_t i = begin; i < end; i++)
+            for (const Shade& shade : shades_of(canvas.tree, leaves[i], frames, rows, shift))
                 of_leaf[i].push_back({leaves[i], shade.first, shade.last, shade.sum / shade.weight, 1});
-        }
     });
     std::vector<LeafEdit> edits;
     for (const std::vector<LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
@@ -65,18 +67,23 @@ Timeline timeline_of(const StageFile& file, uint32_t node) {
     const std::filesystem::path clip = clip_of(file, node);
     const ordered_json& performer = performer_of(file, node);
     const std::string name = file.path.string(), place = title_of(file, node) + ": time";
+    const TimeMap map = time_map_of(performer.value("time", ordered_json::array()), name, place);
+    NvvHead head;
     try {
-        const NvvHead head = summarise_nvv(clip).head;
-        const TimeMap map = time_map_of(performer.value("time", ordered_json::array()), name, place);
-        return timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
+        head = summarise_nvv(clip).head;
     } catch (const InputError& problem) {
         throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
     }
+    return timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
 }
 
 // The offset of what is later by `by`. What never ends has begun before the stage, so that it runs from the start on:
-// it is within a round of its period behind.
+// it is within a round of its period behind. What waits before it begins has a start to be later than.
 ClipTime offset_of(const ClipTime& by, const Timeline& timeline) {
+    const bool waits = std::any_of(timeline.steps.begin(), timeline.steps.end(), [](const Timeline::Step& step) {
+        return step.verb == TimeVerb::kOffset && step.a > 0;
+    });
+    if (waits) return by;
     const double period = period_s(timeline) * (by.frames ? timeline.fps : 1);
     if (period == 0) return by;
     constexpr double kSteps = 1e9;  // of a frame or second, to which text is rounded

@@ -183,6 +183,7 @@ std::string place_node(StageFile& file, uint32_t node, const Placement& placemen
 std::string rename_node(StageFile& file, uint32_t node, const std::string& name) {
     const std::string before = title_of(file, node);
     ordered_json& json = node_of(file, node);
+    if (name.empty()) throw InputError(file.path.string(), before, "cannot be named \"\"", "choose a name");
     if (json.contains("name")) json["name"] = "";  // its own is free
     const std::string free = FreeNames(file).take(name);
     json["name"] = free;

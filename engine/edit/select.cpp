@@ -98,11 +98,10 @@ Canvas::Canvas(const VOctree& field) : tree(field), rows(basis_entries(field.sig
 
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const PaintUse> paint) {
     const VOctree& tree = canvas.tree;
-    const std::vector<float> row = row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames));
+    const InstantRows rows(tree, frame);
     std::vector<float> sigma(tree.leaf_count);
     parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++)
-            sigma[leaf] = std::max(dot(row, tree.leaf(static_cast<uint32_t>(leaf))), 0.0f);
+        for (size_t leaf = begin; leaf < end; leaf++) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
     });
     for (const PaintUse& use : paint)
         for (const LeafEdit& edit : use.layer->edits)
@@ -111,11 +110,18 @@ std::vector<float> densities(const Canvas& canvas, float frame, std::span<const 
     return sigma;
 }
 
-glm::vec3 mean_colour(const VOctree& tree, uint32_t leaf, float frame) {
+InstantRows::InstantRows(const VOctree& tree, float frame)
+    : sigma(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames))),
+      gamma(row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames))) {}
+
+float density(const VOctree& tree, const InstantRows& rows, uint32_t leaf) {
+    return std::max(dot(rows.sigma, tree.leaf(leaf)), 0.0f);
+}
+
+glm::vec3 mean_colour(const VOctree& tree, const InstantRows& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
-    const std::vector<float> row = row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames));
-    const float c = std::cos(kPi * sigmoid(dot(row, weights + tree.bases)));
+    const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
     // R_n0(γ) of degrees n = 0 to 3 (errata 1, 2), and where H_n00 stands.
     const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
     constexpr uint32_t kFunction[] = {0, 1, 5, 14};

@@ -21,8 +21,15 @@ struct Canvas {
 // σ of every leaf at a frame (fractions interpolate), 1/m, as painted.
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const PaintUse> paint = {});
 
-// The mean colour of a leaf at a frame, linear: sigmoid(k_00 Y_00) without paint.
-glm::vec3 mean_colour(const VOctree& tree, uint32_t leaf, float frame);
+// A_t and B_t at a frame (fractions interpolate), for leaf after leaf.
+struct InstantRows {
+    InstantRows(const VOctree& tree, float frame);
+    std::vector<float> sigma, gamma;
+};
+
+// σ of a leaf without paint, 1/m, held at 0; and its mean colour, linear: sigmoid(k_00 Y_00).
+float density(const VOctree& tree, const InstantRows& rows, uint32_t leaf);
+glm::vec3 mean_colour(const VOctree& tree, const InstantRows& rows, uint32_t leaf);
 
 // Whether a place belongs to it: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;

@@ -1,6 +1,6 @@
-#include <algorithm>
-
 #include "render/frame.h"
+
+#include <algorithm>
 
 namespace neuvv {
 
@@ -89,7 +89,9 @@ void record_merged(Commands& commands, FrameRenderer& r, std::span<const DrawnIn
     record_unshared(commands, r.target_.ranges);
     for (const DrawnInstance& instance : group)
         record_sharing(commands, *r.performers_[instance.field], kEyeTarget, instance, r.layout_);
-    const uint64_t bands = r.segments_->bands(static_cast<uint32_t>(r.drawn_.size())), all = r.layout_.ray_tiles();
+    const auto groups = static_cast<uint32_t>(
+        std::count_if(r.drawn_.begin(), r.drawn_.end(), [](const auto& drawn) { return drawn.size() > 1; }));
+    const uint64_t bands = r.segments_->bands(groups), all = r.layout_.ray_tiles();
     for (uint64_t band = 0; band < bands; band++) {
         const TileSpan tiles{static_cast<uint32_t>(all * band / bands),
                              static_cast<uint32_t>(all * (band + 1) / bands)};

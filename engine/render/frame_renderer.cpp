@@ -246,8 +246,9 @@ void FrameRenderer::prepare_performers(const FrameSettings& settings) {
 bool FrameRenderer::enlarge() {
     bool any = false;
     for (const auto& performer : performers_) any |= performer->enlarge_slices();
-    if (segments_ && segments_->enlarge()) {
+    if (segments_ && segments_->overflowed()) {
         for (const auto& performer : performers_) performer->forget_segments();
+        segments_->enlarge();
         any = true;
     }
     return any;
@@ -264,6 +265,7 @@ std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, 
     place_instances(cameras, settings);
     do {
         prepare(settings);
+        if (segments_) segments_->begin_frame();
         commands_.begin();
         record_frame(commands_, *this, settings);
         commands_.submit();

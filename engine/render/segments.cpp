@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "base/error.h"
 #include "spirv/merge.comp.h"
@@ -59,19 +60,19 @@ bool Segments::make_more_pages() {
     }
 }
 
-bool Segments::enlarge() {
+bool Segments::overflowed() const {
     const uint32_t* taken = taken_.as<uint32_t>();
-    const uint64_t most = recorded_ == 0 ? 0 : *std::max_element(taken, taken + recorded_);
-    const uint32_t merges = recorded_;
-    recorded_ = 0;
-    if (most + 1 <= page_count_) return false;  // page 0 is none
-    if (make_more_pages()) return true;
+    return recorded_ > 0 && *std::max_element(taken, taken + recorded_) >= page_count_;  // page 0 is none
+}
+
+void Segments::enlarge() {
+    const uint32_t merges = std::exchange(recorded_, 0);
+    if (make_more_pages()) return;
     if (2 * bands_ > target_.rays.tile_capacity || 2 * merges > merges_)
         throw RuntimeFailure(
             "performers that stand in each other take more memory along these rays than the device has; choose a "
             "smaller --size or --samples, or --blend paper");
     bands_ *= 2;
-    return true;
 }
 
 void record_merge_begin(Commands& commands, const Segments& segments) {

@@ -15,15 +15,19 @@ class Segments {
     // At most so many merges a frame, and bytes of segments in each, or as many as the device has.
     Segments(const Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
-    // After a frame was waited for. True: there was less room than segments. Now there is more, or there are more
-    // bands, and the frame must be recorded anew by passes that are bound to these buffers. Throws RuntimeFailure where
-    // even a tile has more segments than fit.
-    bool enlarge();
+    // After a frame was waited for, whether there was less room than segments. Then enlarge() makes more room, or more
+    // bands, and the frame must be recorded anew, by passes that are bound to the new buffers. It throws RuntimeFailure
+    // where even a tile has more segments than fit.
+    bool overflowed() const;
+    void enlarge();
+
+    // Before a frame is recorded.
+    void begin_frame() { recorded_ = 0; }
 
     const Buffer& pages() const { return pages_; }
     const Buffer& heads() const { return heads_; }
 
-    // Parts of the tiles that each of so many groups of a frame goes over.
+    // Parts of the tiles that each of so many merged groups of a frame goes over.
     uint32_t bands(uint32_t groups) const { return std::min(bands_, std::max(1u, merges_ / std::max(groups, 1u))); }
 
   private:

@@ -78,12 +78,14 @@ Bindings trace_bindings(const Field& field, const RayBatch& rays) {
 }
 
 // What is not there is bound to a buffer of the same format, and not read.
-Bindings instance_bindings(const Field& field, const RayTarget& target, const Segments* segments) {
+Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments) {
+    assert(into != Into::kSegments || segments);
+    const bool bound = into == Into::kSegments;
     return joined(trace_bindings(field, target.rays), {{kTraceTileList, &target.ranges.list},
                                                        {kTraceTileRanges, &target.ranges.ranges},
                                                        {kTraceSharing, &target.ranges.sharing},
-                                                       {kTracePages, segments ? &segments->pages() : &target.no_lights},
-                                                       {kTraceHeads, segments ? &segments->heads() : &target.no_lights},
+                                                       {kTracePages, bound ? &segments->pages() : &target.no_lights},
+                                                       {kTraceHeads, bound ? &segments->heads() : &target.no_lights},
                                                        {kTraceSetDepth, target.around.set_depth},
                                                        {kTraceLights, target.around.lights},
                                                        {kTraceSetShadows, target.around.set_shadows},
@@ -131,9 +133,7 @@ DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveL
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
              static_cast<uint32_t>(into)}),
       set_(pass_, joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
-                         instance_bindings(field, target, segments))) {
-    assert(into != Into::kSegments || segments);
-}
+                         instance_bindings(field, target, into, segments))) {}
 
 void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const PassScope scope(commands, tracer.pass_.name());

@@ -108,6 +108,7 @@ void record_direct_instance(Commands& commands, const DirectTracer& tracer, cons
 TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
 Bindings trace_bindings(const Field& field, const RayBatch& rays);
-Bindings instance_bindings(const Field& field, const RayTarget& target, const Segments* segments);
+// `segments` only where they are what rays become: they are made anew for more.
+Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments);
 
 }  // namespace neuvv

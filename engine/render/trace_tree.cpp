@@ -17,9 +17,7 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
              steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
              shading == Shading::kNone ? 1u : 0u}),
       set_(pass_, joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
-                         instance_bindings(field, target, segments))) {
-    assert(into != Into::kSegments || segments);
-}
+                         instance_bindings(field, target, into, segments))) {}
 
 void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {
     const PassScope scope(commands, "clear");

@@ -90,9 +90,11 @@ std::string type_problem(const json& value, Member kind) {
 void check_types(const Source& source, const json& root) {
     for (const auto& [name, array] : root.items()) {
         if (!array.is_array()) continue;
+        const bool names = name == "extensionsUsed" || name == "extensionsRequired";
         for (size_t i = 0; i < array.size(); ++i)
-            if (!array[i].is_object() && !array[i].is_string())
-                throw InputError(source.file, fmt::format("/{}/{}", name, i), "is not an object");
+            if (!(names ? array[i].is_string() : array[i].is_object()))
+                throw InputError(source.file, fmt::format("/{}/{}", name, i),
+                                 names ? "is not a string" : "is not an object");
     }
     if (root.contains("scene"))
         if (const std::string problem = type_problem(root["scene"], Member::kIndex); !problem.empty())

@@ -16,8 +16,8 @@
 //   jump:a:b        M(t) before a, from a on M(t − a + b); b < a repeats          L − (b − a)
 //   loop[:a:b]      M(a + t mod (b − a)): the part, or all of it, for ever        endless
 //   ping-pong[:a:b] the part to its last frame and back to its first, for ever    endless
-//   hold            ⌊M(t)⌋ of the clip, wherever it stands in the list: each      L
-//                   frame until the next, and no mixture of two
+//   hold            ⌊M(t)⌋ of the clip, wherever it stands in the list: whole     L
+//                   frames alone, backwards, too, the one that is not after M(t)
 //
 // Times are `2s`, seconds, or `3f`, frames of the clip at its own rate, or 0. A loop shows no mixture of its last and
 // its first frame: the last one holds until the first comes. reverse, loop and ping-pong of what is endless need a

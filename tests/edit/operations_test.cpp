@@ -382,6 +382,12 @@ TEST_F(Edits, Lights) {
     EXPECT_EQ(file.json, before) << "nothing was changed";
 }
 
+TEST_F(Edits, AnEmptyNameIsRefused) {
+    const ordered_json before = file.json;
+    expect_input_error([&] { rename_node(file, find_node(file, "Anna"), ""); }, {"Anna", "choose a name"});
+    EXPECT_EQ(file.json, before);
+}
+
 TEST_F(Edits, PaintLayers) {
     const uint32_t anna = find_node(file, "Anna");
     for (const char* name : {"a", "b", "c"}) add_paint_layer(file, anna, at(std::string(name) + " 1.nvpaint"), {name});

@@ -171,6 +171,25 @@ TEST_F(MergeTest, SegmentsFindRoom) {
     EXPECT_GT(seen, 0.3);
 }
 
+// One that stands apart is drawn by passes of its own, which must not hold on to room that was too little.
+TEST_F(MergeTest, AnInstanceBesideAGroupSeesRoomGrow) {
+    const Field field = upload_field(device(), a_thicket(), WeightPrecision::kHalf);
+    FrameSettings settings = thicket_settings();
+    settings.instances.push_back({1, placed({0, 0, -9}, 0.3f, glm::vec3(2))});
+    FrameRenderer grows(device(), field, {kSide, kSide});
+    grows.render(thicket_camera(), settings);
+    ASSERT_EQ(grows.drawn().size(), 2u);
+    EXPECT_EQ(grows.drawn()[1].size(), 1u);
+    const std::vector<glm::vec4> grown = grows.radiance();
+    grows.render(thicket_camera(), settings);
+    EXPECT_EQ(grows.radiance(), grown);
+    FrameCapacity tight_capacity{kSide, kSide};
+    tight_capacity.segment_budget = uint64_t{4} << 20;
+    FrameRenderer tight(device(), field, tight_capacity);
+    tight.render(thicket_camera(), settings);
+    EXPECT_EQ(tight.radiance(), grown);
+}
+
 TEST_F(MergeTest, RaysGoInBandsWhereSegmentsFindNoRoom) {
     const Field field = upload_field(device(), a_thicket(), WeightPrecision::kHalf);
     FrameRenderer roomy(device(), field, {kSide, kSide});

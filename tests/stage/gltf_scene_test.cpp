@@ -339,6 +339,8 @@ TEST(GltfHostile, ViewsAndBuffers) {
     glb = triangle();
     glb.root["buffers"] = {{{"byteLength", 36}, {"uri", "nowhere.bin"}}};
     expect_error(glb, "nowhere.bin", "is not there");
+    glb.root["buffers"] = {"x"};
+    expect_error(glb, "/buffers/0", "is not an object");
     glb.root["buffers"] = {{{"byteLength", 1000}}};
     EXPECT_NE(error_of(glb), "");
     glb.root["buffers"] = {{{"byteLength", 0}}};

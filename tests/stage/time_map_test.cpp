@@ -58,6 +58,7 @@ TEST(TimeMap, OperatorsEditWhatThoseBeforeThemLeft) {
     EXPECT_EQ(shown("freeze:4f,reverse,speed:3", 2), (Frames{4, 4}));
     EXPECT_EQ(shown("hold,speed:0.5,offset:2f", 6), (Frames{0, 0, 0, 0, 1, 1})) << "hold goes last wherever it stands";
     EXPECT_EQ(shown("offset:0.5f,hold,loop", 4), (Frames{0, 0, 1, 2}));
+    EXPECT_EQ(shown("reverse,speed:0.5,hold", 5), (Frames{9, 8, 8, 7, 7}));
 }
 
 TEST(TimeMap, PeriodsAreThoseOfWhatIsShown) {

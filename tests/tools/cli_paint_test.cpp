@@ -92,6 +92,9 @@ TEST_F(CliPaint, WrongUseIsRefused) {
     expect_refused({"paint", "erase", scene, layer}, 2, {"--box"});
     expect_refused({"paint", "region", scene, layer, "--sphere", "0,0,0,1"}, 2, {"--colour", "--hue"});
     expect_refused({"paint", "brush", scene, layer, "--line", "1,1"}, 2, {"--colour", "--density"});
+    expect_refused({"paint", "brush", scene, layer, "--line", "1,1", "--colour", "clear"}, 2, {"--colour", "erase"});
+    expect_refused({"paint", "region", scene, layer, "--sphere", "0,0,0,1", "--hue", "9", "--follow", "run"}, 2,
+                   {"--hue", "--follow"});
     expect_refused({"paint", "region", scene, layer, "--sphere", "0,0,0,-1", "--hue", "9"}, 2, {"--sphere", "radius"});
     expect_refused({"paint", "region", scene, layer, "--sphere", "0,0,0,1", "--hue", "nan"}, 2, {"--hue"});
     expect_refused({"paint", "erase", scene, layer, "--box", "1,2,3"}, 2, {"--box", "6 numbers"});
@@ -200,8 +203,21 @@ TEST_F(CliStagePaint, APictureLandsOnThePixelsOfTheStagesCamera) {
     EXPECT_NE(text.find("show.gltf: \"anna 2\" (node 4): paint layer 0"), std::string::npos) << text;
     EXPECT_NE(text.find("b.nvpaint"), std::string::npos) << text;
     said({"stage", "remove", show, "anna 2"});
-    said({"paint", "erase", show, file("c.nvpaint"), "--sphere", "9,9,9,1"});
+    said({"paint", "erase", show, file("c.nvpaint"), "--box", "-9,-9,-9,9,9,9"});
     EXPECT_EQ(listed(0).size(), 2u) << "the only performer needs no name";
+    const std::string saved = read_text(show);
+    const auto none =
+        nlohmann::json::parse(said({"paint", "erase", show, file("d.nvpaint"), "--json", "--sphere", "99,99,99,1"}));
+    EXPECT_EQ(none.at("stage").at("added"), false);
+    EXPECT_TRUE(none.at("stage").at("layer").is_null());
+    EXPECT_FALSE(std::filesystem::exists(file("d.nvpaint"))) << "no leaf is there";
+    expect_refused({"paint", "restore", show, file("d.nvpaint"), "--sphere", "0,0,0,1"}, 2, {"d.nvpaint", "no such"});
+    std::filesystem::copy_file(file("c.nvpaint"), file("e.nvpaint"));
+    const auto read = nlohmann::json::parse(said({"paint", "info", show, file("e.nvpaint"), "--json"}));
+    EXPECT_EQ(read.at("stage").at("added"), false);
+    EXPECT_TRUE(read.at("stage").at("layer").is_null()) << "to be read, it is put nowhere";
+    EXPECT_EQ(read_text(show), saved);
+    said({"stage", "paint", show, "anna", "--layer", "1", "--remove"});
 
     std::filesystem::remove(layer);
     said({"paint", "project", show, layer, "--time", "2.75", "--image", file("halves.png")});
@@ -255,17 +271,18 @@ TEST_F(CliStagePaint, TheOtherLayersShow) {
     const std::string mask = file("mask.nvpaint");
     said({"paint", "erase", show, mask, "--node", "anna", "--box", "-9,-9,-9,9,9,9"});
     EXPECT_EQ(project({}).at("leaves"), 0);
-    EXPECT_EQ(listed(0)[1]["uri"], "layer.nvpaint") << "the uppermost";
+    EXPECT_EQ(listed(0).size(), 1u) << "what paints nothing is not listed";
     said({"stage", "paint", show, "anna", "--layer", "0", "--visible", "off"});
     EXPECT_GT(project({}).at("leaves"), 10);
+    EXPECT_EQ(listed(0)[1]["uri"], "layer.nvpaint") << "the uppermost";
     said({"paint", "erase", show, layer, "--node", "anna", "--box", "-9,-9,-9,9,9,9"});
     const auto erased = project({});
     EXPECT_EQ(erased.at("erased"), erased.at("edits"));
 }
 
 TEST_F(CliStagePaint, WhatIsLookedAtIsTheFrameOfTheStagesTime) {
-    const std::vector<std::string> hue = {"region", "--hue", "90", "--box", "-9,-9,-9,9,9,9", "--follow", "run"};
-    std::vector<std::string> on_stage = hue, alone = hue;
+    const std::vector<std::string> red = {"region", "--colour", "red", "--box", "-9,-9,-9,9,9,9", "--follow", "run"};
+    std::vector<std::string> on_stage = red, alone = red;
     on_stage.insert(on_stage.end(), {"--node", "anna", "--time", "0.5"});
     paint_stage(on_stage);
     const std::string staged = read_text(layer);

@@ -1,0 +1,20 @@
+// What the renderer's limits leave of a stage's lights.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stage/stage_instant.h"
+
+namespace neuvv {
+
+// As a light is packed for a frame.
+struct LightShare {
+    bool shines = true, casts_shadow = false;
+    std::string text;  // what the limits take away
+};
+
+// By instant.lights.
+std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instant);
+
+}  // namespace neuvv
