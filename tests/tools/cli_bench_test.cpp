@@ -4,6 +4,21 @@
 namespace neuvv {
 namespace {
 
+// The table of a bench, and what it must say.
+void expect_words(const std::vector<std::string>& command, std::initializer_list<const char*> words) {
+    const ProgramResult table = run_neuvv(command);
+    EXPECT_EQ(table.code, 0) << table.err;
+    for (const char* word : words) EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
+}
+
+nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::string>& more = {}) {
+    command.insert(command.end(), more.begin(), more.end());
+    command.push_back("--json");
+    const ProgramResult result = run_neuvv(command);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
+}
+
 TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     {
         const Device device;
@@ -24,13 +39,8 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
 TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     const std::vector<std::string> command = {"bench",   "render", scene,       "--size", "64x48",
                                               "--views", "2",      "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    expect_words(command, {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"});
+    const nlohmann::json json = json_of(command);
     EXPECT_GT(json["covered"], 0.02);
     EXPECT_GT(json["ways"]["paper"]["rest_ms"], 0.0);
     EXPECT_GT(json["ways"]["shaded"]["slice_ms"], 0.0);
@@ -47,12 +57,8 @@ TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
     std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
     EXPECT_EQ(run_neuvv(command).out.find("rival"), std::string::npos);
     command.insert(command.end(), {"--rival", "raster"});
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"rival: sparse voxels rasterised", "project", "sort", "composite", "pairs"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    command.push_back("--json");
-    const nlohmann::json rival = nlohmann::json::parse(run_neuvv(command).out)["rival"];
+    expect_words(command, {"rival: sparse voxels rasterised", "project", "sort", "composite", "pairs"});
+    const nlohmann::json rival = json_of(command)["rival"];
     for (const char* pass : {"project", "sort", "composite"}) EXPECT_GT(rival["passes_ms"][pass], 0.0) << pass;
     EXPECT_GT(rival["pairs"], 10.0);
     EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same picture";
@@ -102,13 +108,8 @@ TEST_F(CliGpu, BenchSliceTimesEachPass) {
 TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
     const std::vector<std::string> command = {"bench",   "instances", scene,       "--size", "96x64",
                                               "--count", "5",         "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"instances", "covered rays", "with a slice", "time grows", "memory is"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> direct = command;
-    for (const char* word : {"--slice-budget", "0", "--json"}) direct.push_back(word);
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(direct).out);
+    expect_words(command, {"instances", "covered rays", "with a slice", "time grows", "memory is"});
+    const nlohmann::json json = json_of(command, {"--slice-budget", "0"});
     EXPECT_EQ(json["all"]["with_a_slice"], 0);
     EXPECT_GT(json["all"]["covered_rays"], 3 * json["one"]["covered_rays"].get<int>());
     EXPECT_EQ(json["memory_ratio"], 1.0);
@@ -119,26 +120,16 @@ TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
 TEST_F(CliGpu, BenchWalkTimesEachStep) {
     const std::vector<std::string> command = {"bench",   "walk", scene,       "--size", "64x48",
                                               "--views", "1",    "--repeats", "1"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"from the root to every cell", "masks in registers", "one step", "grid", "bounds"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    expect_words(command, {"from the root to every cell", "masks in registers", "one step", "grid", "bounds"});
+    const nlohmann::json json = json_of(command);
     for (const char* step : {"restart", "node", "coalesce", "grid", "ranges"}) EXPECT_GT(json["trace_ms"][step], 0.0);
     expect_refused({"bench", "walk", scene, "--views", "0"}, 2, {"--views"});
 }
 
 TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
     const std::vector<std::string> command = {"bench", "stereo", scene, "--size", "64x72", "--repeats", "2"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.push_back("--json");
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    expect_words(command, {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"});
+    const nlohmann::json json = json_of(command);
     EXPECT_GT(json["covered"], 0.02);
     EXPECT_EQ(json["ways"]["stereo"]["rays"], 2 * 64 * 72);
     EXPECT_LT(json["ways"]["foveated"]["rays"], 0.5 * 2 * 64 * 72);
@@ -150,13 +141,8 @@ TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
 TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
     const std::vector<std::string> command = {"bench",     "stage", scene,      "--size", "64x48",
                                               "--repeats", "1",     "--copies", "5"};
-    const ProgramResult table = run_neuvv(command);
-    ASSERT_EQ(table.code, 0) << table.err;
-    for (const char* word : {"plain", "shadows and falloff", "paper", "5 copies", "times those of one"})
-        EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    std::vector<std::string> as_json = command;
-    as_json.insert(as_json.end(), {"--json", "--together", "--picture", file("stage.png")});
-    const nlohmann::json json = nlohmann::json::parse(run_neuvv(as_json).out);
+    expect_words(command, {"plain", "shadows and falloff", "paper", "5 copies", "times those of one"});
+    const nlohmann::json json = json_of(command, {"--together", "--picture", file("stage.png")});
     ASSERT_EQ(json["ways"].size(), 5u);
     for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
     EXPECT_GT(json["one_bytes"], 10000);
