@@ -195,19 +195,36 @@ bool stderr_is_terminal() {
     return isatty(STDERR_FILENO) != 0;
 }
 
-std::filesystem::path cache_folder() {
-    const char* xdg = std::getenv("XDG_CACHE_HOME");
+namespace {
+
+// The folder "neuvv" in that of an environment variable, else in one of the home folder.
+std::filesystem::path xdg_folder(const char* variable, const char* in_home) {
+    const char* xdg = std::getenv(variable);
     const char* home = std::getenv("HOME");
     std::filesystem::path folder;
     if (xdg && *xdg)
         folder = std::filesystem::path(xdg) / "neuvv";
     else if (home && *home)
-        folder = std::filesystem::path(home) / ".cache" / "neuvv";
+        folder = std::filesystem::path(home) / in_home / "neuvv";
     else
         return {};
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     return error ? std::filesystem::path() : folder;
+}
+
+}  // namespace
+
+std::filesystem::path cache_folder() {
+    return xdg_folder("XDG_CACHE_HOME", ".cache");
+}
+
+std::filesystem::path config_folder() {
+    return xdg_folder("XDG_CONFIG_HOME", ".config");
+}
+
+std::filesystem::path state_folder() {
+    return xdg_folder("XDG_STATE_HOME", ".local/state");
 }
 
 }  // namespace neuvv

@@ -48,5 +48,9 @@ bool stderr_is_terminal();
 
 // Folder for caches of this program (XDG_CACHE_HOME or ~/.cache, plus "neuvv"); created; empty if there is none.
 std::filesystem::path cache_folder();
+// Likewise for what a user chose (XDG_CONFIG_HOME or ~/.config), and for what shall outlive a crash (XDG_STATE_HOME or
+// ~/.local/state).
+std::filesystem::path config_folder();
+std::filesystem::path state_folder();
 
 }  // namespace neuvv

@@ -53,7 +53,10 @@ void Commands::submit() {
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
     submitted_ = std::chrono::steady_clock::now();
-    check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
+    {
+        const std::lock_guard lock(device_.queue_mutex());
+        check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
+    }
     in_flight_ = true;
 }
 

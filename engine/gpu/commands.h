@@ -15,7 +15,8 @@ struct PassTime {
     double milliseconds = 0;
 };
 
-// One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again.
+// One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again. Of
+// one thread at a time; several may be used by as many threads.
 class Commands {
   public:
     // So many pass scopes in one submission are timed; what is beyond them is not.

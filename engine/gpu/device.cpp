@@ -35,7 +35,7 @@ bool instance_has(const std::vector<VkExtensionProperties>& extensions, const ch
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-VkInstance make_instance(bool validate, bool* debug_utils) {
+VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<const char*>& wanted = {}) {
     check(volkInitialize(), "volkInitialize",
           "Vulkan loader (install libvulkan1 and a driver such as mesa-vulkan-drivers)");
     uint32_t count = 0;
@@ -43,7 +43,10 @@ VkInstance make_instance(bool validate, bool* debug_utils) {
     std::vector<VkExtensionProperties> available(count);
     vkEnumerateInstanceExtensionProperties(nullptr, &count, available.data());
 
-    std::vector<const char*> extensions;
+    std::vector<const char*> extensions = wanted;
+    for (const char* name : wanted)
+        if (!instance_has(available, name))
+            throw RuntimeFailure(fmt::format("this machine's Vulkan has no {}, which the window needs", name));
     *debug_utils = instance_has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (*debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     const bool portability = instance_has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
@@ -167,10 +170,11 @@ std::vector<DeviceSummary> list_devices() {
 Device::Device(std::unique_ptr<Messages> messages) : messages_(std::move(messages)) {}
 
 // Delegates, so that the destructor frees the instance when no device fits.
-Device::Device(const std::string& choice, Validation validation) : Device(std::make_unique<Messages>()) {
-    create_instance(validation);
+Device::Device(const std::string& choice, Validation validation, const DeviceExtensions& extensions)
+    : Device(std::make_unique<Messages>()) {
+    create_instance(validation, extensions);
     choose_physical(choice);
-    create_device();
+    create_device(extensions);
     open_pipeline_cache();
 }
 
@@ -185,9 +189,9 @@ Device::~Device() {
     if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
-void Device::create_instance(Validation validation) {
+void Device::create_instance(Validation validation, const DeviceExtensions& extensions) {
     const bool validate = validation == Validation::kOn;
-    instance_ = make_instance(validate, &debug_utils_);
+    instance_ = make_instance(validate, &debug_utils_, extensions.instance);
     if (!validate || !debug_utils_) return;
     VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     info.messageSeverity =
@@ -221,7 +225,7 @@ void Device::choose_physical(const std::string& choice) {
     max_allocation_bytes_ = properties11.maxMemoryAllocationSize;
 }
 
-void Device::create_device() {
+void Device::create_device(const DeviceExtensions& extensions) {
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
@@ -240,6 +244,11 @@ void Device::create_device() {
 
     FeatureChain features = features_to_enable(physical_);
     float_atomics_ = features.float_atomics;
+    for (const char* name : extensions.device) {
+        if (!has_extension(physical_, name))
+            throw RuntimeFailure(fmt::format("device \"{}\" lacks {}", summary_.name, name));
+        features.extensions.push_back(name);
+    }
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &features.core;
     info.queueCreateInfoCount = 1;
@@ -312,6 +321,7 @@ std::vector<std::string> Device::drain_validation_messages() const {
 }
 
 void Device::wait_idle() const {
+    const std::lock_guard lock(queue_mutex_);
     check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name);
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -30,19 +31,28 @@ struct DeviceSummary {
 // Every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
 std::vector<DeviceSummary> list_devices();
 
+// Beyond what every use needs: those of windows (Swapchain) and headsets. Names must be literals or outlive the device.
+struct DeviceExtensions {
+    std::vector<const char*> instance, device;
+};
+
 class Device {
   public:
     // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the
     // best usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none,
-    // RuntimeFailure for a device that lacks what we need.
-    explicit Device(const std::string& choice = "", Validation validation = Validation::kOff);
+    // RuntimeFailure for a device that lacks what we need, or one of `extensions`.
+    explicit Device(const std::string& choice = "", Validation validation = Validation::kOff,
+                    const DeviceExtensions& extensions = {});
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
+    VkInstance instance() const { return instance_; }
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
+    // One queue for all threads: who submits, presents or waits for it holds its mutex meanwhile.
     VkQueue queue() const { return queue_; }
+    std::mutex& queue_mutex() const { return queue_mutex_; }
     uint32_t queue_family() const { return queue_family_; }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
@@ -70,9 +80,9 @@ class Device {
   private:
     struct Messages;
     explicit Device(std::unique_ptr<Messages> messages);
-    void create_instance(Validation validation);
+    void create_instance(Validation validation, const DeviceExtensions& extensions);
     void choose_physical(const std::string& choice);
-    void create_device();
+    void create_device(const DeviceExtensions& extensions);
     void open_pipeline_cache();
     void save_pipeline_cache() const;
 
@@ -81,6 +91,7 @@ class Device {
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
+    mutable std::mutex queue_mutex_;
     uint32_t queue_family_ = 0;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     VkPhysicalDeviceLimits limits_{};

@@ -4,6 +4,16 @@
 
 namespace neuvv {
 
+bool has_extension(VkPhysicalDevice physical, const char* name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+    for (const auto& extension : extensions)
+        if (std::strcmp(extension.extensionName, name) == 0) return true;
+    return false;
+}
+
 namespace {
 
 struct Feature {
@@ -21,16 +31,6 @@ const Feature kRequired[] = {
 
 VkBool32& float_atomic_add(FeatureChain& f) {
     return f.atomic_float.shaderBufferFloat32AtomicAdd;
-}
-
-bool has_extension(VkPhysicalDevice physical, const char* name) {
-    uint32_t count = 0;
-    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-    for (const auto& extension : extensions)
-        if (std::strcmp(extension.extensionName, name) == 0) return true;
-    return false;
 }
 
 bool at_least_vulkan_1_3(VkPhysicalDevice physical) {

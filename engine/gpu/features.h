@@ -23,6 +23,8 @@ struct FeatureChain {
     void link();
 };
 
+bool has_extension(VkPhysicalDevice physical, const char* name);
+
 // Exactly the features of the table that this device has.
 FeatureChain features_to_enable(VkPhysicalDevice physical);
 
