@@ -40,11 +40,13 @@ struct March {
     Node node;
     int shift;     // log2 of the side of the node's cells, in finest cells
     bool in_node;  // the walk has not left the node
+    uint steps;    // nodes that it has come to, and leaves
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
 struct MarchSegment {
     float t_in, t_out;
+    int shift;  // log2 of the leaf's side, in finest cells
 };
 
 const int kTopShift = int(2u * (kNodeLevels - kTopLevels));  // log2 of the side of the grid's cells, in finest cells
@@ -85,6 +87,7 @@ March march_begin(vec3 origin_tree, vec3 direction_tree, vec2 range) {
     const MarchBox box = march_box(ray);
     ray.cell = clamp(ivec3(floor(ray.origin + ray.direction * ray.t)), box.low, box.high - 1);
     ray.in_node = false;
+    ray.steps = 0u;
     return ray;
 }
 
@@ -116,6 +119,7 @@ bool march_enter(inout March ray) {
         ray.shift -= 2;
     }
     ray.in_node = true;
+    ray.steps++;
     return true;
 }
 
@@ -152,8 +156,11 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
         const uint child = march_child(node_child(ray.node, bit));
         if ((child & kLeafBit) == 0u) return false;
         segment.t_in = ray.t;
-        segment.t_out = march_step(ray, ray.shift + (node_wide(ray.node, bit) ? 1 : 0));
-        if (segment.t_out > segment.t_in && march_wants(child & ~kLeafBit)) return true;
+        segment.shift = ray.shift + (node_wide(ray.node, bit) ? 1 : 0);
+        segment.t_out = march_step(ray, segment.shift);
+        if (segment.t_out <= segment.t_in) continue;
+        ray.steps++;
+        if (march_wants(child & ~kLeafBit)) return true;
     }
     return false;
 }

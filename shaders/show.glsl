@@ -4,6 +4,7 @@
 #ifndef NEUVV_SHOW_GLSL
 #define NEUVV_SHOW_GLSL
 #include "grid.glsl"
+#include "picture_pixel.glsl"
 #include "srgb.glsl"
 
 vec4 show_colour(vec4 light) {
@@ -14,23 +15,6 @@ vec4 show_colour(vec4 light) {
 vec4 show_depth(float metres) {
     const float grey = 1.0 - (metres - push.depth_near) / (push.depth_far - push.depth_near);
     return vec4(vec3(isinf(metres) ? 0.0 : clamp(grey, 0.0, 1.0)), 1.0);
-}
-
-// Where a ray of a view stands in the buffers.
-int ray_at(uint view, uvec2 at) {
-    const uvec2 tile = at / kTile, inner = at % kTile;
-    const uint first = (view * push.tiles_down + tile.y) * push.tiles_across + tile.x;
-    return int(first * kTilePixels + inner.y * kTile + inner.x);
-}
-
-// The pixel of this thread; false: it lies beyond the picture's edge, or the dispatch rounded the groups up. `group`: of all
-// pictures' tiles.
-bool pixel_of_thread(uint group, out uint view, out uvec2 pixel) {
-    const uint across = (push.width + kTile - 1u) / kTile, down = (push.height + kTile - 1u) / kTile;
-    const uint lane = gl_LocalInvocationID.x, tile = group % (across * down);
-    view = group / (across * down);
-    pixel = kTile * uvec2(tile % across, tile / across) + uvec2(lane % kTile, lane / kTile);
-    return view < push.views && pixel.x < push.width && pixel.y < push.height;
 }
 
 // Light and depth as they are summed: premultiplied, linear; metres times their weight, and weights.

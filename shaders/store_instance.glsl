@@ -1,5 +1,5 @@
 // A ray's result as one of several instances' (trace_rays.glsl): a layer over or under what earlier ones left, or its segments,
-// for merge.comp; or alone. kInto says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
+// for merge.comp; or what its walk was like; or alone. kInto says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
 // The includer binds imageBuffers `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
 // shadow.glsl asks for.
 #ifndef NEUVV_STORE_INSTANCE_GLSL
@@ -8,6 +8,7 @@
 #include "light_bits.glsl"
 #include "lights.glsl"
 #include "shadow.glsl"
+#include "store_inspected.glsl"
 
 const float kOfOneLux = 0.318309886;  // what a white surface returns of it: 1/π
 const float kSelfShadowLift = 0.08;       // metres
@@ -16,7 +17,7 @@ const float kSelfShadowLift = 0.08;       // metres
 bool is_hidden(Ray ray) {
     if (kInto == kIntoRay) return false;
     const bool solid = imageLoad(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
-    return solid && (kInto != kIntoLayerByDepth || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
+    return solid && ((kInto != kIntoLayerByDepth && kInto != kIntoInspect) || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
@@ -50,6 +51,7 @@ bool page_has_room(Ray ray) {
 
 // `before`, `after`: transmittance of the solid instance.
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
+    if (kInto == kIntoInspect) inspect_segment(ray, part, before, after);
     if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
@@ -77,10 +79,14 @@ vec3 light_on(Ray ray, float world_metres) {
     return sum;
 }
 
-void store_ray(Ray ray, vec4 light, float metres) {
+void store_ray(Ray ray, vec4 light, float metres, uint steps) {
     if (kInto == kIntoRay) {
         imageStore(radiance, int(ray.index), light);
         imageStore(depth, int(ray.index), vec4(metres));
+        return;
+    }
+    if (kInto == kIntoInspect) {
+        store_inspected(ray, light.a, steps);
         return;
     }
     const float world_metres = metres * ray.world_metres;

@@ -6,7 +6,7 @@ bool is_hidden(Ray ray) { return false; }
 
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {}
 
-void store_ray(Ray ray, vec4 light, float metres) {
+void store_ray(Ray ray, vec4 light, float metres, uint steps) {
     imageStore(radiance, int(ray.index), light);
     imageStore(depth, int(ray.index), vec4(metres));
 }

@@ -21,5 +21,5 @@ void main() {
         }
     const float alpha = 1.0 - sum.transmittance;
     const float metres = alpha > 0.0 ? sum.depth / alpha : uintBitsToFloat(0x7f800000u);
-    store_ray(ray, vec4(sum.colour, alpha), metres);
+    store_ray(ray, vec4(sum.colour, alpha), metres, march.steps);
 }

@@ -17,6 +17,7 @@
 #include "tools/view_path.h"
 #include "training/compact.h"
 #include "training/metrics.h"
+#include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/nvv.h"
 #include "voctree/round.h"
@@ -124,8 +125,8 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     if (std::filesystem::equivalent(options.scene, options.output, none))
         throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
                          "name another file");
-    const uint64_t bytes_before = summarise_nvv(options.scene).file_bytes;
-    const VOctree tree = read_nvv(options.scene);
+    const VOctree tree = read_clip(options.scene);
+    const uint64_t bytes_before = std::filesystem::file_size(options.scene);
     const Device device(common.device);
     catch_stop_signals();
     const Views views(device, tree, options);
@@ -164,7 +165,7 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
 void add_convert(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("convert", "Write a scene smaller, its pictures as good as asked for");
     const auto options = std::make_shared<ConvertOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    verb->add_option("scene", options->scene, "The .nvv file, or the .npz of a PlenOctree")->required();
     verb->add_option("-o,--output", options->output, "The .nvv to write; may be the same")->required();
     verb->add_option("--quality", options->quality,
                      "PSNR in dB that each picture keeps at least, against the scene's own picture")

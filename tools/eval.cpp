@@ -18,7 +18,7 @@
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
 #include "training/lpips.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 
@@ -139,7 +139,7 @@ void write_text_file(const std::string& path, const std::string& text) {
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
-    const VOctree tree = read_nvv(options.scene);
+    const VOctree tree = read_clip(options.scene);
     const Dataset dataset = load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
     if (tree.frames != dataset.times.size())

@@ -1,4 +1,4 @@
-// neuvv info: what a .nvv holds, or a stage.
+// neuvv info: what a clip holds, or a stage.
 #include <fmt/format.h>
 
 #include <memory>
@@ -9,6 +9,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/stage_info.h"
+#include "voctree/clip.h"
 #include "voctree/nvv.h"
 
 namespace neuvv {
@@ -28,6 +29,28 @@ double clip_seconds(const NvvHead& head) {
     return head.frames / static_cast<double>(head.fps);
 }
 
+// Of a PlenOctree, which has no version and no chunks, as the clip that it is played as.
+NvvSummary summary_of_plenoctree(const std::string& file) {
+    const VOctree tree = read_clip(file);
+    NvvSummary summary;
+    summary.file_bytes = std::filesystem::file_size(file);
+    summary.head = {tree.node_levels,
+                    static_cast<uint32_t>(tree.nodes.size()),
+                    static_cast<uint32_t>(tree.children.size()),
+                    tree.leaf_count,
+                    tree.bases,
+                    tree.hh_degree,
+                    tree.frames,
+                    tree.fps,
+                    tree.box_min,
+                    tree.box_size};
+    return summary;
+}
+
+bool is_nvv(const NvvSummary& summary) {
+    return summary.version != 0;
+}
+
 nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& summary) {
     const NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
@@ -35,7 +58,8 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& sum
     for (const NvvSummary::Chunk& chunk : summary.chunks)
         chunks.push_back({{"name", chunk.name}, {"raw_bytes", chunk.raw_bytes}, {"stored_bytes", chunk.stored_bytes}});
     return {{"file", options.file},
-            {"version", summary.version},
+            {"format", is_nvv(summary) ? "nvv" : "PlenOctree"},
+            {"version", is_nvv(summary) ? nlohmann::ordered_json(summary.version) : nullptr},
             {"bytes", summary.file_bytes},
             {"box", {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}}},
             {"node_levels", head.node_levels},
@@ -55,7 +79,9 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& sum
 void print(const InfoOptions& options, const NvvSummary& summary) {
     const NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
-    fmt::print("{}: .nvv version {}, {}\n", options.file, summary.version, size_text(summary.file_bytes));
+    fmt::print("{}: {}, {}\n", options.file,
+               is_nvv(summary) ? fmt::format(".nvv version {}", summary.version) : "PlenOctree",
+               size_text(summary.file_bytes));
     fmt::print("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
     fmt::print("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
                high.z);
@@ -83,8 +109,9 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
-    const NvvSummary summary = summarise_nvv(options.file);
-    if (options.check) {
+    const NvvSummary summary =
+        is_plenoctree(options.file) ? summary_of_plenoctree(options.file) : summarise_nvv(options.file);
+    if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole
         read_nvv_coarse(options.file);
         read_nvv(options.file);
     }
@@ -97,10 +124,11 @@ void run(const InfoOptions& options, const CommonOptions& common) {
 }  // namespace
 
 void add_info(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("info", "Say what a .nvv file holds, or who and what is on a stage");
+    CLI::App* verb = app.add_subcommand("info", "Say what a clip holds, or who and what is on a stage");
     const auto options = std::make_shared<InfoOptions>();
     verb->add_option("file", options->file,
-                     "A .nvv file, or a stage: .gltf or .glb (`neuvv stage info` tells it at any time)")
+                     "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
+                     "any time)")
         ->required();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");

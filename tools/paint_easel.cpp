@@ -11,8 +11,8 @@
 #include "tools/render_job.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
+#include "voctree/clip.h"
 #include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 namespace neuvv {
 
@@ -106,7 +106,7 @@ Camera stage_camera(const PaintOptions& options, const StagePlace& place, Pictur
 
 Easel::Easel(const PaintOptions& options, Use use)
     : place(opened_stage(options, use)),
-      tree(read_nvv(place ? place->stage.clips[place->who().clip].path : std::filesystem::path(options.scene))),
+      tree(read_clip(place ? place->stage.clips[place->who().clip].path : std::filesystem::path(options.scene))),
       canvas(tree) {
     layer.field = painted_field(tree);
     if (use == Use::kRead || std::filesystem::exists(options.layer)) layer = read_paint(options.layer, layer.field);

@@ -31,7 +31,9 @@ void run(const RenderOptions& options, const CommonOptions& common) {
 }
 
 void add_options(CLI::App& verb, RenderOptions& options) {
-    verb.add_option("scene", options.scene, "A .nvv file, or a stage: .gltf or .glb (neuvv stage)")->required();
+    verb.add_option("scene", options.scene,
+                    "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
+        ->required();
     verb.add_option(
             "-o,--output", options.output,
             "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first; "
@@ -44,7 +46,9 @@ void add_options(CLI::App& verb, RenderOptions& options) {
             "--camera", options.camera,
             "A camera path of instant-ngp or nerfstudio, or a transforms.json: with seconds a path, else one "
             "picture a key. At the keys' times of the clip, else as it plays. One key without a time is a fixed "
-            "camera. Of a stage also the name of one of its cameras (default: its first)")
+            "camera. Of a stage also `path`, its own camera path (neuvv stage path), for as long as the stage lasts, "
+            "or the "
+            "name of one of its cameras (default: its first camera, also where it has a path)")
         ->excludes(orbit);
     verb.add_option(
         "--frames", options.frames,
@@ -74,10 +78,27 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                              ->delimiter(',');
     add_slice_budget_option(verb, options.slice_budget_mb);
     CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
-    verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
+    CLI::Option* alpha = verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
+    CLI::Option* level = verb.add_flag("--level", options.level,
+                                       "Show how deep in the octree the leaf lies in which a ray's alpha first passes "
+                                       "0.5: the coarsest level is dark, the finest bright (viridis). Of performers "
+                                       "alone, without a stage's set")
+                             ->excludes(depth)
+                             ->excludes(alpha);
+    CLI::Option* cost = verb.add_flag("--cost", options.cost,
+                                      "Show what each ray costs: how many nodes of the octree its walk comes to and "
+                                      "leaves it samples, in all performers (viridis), without a stage's set")
+                            ->excludes(depth)
+                            ->excludes(alpha)
+                            ->excludes(level);
+    verb.add_option("--cost-max", options.cost_max, "The cost from which --cost is brightest (default: 256)")
+        ->check(number_between(1, 1e6))
+        ->needs(cost);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
         ->excludes(scale)
-        ->excludes(paint);
+        ->excludes(paint)
+        ->excludes(level)
+        ->excludes(cost);
     verb.add_option("--blend", options.blend,
                     "Of a stage: performers that stand in each other exactly, or as layers as in the paper")
         ->check(CLI::IsMember({"exact", "paper"}));
@@ -109,6 +130,7 @@ void add_render(CLI::App& app, CommonOptions& common) {
                  "--size 480x480\n"
                  "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
                  "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
+                 "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
                  "  neuvv stage new build/show.gltf\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv\n"
                  "  neuvv render build/show.gltf -o build/show.mp4 --camera camera --size 640x360");

@@ -8,7 +8,7 @@
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 #include "voctree/chunk_file.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 
@@ -43,7 +43,7 @@ RenderPlan plan_render(const RenderOptions& options) {
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
-    plan.tree = read_nvv(options.scene);
+    plan.tree = read_clip(options.scene);
     plan.paint = read_paint_stack(options.paint, painted_field(plan.tree));
     const double clip_fps = plan.tree.fps;
     plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
@@ -90,9 +90,10 @@ void expect_no_stage_options(const RenderOptions& options) {
 }  // namespace
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
-    if (std::filesystem::exists(options.scene) && content_of(options.scene) == FileContent::kOther)
+    if (std::filesystem::exists(options.scene) && content_of(options.scene) == FileContent::kOther &&
+        !is_plenoctree(options.scene))
         throw InputError(options.scene, "", "is neither a clip nor a stage",
-                         "name a .nvv of `neuvv train`, or a .gltf or .glb of `neuvv stage`");
+                         "name a .nvv of `neuvv train`, the .npz of a PlenOctree, or a .gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
     const RenderPlan plan = plan_render(options);
     const PictureSize size = plan.size;

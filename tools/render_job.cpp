@@ -25,6 +25,9 @@ ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutp
         parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
     if (options.depth) resolve.show = Show::kDepth;
     if (options.alpha) resolve.show = Show::kAlpha;
+    if (options.level) resolve.show = Show::kLevel;
+    if (options.cost) resolve.show = Show::kCost;
+    resolve.cost_max = static_cast<float>(options.cost_max);
     if (video && resolve.show == Show::kColour && resolve.background.a < 1)
         throw InputError("--background", options.background, "a video holds no transparency",
                          "choose a colour, or write pictures: out_%04d.png");
@@ -40,8 +43,9 @@ void expect_fitting_output(const PictureOutput& output, size_t pictures) {
 void expect_fitting_output(const PictureOutput& output, const RenderOptions& options) {
     const char* mend = "write .png or .mp4, or leave it out";
     if (!output.exr) return;
-    if (options.depth) throw InputError("--depth", "", "an .exr holds colour, alpha and depth at once", mend);
-    if (options.alpha) throw InputError("--alpha", "", "an .exr holds colour, alpha and depth at once", mend);
+    for (const auto& [given, flag] : {std::pair(options.depth, "--depth"), std::pair(options.alpha, "--alpha"),
+                                      std::pair(options.level, "--level"), std::pair(options.cost, "--cost")})
+        if (given) throw InputError(flag, "", "an .exr holds colour, alpha and depth at once", mend);
     if (options.scale < 1) throw InputError("--scale", "", "what is scaled up is not linear", mend);
 }
 
@@ -61,6 +65,8 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
             {"--slice-budget", fmt::format("{}", options.slice_budget_mb)},
             {"--depth", fmt::format("{}", options.depth)},
             {"--alpha", fmt::format("{}", options.alpha)},
+            {"--level", fmt::format("{}", options.level)},
+            {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
             {"pictures", fmt::format("{}", pictures)},
             {"program", NEUVV_VERSION}};
 }

@@ -17,7 +17,9 @@ struct RenderOptions {
     uint32_t samples = kDefaultSamples;
     double scale = 1;
     double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
-    bool orbit = false, depth = false, alpha = false, direct = false, resume = false, json = false;
+    bool orbit = false, depth = false, alpha = false, level = false, cost = false;
+    double cost_max = double{ResolveSettings{}.cost_max};
+    bool direct = false, resume = false, json = false;
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
     std::optional<std::string> blend;
@@ -33,8 +35,8 @@ struct RenderTotals {
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common);
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common);
 
-// What the pictures show, as the output can hold it: a video no transparency, an .exr no picture of depth. Throws
-// InputError.
+// What the pictures show, as the output can hold it: a video no transparency, an .exr no picture of depth and the like.
+// Throws InputError.
 ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
 void expect_fitting_output(const PictureOutput& output, const RenderOptions& options);
 void expect_fitting_output(const PictureOutput& output, size_t pictures);

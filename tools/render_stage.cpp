@@ -17,13 +17,15 @@ namespace neuvv {
 namespace {
 
 constexpr double kMaxPictures = 1e6;
-constexpr double kTurnSeconds = 4;  // of a stage that nothing moves on and no camera sees
+constexpr const char* kStagePath = "path";  // --camera: the stage's own
+constexpr double kTurnSeconds = 4;          // of a stage that nothing moves on and no camera sees
 
 struct StagePlan {
     PictureOutput output;
     ResolveSettings resolve;
     Stage stage;
     std::optional<CameraPath> path;  // else a camera of the stage,
+    bool own_path = false;           // the path is the stage's: in its time
     std::vector<ViewStep> turn;      // or where it has none a turn around it
     double first_s = 0, fps = 25;
     uint32_t pictures = 1;
@@ -98,13 +100,13 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
     plan.resolve.depth_far_m = static_cast<float>(farthest);
 }
 
-// Which pictures: those of --time, else of the whole path, else of the whole stage.
+// Which pictures: those of --time, else of the whole path in a file, else of the whole stage.
 void plan_time(const RenderOptions& options, StagePlan& plan) {
-    if (plan.path && options.time.empty()) {
+    if (plan.path && !plan.own_path && options.time.empty()) {
         plan.pictures = static_cast<uint32_t>(path_pictures(*plan.path, plan.fps, plan.stage.duration_s));
         return;
     }
-    const bool moves = plan.path && plan.path->keys.size() > 1;
+    const bool moves = plan.path && !plan.own_path && plan.path->keys.size() > 1;
     const auto [first_s, last_s] = time_range(options.time, moves ? plan.path->duration_s : plan.stage.duration_s);
     const double pictures = std::max(1.0, std::round((last_s - first_s) * plan.fps));
     if (pictures > kMaxPictures)
@@ -145,9 +147,13 @@ StagePlan plan_stage(const RenderOptions& options) {
         plan.path = read_camera_path(options.camera, plan.fps);
         plan.fps = checked_fps(options, plan.path->fps, plan.stage.fps);
     }
+    if (options.camera == kStagePath && plan.stage.settings.camera_path) {
+        plan.path = plan.stage.settings.camera_path;
+        plan.own_path = true;
+    }
     plan_time(options, plan);
     const bool still = plan.output.kind == PictureOutput::Kind::kPicture;
-    if (still && options.time.empty() && !plan.path) plan.pictures = 1;
+    if (still && options.time.empty() && (!plan.path || plan.own_path)) plan.pictures = 1;
     expect_fitting_output(plan.output, plan.pictures);
     plan.size = wanted.width                    ? wanted
                 : plan.path && plan.path->width ? PictureSize{plan.path->width, plan.path->height}
@@ -179,7 +185,9 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     for (const StagePerformer& performer : plan.stage.performers)
         for (const PaintLayer& layer : performer.settings.paint)
             facts["paint " + layer.uri] = content_fact(file_of_uri(plan.stage.file, layer.uri, performer.name));
-    facts["--camera"] = plan.path ? content_fact(options.camera) : options.orbit ? "orbit" : options.camera;
+    facts["--camera"] = plan.path && !plan.own_path ? content_fact(options.camera)
+                        : options.orbit             ? "orbit"
+                                                    : options.camera;
     facts["--time"] = fmt::format("{}", plan.first_s);
     facts["--blend"] = kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];
     facts["--shadows"] = fmt::format("{}", plan.stage.settings.shadows);

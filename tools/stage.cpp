@@ -11,48 +11,22 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/stage_cameras.h"
 #include "tools/stage_info.h"
 #include "tools/stage_options.h"
+#include "tools/stage_target.h"
+#include "voctree/clip.h"
 #include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 namespace neuvv {
 
 namespace {
 
-// The stage of a verb, and where it is saved.
-struct Target {
-    std::string stage, output;
-};
-
-void add_target(CLI::App& verb, Target& target) {
-    verb.add_option("STAGE", target.stage, "The stage, .gltf or .glb")->required();
-    verb.add_option("-o,--output", target.output, "Save it here; default: where it was");
-}
-
-void expect_stage_name(const std::string& option, const std::string& file) {
-    if (!is_stage(file)) throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
-}
-
-// One operation: nothing is saved that could not be loaded again, missing clips aside.
-template <typename Operation>
-void edit(const Target& target, const Operation& operation) {
-    const std::string& output = target.output.empty() ? target.stage : target.output;
-    if (!target.output.empty()) expect_stage_name("--output", output);
-    StageFile file = read_stage_file(target.stage);
-    expect_sound_document(file);
-    const std::string change = operation(file);
-    expect_sound_document(file);
-    prepare_output_file("--output", output);
-    save_stage_file(file, output);
-    fmt::print("{}: {}\n", output, change);
-}
-
 // A time map whose parts lie in the clip. Clips may be missing: then nobody knows.
 void expect_fitting_time(const TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
-    const NvvHead head = summarise_nvv(clip).head;
+    const ClipHead head = read_clip_head(clip);
     const std::string text = text_of(time);
     expect_parts_within(timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text), "--time", text);
 }
@@ -64,7 +38,7 @@ void expect_fitting_paint(const StageFile& file, uint32_t node, const std::strin
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
     try {
-        read_paint(layer, painted_field(read_nvv(clip)));
+        read_paint(layer, painted_field(read_clip(clip)));
     } catch (const InputError& problem) {
         throw InputError(file.path.string(), fmt::format("\"{}\", which plays {}", performer, clip.filename().string()),
                          problem.what());
@@ -90,7 +64,7 @@ void add_new(CLI::App& stage) {
 
 void add_add(CLI::App& stage) {
     struct Options {
-        Target target;
+        StageTarget target;
         std::string clip, name;
         PlacementOptions place;
         PerformerOptions performer;
@@ -98,7 +72,7 @@ void add_add(CLI::App& stage) {
     CLI::App* verb = stage.add_subcommand("add", "Put a performer on a stage");
     const auto options = std::make_shared<Options>();
     add_target(*verb, options->target);
-    verb->add_option("CLIP", options->clip, "The .nvv that it plays")->required();
+    verb->add_option("CLIP", options->clip, "The .nvv that it plays, or the .npz of a PlenOctree")->required();
     verb->add_option("--name", options->name, "Its node's; default: the file's");
     add_placement_options(*verb, options->place);
     add_performer_options(*verb, options->performer);
@@ -107,8 +81,8 @@ void add_add(CLI::App& stage) {
                  "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5");
     verb->callback([options] {
-        summarise_nvv(options->clip);
-        edit(options->target, [&](StageFile& file) {
+        read_clip_head(options->clip);
+        edit_stage(options->target, [&](StageFile& file) {
             PerformerEdit performer = options->performer.edit();
             performer.clip = options->clip;
             if (performer.time) expect_fitting_time(*performer.time, options->clip);
@@ -118,8 +92,9 @@ void add_add(CLI::App& stage) {
 }
 
 struct SetOptions {
-    Target target;
+    StageTarget target;
     std::optional<std::string> node, name, clip;
+    std::string shown, locked;
     PlacementOptions place;
     PerformerOptions performer;
     StageOptions stage;
@@ -129,7 +104,7 @@ std::string set_node(StageFile& file, const SetOptions& options) {
     const uint32_t node = find_node(file, *options.node);
     PerformerEdit performer = options.performer.edit();
     if (options.clip) {
-        summarise_nvv(*options.clip);
+        read_clip_head(*options.clip);
         performer.clip = *options.clip;
     }
     if (performer.time) expect_fitting_time(*performer.time, performer.clip ? *performer.clip : clip_of(file, node));
@@ -139,6 +114,8 @@ std::string set_node(StageFile& file, const SetOptions& options) {
     const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
     if (options.name) also(rename_node(file, node, *options.name));
     if (options.place.any()) also(place_node(file, node, options.place.placement()));
+    if (!options.shown.empty()) also(show_node(file, node, options.shown == "on"));
+    if (!options.locked.empty()) also(lock_node(file, node, options.locked == "on"));
     if (of_performer) also(set_performer(file, node, performer));
     if (change.empty()) throw InputError("stage set", *options.node, "nothing to change", "see --help");
     return change;
@@ -151,6 +128,10 @@ void add_set(CLI::App& stage) {
     verb->add_option("NODE", options->node, "Its name or index; without: the stage");
     CLI::App* node = verb->add_option_group("Of a node");
     node->add_option("--name", options->name, "A new name");
+    node->add_option("--shown", options->shown, "on or off: with all that hangs on it, cameras aside")
+        ->check(CLI::IsMember({"on", "off"}));
+    node->add_option("--locked", options->locked, "on or off: whether programs keep hands from moving it")
+        ->check(CLI::IsMember({"on", "off"}));
     add_placement_options(*node, options->place);
     CLI::App* performer = verb->add_option_group("Of a performer");
     performer->add_option("--clip", options->clip, "Another .nvv");
@@ -170,7 +151,7 @@ void add_set(CLI::App& stage) {
         if (!names_node && node->count_all() + performer->count_all() > 0)
             throw InputError("stage set", options->target.stage, "these options are a node's", "name the node");
         if (options->stage.environment && !options->stage.environment->empty()) read_png(*options->stage.environment);
-        edit(options->target, [&](StageFile& file) {
+        edit_stage(options->target, [&](StageFile& file) {
             return names_node ? set_node(file, *options) : set_stage(file, options->stage.edit());
         });
     });
@@ -178,7 +159,7 @@ void add_set(CLI::App& stage) {
 
 void add_duplicate(CLI::App& stage) {
     struct Options {
-        Target target;
+        StageTarget target;
         std::string node, stagger = "0";
         int64_t count = 1;
         std::optional<double> row, ring;
@@ -224,14 +205,14 @@ void add_duplicate(CLI::App& stage) {
         if (!options->fan.empty() && options->fan[0] == 0)
             throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
         settings.distance_m = options->row ? *options->row : options->ring ? *options->ring : options->fan[0];
-        edit(options->target,
-             [&](StageFile& file) { return duplicate_node(file, find_node(file, options->node), settings); });
+        edit_stage(options->target,
+                   [&](StageFile& file) { return duplicate_node(file, find_node(file, options->node), settings); });
     });
 }
 
 void add_remove(CLI::App& stage) {
     struct Options {
-        Target target;
+        StageTarget target;
         std::string node;
     };
     CLI::App* verb = stage.add_subcommand("remove", "Take a node off, what hangs on it, and what only it used");
@@ -242,12 +223,12 @@ void add_remove(CLI::App& stage) {
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage remove build/show.gltf berta");
     verb->callback([options] {
-        edit(options->target, [&](StageFile& file) { return remove_node(file, find_node(file, options->node)); });
+        edit_stage(options->target, [&](StageFile& file) { return remove_node(file, find_node(file, options->node)); });
     });
 }
 
 struct LightVerbOptions {
-    Target target;
+    StageTarget target;
     std::optional<std::string> node;
     std::string name;
     bool add = false, remove = false;
@@ -285,11 +266,12 @@ void add_light_verb(CLI::App& stage) {
         "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
         "  neuvv stage light build/show.gltf back --remove");
-    verb->callback([options] { edit(options->target, [&](StageFile& file) { return change_light(file, *options); }); });
+    verb->callback(
+        [options] { edit_stage(options->target, [&](StageFile& file) { return change_light(file, *options); }); });
 }
 
 struct PaintVerbOptions {
-    Target target;
+    StageTarget target;
     std::string node;
     std::optional<std::string> add, name, blend;
     std::optional<size_t> layer, to;
@@ -338,7 +320,8 @@ void add_paint(CLI::App& stage) {
         "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
         "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
         "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5");
-    verb->callback([options] { edit(options->target, [&](StageFile& file) { return change_paint(file, *options); }); });
+    verb->callback(
+        [options] { edit_stage(options->target, [&](StageFile& file) { return change_paint(file, *options); }); });
 }
 
 }  // namespace
@@ -352,6 +335,8 @@ void add_stage(CLI::App& app, CommonOptions& common) {
     add_duplicate(*verb);
     add_remove(*verb);
     add_light_verb(*verb);
+    add_camera_verb(*verb);
+    add_path_verb(*verb);
     add_paint(*verb);
     add_stage_info(*verb, common);
     verb->footer(std::string(kExamplesHead) +

@@ -7,12 +7,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "edit/operations.h"
 #include "gpu/device.h"
 #include "render/frame.h"
+#include "stage/camera_path_json.h"
 #include "stage/stage_instant.h"
 #include "tools/light_shares.h"
 #include "tools/report.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 
@@ -32,7 +34,7 @@ std::vector<ClipMemory> measure_memory(const Stage& stage, const StageInfoOption
     std::vector<ClipMemory> all;
     for (const StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
-        const Field field = upload_field(device, read_nvv(clip.path), WeightPrecision::kHalf);
+        const Field field = upload_field(device, read_clip(clip.path), WeightPrecision::kHalf);
         const uint64_t with_field = device.buffer_bytes();
         const Paints paints(device, field);
         const Performer performer(device, field, paints, slice_share(budget, stage.clips.size()));
@@ -156,9 +158,33 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
                                    {"position", vector_json(glm::dvec3(camera.world_from_camera[3]))},
                                    {"degrees", glm::degrees(camera.vertical_angle_rad)},
                                    {"orthographic", camera.orthographic}});
+    if (const auto& path = stage.settings.camera_path)
+        json["camera_path"] = {{"keys", path->keys.size()},
+                               {"first", path->keys.front().time_s},
+                               {"last", path->keys.back().time_s},
+                               {"interpolation", kInterpolationNames[static_cast<size_t>(path->interpolation)]},
+                               {"cyclic", path->cyclic},
+                               {"duration", path->duration_s}};
+    json["hidden"] = json["locked"] = ordered_json::array();
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
+        if (!is_shown(stage.file, i)) json["hidden"].push_back(i);
+        if (is_locked(stage.file, i)) json["locked"].push_back(i);
+    }
     json["meshes"] = stage.scene.meshes.size();
     json["animations"] = stage.scene.animations.size();
     return json;
+}
+
+// Nodes of which `says` is true, by name.
+std::string names_of(const Stage& stage, bool (*says)(const StageFile&, uint32_t)) {
+    std::string names;
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
+        if (says(stage.file, i)) names += (names.empty() ? "" : ", ") + node_title(stage.scene, i);
+    return names;
+}
+
+bool is_hidden(const StageFile& file, uint32_t node) {
+    return !is_shown(file, node);
 }
 
 std::string place_text(const glm::dvec3& v) {
@@ -231,6 +257,13 @@ std::string settings_text(const Stage& stage) {
                               settings.falloff ? "on" : "off");
 }
 
+std::string path_text(const CameraPath& path) {
+    return fmt::format("camera path: {} keys from {:.6g} s to {:.6g} s, {}{}", path.keys.size(),
+                       path.keys.front().time_s, path.keys.back().time_s,
+                       kInterpolationNames[static_cast<size_t>(path.interpolation)],
+                       path.cyclic ? fmt::format(", back every {:.6g} s", path.duration_s) : "");
+}
+
 void print_performers(const Stage& stage, const StageInstant& instant) {
     if (instant.performers.empty()) return;
     fmt::print("\nnode  performer         clip  frame   at                      time\n");
@@ -274,6 +307,9 @@ void print(const Stage& stage, const StageInstant& instant, const std::vector<Cl
                stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
                instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
     fmt::print("{}\n", settings_text(stage));
+    if (stage.settings.camera_path) fmt::print("{}\n", path_text(*stage.settings.camera_path));
+    if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) fmt::print("hidden: {}\n", hidden);
+    if (const std::string locked = names_of(stage, is_locked); !locked.empty()) fmt::print("locked: {}\n", locked);
     print_performers(stage, instant);
     print_clips(stage, memory);
     print_lights(stage, instant);

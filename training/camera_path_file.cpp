@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "media/image.h"
+#include "stage/camera_path_json.h"
 #include "training/transforms.h"
 
 namespace neuvv {
@@ -22,8 +23,6 @@ constexpr double kNgpDefault_s = 5;      // instant-ngp's, where the file says n
 constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
 constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 constexpr double kMinFps = 0.01, kMaxFps = 1e4;
-
-constexpr const char* kInterpolations[] = {"smooth", "linear", "cut"};  // by Interpolation
 
 void set_pose(CameraPathKey& key, const glm::dmat4& world_from_camera) {
     key.position = glm::dvec3(world_from_camera[3]);
@@ -77,8 +76,8 @@ CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
 
 Interpolation interpolation_of(const JsonNode& node) {
     const std::string& name = json_string(node);
-    for (size_t i = 0; i < std::size(kInterpolations); ++i)
-        if (name == kInterpolations[i]) return static_cast<Interpolation>(i);
+    for (size_t i = 0; i < std::size(kInterpolationNames); ++i)
+        if (name == kInterpolationNames[i]) return static_cast<Interpolation>(i);
     node.fail("is no interpolation", "write smooth, linear or cut");
 }
 
@@ -317,7 +316,7 @@ CameraPath read_camera_path(const std::filesystem::path& file, double views_per_
 }
 
 void write_camera_path(const std::filesystem::path& file, const CameraPath& path) {
-    json document = {{"interpolation", kInterpolations[static_cast<size_t>(path.interpolation)]},
+    json document = {{"interpolation", kInterpolationNames[static_cast<size_t>(path.interpolation)]},
                      {"loop", path.cyclic},
                      {"duration_seconds", path.duration_s}};
     if (path.width != 0) {

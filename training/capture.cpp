@@ -80,7 +80,7 @@ void for_each_pose(const GltfScene& scene, int32_t animation, const std::vector<
         if (i > 0 && times[i] == times[i - 1]) continue;
         const PosedScene pose = pose_scene(scene, animation, times[i]);
         for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
-            if (!scene.nodes[n].in_scene || scene.nodes[n].mesh < 0) continue;
+            if (!scene.nodes[n].draws_mesh()) continue;
             for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
                 pose_vertices(scene, pose, n, primitive, vertices);
                 gather_points(primitive, vertices, points);

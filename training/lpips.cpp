@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "training/npz.h"
+#include "base/npz.h"
 
 namespace neuvv {
 

@@ -10,7 +10,7 @@
 #include "media/video.h"
 #include "training/calibration.h"
 #include "training/camera_folders.h"
-#include "training/npy.h"
+#include "base/npy.h"
 
 namespace neuvv {
 

@@ -10,7 +10,8 @@
 #include "base/error.h"
 #include "edit/document.h"
 #include "edit/operations.h"
-#include "voctree/nvv.h"
+#include "edit/time_edit.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 
@@ -68,34 +69,18 @@ Timeline timeline_of(const StageFile& file, uint32_t node) {
     const ordered_json& performer = performer_of(file, node);
     const std::string name = file.path.string(), place = title_of(file, node) + ": time";
     const TimeMap map = time_map_of(performer.value("time", ordered_json::array()), name, place);
-    NvvHead head;
+    ClipHead head;
     try {
-        head = summarise_nvv(clip).head;
+        head = read_clip_head(clip);
     } catch (const InputError& problem) {
         throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
     }
     return timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
 }
 
-// The offset of what is later by `by`. What never ends has begun before the stage, so that it runs from the start on:
-// it is within a round of its period behind. What waits before it begins has a start to be later than.
-ClipTime offset_of(const ClipTime& by, const Timeline& timeline) {
-    const bool waits = std::any_of(timeline.steps.begin(), timeline.steps.end(), [](const Timeline::Step& step) {
-        return step.verb == TimeVerb::kOffset && step.a > 0;
-    });
-    if (waits) return by;
-    const double period = period_s(timeline) * (by.frames ? timeline.fps : 1);
-    if (period == 0) return by;
-    constexpr double kSteps = 1e9;  // of a frame or second, to which text is rounded
-    double ahead = std::fmod(-by.value, period);
-    if (ahead < 0) ahead += period;
-    ahead = std::round(ahead * kSteps) / kSteps;
-    return {ahead >= period ? 0 : -ahead, by.frames};
-}
-
 // A performer's copy: later, and spinning faster.
 void stagger(ordered_json& performer, const CopySettings& settings, const Timeline& timeline, uint32_t copy) {
-    const ClipTime by = offset_of({settings.stagger.value * copy, settings.stagger.frames}, timeline);
+    const ClipTime by = stagger_offset(timeline, {settings.stagger.value * copy, settings.stagger.frames});
     if (by.value != 0) list_in(performer, "time").push_back({{"operator", "offset"}, {"by", text_of(by)}});
     if (settings.spin_step != 0) performer["spin"] = performer.value("spin", 0.0) + settings.spin_step * copy;
 }

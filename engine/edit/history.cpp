@@ -1,29 +1,53 @@
 #include "edit/history.h"
 
+#include <set>
+
 namespace neuvv {
 
-void History::did(nlohmann::ordered_json before, std::string what) {
-    redo_.clear();
-    undo_.push_back({std::move(before), std::move(what)});
-    if (undo_.size() > limit_) undo_.pop_front();
+// Of layers that steps hold and the document does not.
+uint64_t History::paint_bytes(const Document& document) const {
+    std::set<const EditLayer*> counted;
+    for (const auto& [path, layer] : document.paint) counted.insert(layer.get());
+    uint64_t bytes = 0;
+    for (const std::deque<Step>* steps : {&undo_, &redo_})
+        for (const Step& step : *steps)
+            for (const auto& [path, layer] : step.paint)
+                if (counted.insert(layer.get()).second) bytes += layer->edits.size() * sizeof(LeafEdit);
+    return bytes;
 }
 
-std::optional<std::string> History::step(StageFile& file, std::deque<Step>& from, std::deque<Step>& to) {
+void History::did(Document before, const Document& after, std::string what) {
+    redo_.clear();
+    undo_.push_back(
+        {before.file.path, std::move(before.file.json), std::move(before.paint), revision_, std::move(what)});
+    revision_ = ++last_revision_;
+    while (undo_.size() > 1 && (undo_.size() > step_limit_ || paint_bytes(after) > byte_limit_)) undo_.pop_front();
+}
+
+std::optional<std::string> History::step(Document& document, uint64_t& revision, std::deque<Step>& from,
+                                         std::deque<Step>& to) {
     if (from.empty()) return {};
+    StageFile& file = document.file;
+    StageFile target = moved_to({from.back().path, from.back().json, {}}, file.path);
     Step step = std::move(from.back());
     from.pop_back();
-    std::swap(step.document, file.json);
+    // Layers that were opened since are as they were opened, for their first edit is another step.
+    step.paint.insert(document.paint.begin(), document.paint.end());
+    step.path = file.path;
+    step.json = std::exchange(file.json, std::move(target.json));
+    std::swap(step.paint, document.paint);
+    std::swap(step.revision, revision);
     std::string what = step.what;
     to.push_back(std::move(step));
     return what;
 }
 
-std::optional<std::string> History::undo(StageFile& file) {
-    return step(file, undo_, redo_);
+std::optional<std::string> History::undo(Document& document) {
+    return step(document, revision_, undo_, redo_);
 }
 
-std::optional<std::string> History::redo(StageFile& file) {
-    return step(file, redo_, undo_);
+std::optional<std::string> History::redo(Document& document) {
+    return step(document, revision_, redo_, undo_);
 }
 
 }  // namespace neuvv

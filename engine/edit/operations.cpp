@@ -18,7 +18,46 @@ std::string with_commas(const std::vector<std::string>& parts) {
     return text;
 }
 
+// Nothing where it is sheared or flat.
+std::optional<LocalPlace> in_parts(const glm::dmat4& matrix) {
+    constexpr double kSheared = 1e-6;
+    LocalPlace place;
+    place.translation = glm::dvec3(matrix[3]);
+    glm::dmat3 turn(matrix);
+    for (int axis = 0; axis < 3; axis++) {
+        place.scale[axis] = glm::length(turn[axis]);
+        if (!(place.scale[axis] > 0)) return std::nullopt;
+        turn[axis] /= place.scale[axis];
+    }
+    for (int axis = 0; axis < 3; axis++)
+        if (std::abs(glm::dot(turn[axis], turn[(axis + 1) % 3])) > kSheared) return std::nullopt;
+    if (glm::determinant(turn) < 0) {
+        place.scale.x = -place.scale.x;
+        turn[0] = -turn[0];
+    }
+    place.rotation = glm::normalize(glm::quat_cast(turn));
+    return place;
+}
+
+// What hardly changed is as it was: numbers that somebody typed stay.
+LocalPlace dragged_to(const LocalPlace& before, const glm::dmat4& matrix) {
+    constexpr double kSame = 1e-9;
+    const std::optional<LocalPlace> parts = before.has_matrix ? std::nullopt : in_parts(matrix);
+    if (!parts) {
+        LocalPlace place = before;
+        place.has_matrix = true;
+        place.matrix = matrix;
+        return place;
+    }
+    LocalPlace place = *parts;
+    if (glm::distance(place.translation, before.translation) < kSame) place.translation = before.translation;
+    if (glm::distance(place.scale, before.scale) < kSame) place.scale = before.scale;
+    if (1 - std::abs(glm::dot(place.rotation, before.rotation)) < kSame * kSame) place.rotation = before.rotation;
+    return place;
+}
+
 LocalPlace placed(LocalPlace place, const Placement& placement) {
+    if (placement.to) place = dragged_to(place, *placement.to);
     if (placement.matrix) {
         place.has_matrix = true;
         place.matrix = *placement.matrix;
@@ -157,11 +196,11 @@ uint32_t find_node(const StageFile& file, const std::string& name_or_index) {
 
 std::string place_node(StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
-    if (placement.matrix && is_animated(file, node))
+    LocalPlace place = placed(local_place_of(json), placement);
+    if (place.has_matrix && !json.contains("matrix") && is_animated(file, node))
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is animated, and cannot have a matrix", title_of(file, node)),
                          "move, turn or scale it");
-    LocalPlace place = placed(local_place_of(json), placement);
     if (placement.aim) {
         const glm::dvec3 way = *placement.aim - place_of(place);
         if (!(glm::length(way) > 1e-9))

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "stage/camera_path.h"
 #include "stage/performer_settings.h"
 #include "stage/stage_file.h"
 #include "stage/stage_settings.h"
@@ -28,6 +29,8 @@ StageFile new_stage(const std::filesystem::path& path);
 // In the space of the node's parent, metres and degrees; in this order.
 struct Placement {
     std::optional<glm::dmat4> matrix;  // instead of what there was
+    // The same for a hand that drags: a node that has its place in parts keeps them, as long as it is not sheared.
+    std::optional<glm::dmat4> to;
     std::optional<glm::dvec3> at, move;
     std::optional<glm::dvec3> turn_deg;  // about the parent's X, then Y, then Z, where the node stands
     std::optional<glm::dvec3> scale;     // by these factors along its own axes
@@ -49,6 +52,15 @@ std::string add_performer(StageFile& file, const std::string& name, const Perfor
 std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& edit);
 // The .nvv that a performer's node plays; whether it is there is not asked.
 std::filesystem::path clip_of(const StageFile& file, uint32_t node);
+
+// Shown or hidden together with all that hangs on it, by KHR_node_visibility: meshes, lights and performers; cameras
+// stay. A performer that is shown is also seen by its own `visible`.
+std::string show_node(StageFile& file, uint32_t node, bool shown);
+// What the node itself says: whether those above it are shown is not asked.
+bool is_shown(const StageFile& file, uint32_t node);
+// For programs in which one could move a node by mistake (extras.neuvv.locked); operations do not mind it.
+std::string lock_node(StageFile& file, uint32_t node, bool locked);
+bool is_locked(const StageFile& file, uint32_t node);
 
 struct StageEdit {
     std::optional<double> duration_s, fps;
@@ -88,6 +100,24 @@ std::string add_light(StageFile& file, const std::string& name, const LightEdit&
 // A light that other nodes share becomes the node's own first.
 std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit);
 std::string remove_light(StageFile& file, uint32_t node);
+
+// A perspective camera on a node of its own at the end of the scene; without a name: "camera". The angle is the whole
+// vertical one of view; the matrix a rotation and a place, OpenGL axes.
+std::string add_camera(StageFile& file, const std::string& name, double vertical_angle_rad,
+                       const glm::dmat4& world_from_camera);
+// A camera that other nodes share becomes the node's own first.
+std::string set_camera(StageFile& file, uint32_t node, double vertical_angle_rad);
+
+// The stage's camera path, whose time is the stage's; none: it has none any more. Throws for keys whose lens has more
+// than a vertical angle; times of the clip are not kept, for each performer has its own.
+std::string set_camera_path(StageFile& file, const std::optional<CameraPath>& path);
+// Makes the path if need be. The key that stands within half of frame_s is replaced. A path's end goes along with its
+// last key; a cycle whose last key comes to stand at its end gets the time that it takes from key to key.
+std::string add_path_key(StageFile& file, const CameraPathKey& key, double frame_s);
+// Keys count from 0. Without its last key the path is gone.
+std::string remove_path_key(StageFile& file, size_t key);
+// It may pass others; one that stands within half of frame_s of where it goes is replaced.
+std::string move_path_key(StageFile& file, size_t key, double to_s, double frame_s);
 
 struct PaintEdit {
     std::optional<std::string> name;

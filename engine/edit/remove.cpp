@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "edit/document.h"
 #include "edit/operations.h"
+#include "stage/gltf_scene.h"
 
 namespace neuvv {
 
@@ -16,8 +17,9 @@ namespace {
 using Indices = std::set<uint64_t>;
 
 // Extensions whose indices are known here, or that hold none of nodes, meshes, skins, cameras and lights.
-constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",    "KHR_materials_", "KHR_texture_",
-                                           "KHR_mesh_",           "EXT_mesh_", "EXT_texture_",   "KHR_draco_"};
+constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",     "KHR_materials_",
+                                           "KHR_texture_",        "KHR_mesh_",  "EXT_mesh_",
+                                           "EXT_texture_",        "KHR_draco_", kVisibilityExtension};
 
 size_t size_of(const ordered_json& json, const char* list) {
     return json.contains(list) ? json[list].size() : 0;
@@ -181,7 +183,8 @@ std::string remove_node(StageFile& file, uint32_t node) {
     remove_held(file.json, "cameras", "camera", cameras);
     remove_lights(file, lights);
     remove_nodes(file.json, family);
-    for (const char* extension : {kPerformerExtension, kLightsExtension}) forget_unused(file, extension);
+    for (const char* extension : {kPerformerExtension, kLightsExtension, kVisibilityExtension})
+        forget_unused(file, extension);
     std::string text = fmt::format("removed {}", title);
     if (family.size() > 1) text += fmt::format(" and {} below it", family.size() - 1);
     if (!doubtful.empty()) text += fmt::format("; {} may name others by index: look at them", doubtful);

@@ -45,13 +45,22 @@ void Commands::begin() {
     scopes_.clear();
 }
 
-void Commands::submit() {
+void Commands::submit(const CommandSemaphores& semaphores) {
     check(vkEndCommandBuffer(buffer_), "vkEndCommandBuffer", name_);
     VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     buffer.commandBuffer = buffer_;
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
+    constexpr VkPipelineStageFlags2 kStages =
+        VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.wait, 0, kStages, 0};
+    const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.signal, 0,
+                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,    0};
+    info.waitSemaphoreInfoCount = semaphores.wait ? 1 : 0;
+    info.pWaitSemaphoreInfos = &wait;
+    info.signalSemaphoreInfoCount = semaphores.signal ? 1 : 0;
+    info.pSignalSemaphoreInfos = &signal;
     submitted_ = std::chrono::steady_clock::now();
     {
         const std::lock_guard lock(device_.queue_mutex());
@@ -158,6 +167,17 @@ void draw_barrier(Commands& commands) {
 
 void host_barrier(Commands& commands) {
     memory_barrier(commands, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+}
+
+void full_barrier(Commands& commands) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
 }
 
 void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t bytes) {

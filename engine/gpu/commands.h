@@ -15,6 +15,11 @@ struct PassTime {
     double milliseconds = 0;
 };
 
+// What a submission waits for before it draws or copies to an image, and signals when it is done; null: nothing.
+struct CommandSemaphores {
+    VkSemaphore wait = VK_NULL_HANDLE, signal = VK_NULL_HANDLE;
+};
+
 // One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again. Of
 // one thread at a time; several may be used by as many threads.
 class Commands {
@@ -26,7 +31,7 @@ class Commands {
     Commands& operator=(const Commands&) = delete;
 
     void begin();
-    void submit();
+    void submit(const CommandSemaphores& semaphores = {});
     // Blocks until the submitted work is done. Returns at once when nothing is under way. Throws on device loss.
     void wait();
 
@@ -102,6 +107,9 @@ void update(Commands& commands, const Buffer& buffer, const T& value, uint64_t o
 }
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0,
           uint64_t to_offset = 0);
+
+// What was done before, by other submissions too, is seen by all that comes after.
+void full_barrier(Commands& commands);
 
 // Records, submits and waits: for set-up and tests, not for frames.
 void run_once(const Device& device, const std::string& name, const std::function<void(Commands&)>& record);

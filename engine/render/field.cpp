@@ -61,6 +61,15 @@ Buffer uploaded(const Device& device, const char* name, const std::vector<T>& da
     return buffer;
 }
 
+// The coarsest and the finest in the tree; leaf_places is the walk tree's.
+void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_places) {
+    if (leaf_places.empty()) return;
+    const auto level = [](glm::uvec2 place) { return place.y >> 16; };
+    const auto [coarsest, finest] = std::ranges::minmax(leaf_places, {}, level);
+    field.coarsest_level = level(coarsest) - field.levels_above;
+    field.finest_level = level(finest) - field.levels_above;
+}
+
 }  // namespace
 
 std::vector<float> weights_to_planes(const VOctree& tree) {
@@ -97,6 +106,8 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
     field.box_size = tree.box_size * static_cast<float>(walk.scale);
     field.node_levels = walk.node_levels;
     field.top_levels = walk.top_levels;
+    field.levels_above = walk.scale - 1;  // its edges are one or two of the tree's
+    set_leaf_levels(field, walk.leaf_places);
     const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
     field.top_box = {packed(walk.top_low), packed(walk.top_last)};
     const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(walk.top_levels));

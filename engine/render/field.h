@@ -16,7 +16,9 @@ struct Field {
     Buffer inner_cells;                 // per node: mask of the cells that are nodes
     std::vector<uint32_t> level_begin;  // first node of each level; at the end the number of nodes
     glm::vec3 box_min{0}, box_size{1};
-    uint32_t node_levels = 1, top_levels = 0;  // of the walk tree, whose box this is
+    uint32_t node_levels = 1, top_levels = 0;       // of the walk tree, whose box this is
+    uint32_t levels_above = 0;                      // octree levels by which its root lies above the tree's
+    uint32_t coarsest_level = 1, finest_level = 1;  // of the leaves, from the tree's root, which is level 0
     TopBox top_box;
     glm::vec3 leaves_min{0}, leaves_max{1};  // metres: a box around all leaves
     float leaf_diagonal = 0;                 // metres, of the average leaf

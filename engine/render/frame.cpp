@@ -12,7 +12,10 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
         case TraceMode::kPlay:
         case TraceMode::kShaded:
         case TraceMode::kTree:
-            record_playing(commands, r, settings);
+            if (is_inspection(settings.resolve.show))
+                record_inspected(commands, r, settings);
+            else
+                record_playing(commands, r, settings);
             break;
         case TraceMode::kSlice:
             record_slice(commands, r.slots_->slicer, frame);
@@ -26,6 +29,10 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
             break;
     }
     if (is_reference(settings.mode)) record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
+    host_barrier(commands);  // it looks at what had no room
+}
+
+void record_readback(Commands& commands, FrameRenderer& r) {
     const PassScope scope(commands, "readback");
     copy(commands, r.picture_, r.readback_, r.layout_.picture_bytes());
     host_barrier(commands);
@@ -49,6 +56,14 @@ void record_playing(Commands& commands, FrameRenderer& r, const FrameSettings& s
     if (!r.set_) record_listed(commands, r);
     const Resolver& whole = r.set_ ? r.resolver_ : r.listed_resolver_;
     record_resolve(commands, r.layout_.upscaled() ? *r.upscaler_ : whole, r.layout_, settings.resolve);
+    for (const auto& performer : r.performers_) record_slices_ahead(commands, *performer, settings.parts_ahead);
+}
+
+// What walks are like in place of what they see. The set takes no part.
+void record_inspected(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+    for (const auto& performer : r.performers_) record_slices(commands, *performer);
+    record_rays(commands, r, settings);
+    record_inspect(commands, *r.inspector_, r.layout_, settings.resolve);
     for (const auto& performer : r.performers_) record_slices_ahead(commands, *performer, settings.parts_ahead);
 }
 

@@ -6,6 +6,7 @@
 
 #include "media/image.h"
 #include "render/draw_order.h"
+#include "render/inspect.h"
 #include "render/performer_shadows.h"
 #include "render/picture_list.h"
 #include "render/resolve.h"
@@ -46,7 +47,7 @@ struct FrameSettings {
     std::vector<Fovea> foveae;           // one a view, or none; as scale
     std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
     uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each picture
-    ResolveSettings resolve;
+    ResolveSettings resolve;             // an inspection: no reference; the set takes no part, nor do lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
     bool lit = true;  // the set's lights shine on performers, who else show what was captured
@@ -91,10 +92,20 @@ class FrameRenderer {
                   SetRaster* set = nullptr);
     FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
         : FrameRenderer(device, std::vector{&field}, capacity) {}
+    // The other one for another size, on its set, which has been resized already: slices, paints and shadows with their
+    // passes go over, what is bound to the pictures is made anew. The other one can only be destroyed afterwards.
+    FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity);
 
-    // Renders and waits: the picture of each camera, sRGB with straight alpha. Throws RuntimeFailure for more or larger
-    // pictures than the renderer was made for, cameras of another size, fields that it has not, and transforms that
-    // cannot be inverted.
+    // Other fields, each once; those that stay keep their paints and, as long as there are as many, their slices. No
+    // frame may be under way. Fields that go must live until this is done.
+    void change_fields(std::vector<const Field*> fields);
+
+    // Renders and waits; the pictures stay on the device: R8G8B8A8, sRGB with straight alpha, of each camera behind
+    // each other in rows of settings.width, until the next one is drawn. Passes that read them elsewhere than in
+    // compute shaders and copies begin with a barrier. Throws RuntimeFailure for more or larger pictures than the
+    // renderer was made for, cameras of another size, fields that it has not, and transforms that cannot be inverted.
+    const Buffer& draw(std::span<const Camera> cameras, const FrameSettings& settings);
+    // The same, brought to the host.
     std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
     Image render(const Camera& camera, const FrameSettings& settings);
 
@@ -105,14 +116,16 @@ class FrameRenderer {
     void forget_slices();
 
     // Rays of the last picture's view in rows (samples times as many a side): premultiplied linear RGB and alpha;
-    // metres.
+    // metres. Of an inspection what shared/inspect.h says.
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
     // What the last picture left on the device; no performer before the first that was not a reference.
     const Performer* performer(uint32_t field = 0) const {
-        return performers_.empty() ? nullptr : &*performers_[field];
+        return field < performers_.size() ? performers_[field].get() : nullptr;
     }
+    // Live leaves, and the live nodes above them, of all slices that it shows; copies share theirs.
+    uint64_t live_entries() const;
     const TileRanges& ranges() const { return target_.ranges; }
     const RayBatch& rays() const { return target_.rays; }
     // Instances by draw order, in groups that were merged (draw_order.h).
@@ -126,11 +139,15 @@ class FrameRenderer {
   private:
     friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_playing(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_inspected(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_blank(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_listed(Commands& commands, FrameRenderer& renderer);
     friend void record_rays(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
     friend void record_merged(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
                               const FrameSettings& settings);
+    friend void record_readback(Commands& commands, FrameRenderer& renderer);
+    enum class To { kDevice, kHost };
+    void draw_to(To to, std::span<const Camera> cameras, const FrameSettings& settings);
     void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
     void place_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
@@ -156,6 +173,7 @@ class FrameRenderer {
     PictureLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
     std::unique_ptr<Resolver> upscaler_;         // made when first asked for
+    std::unique_ptr<Inspector> inspector_;       // likewise
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<Camera> set_cameras_;
@@ -167,5 +185,7 @@ class FrameRenderer {
 
 // The frame, pass by pass.
 void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+// Its pictures to the host.
+void record_readback(Commands& commands, FrameRenderer& renderer);
 
 }  // namespace neuvv

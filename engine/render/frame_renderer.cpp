@@ -55,6 +55,15 @@ Surroundings surroundings_of(const SetRaster* set) {
     return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
 }
 
+// Alone, whatever it overlaps, as if there were neither set nor lights.
+DrawnInstance inspected(DrawnInstance instance) {
+    instance.shading = Shading::kNone;
+    instance.into = Into::kInspect;
+    instance.rays.set_size = {};
+    instance.rays.lighting = 0;
+    return instance;
+}
+
 constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, times bands
 
 }  // namespace
@@ -90,6 +99,40 @@ FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fie
     volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
 }
 
+FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
+    : FrameRenderer(other.device_, other.fields_, capacity, other.set_) {
+    paints_ = std::move(other.paints_);
+    shadows_ = std::move(other.shadows_);
+    performers_ = std::move(other.performers_);
+    for (const auto& performer : performers_)
+        if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
+}
+
+// Slices are made anew where each field's share of the budget is another now.
+void FrameRenderer::change_fields(std::vector<const Field*> fields) {
+    if (fields == fields_) return;
+    std::vector<std::unique_ptr<Paints>> paints(fields.size());
+    std::vector<std::unique_ptr<Performer>> performers(fields.size());
+    performers_.resize(fields_.size());
+    for (size_t i = 0; i < fields.size(); i++) {
+        const auto before = std::find(fields_.begin(), fields_.end(), fields[i]);
+        if (before == fields_.end()) {
+            paints[i] = std::make_unique<Paints>(device_, *fields[i]);
+            continue;
+        }
+        const auto at = static_cast<size_t>(before - fields_.begin());
+        paints[i] = std::move(paints_[at]);
+        if (fields.size() == fields_.size()) performers[i] = std::move(performers_[at]);
+    }
+    slots_.reset();
+    direct_.reset();
+    inspector_.reset();
+    drawn_.clear();
+    performers_ = std::move(performers);  // before the paints that they show
+    paints_ = std::move(paints);
+    fields_ = std::move(fields);
+}
+
 void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
     if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
@@ -109,6 +152,7 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
                                              camera.height, settings.width, settings.height));
     assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
     assert(!is_reference(settings.mode) || settings.instances[0].paint == 0);
+    assert(!is_reference(settings.mode) || !is_inspection(settings.resolve.show));
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
@@ -189,8 +233,11 @@ void FrameRenderer::place_instances(std::span<const Camera> cameras, const Frame
             one->rays.stop = settings.stop;
             if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
             if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
-            drawn.push_back(*one);
             placed++;
+            if (is_inspection(settings.resolve.show))
+                drawn_.push_back({inspected(*one)});
+            else
+                drawn.push_back(*one);
         }
         if (drawn.size() > 1)
             for (DrawnInstance& instance : drawn) instance.into = Into::kSegments;
@@ -217,11 +264,15 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
 }
 
 void FrameRenderer::prepare_performers(const FrameSettings& settings) {
-    for (size_t i = performers_.size(); i < fields_.size(); i++) {
-        performers_.push_back(std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
-                                                          slice_share(capacity_.slice_budget, fields_.size())));
-        performers_.back()->add_target(target_, capacity_.views);
-        if (shadows_) performers_.back()->add_target(shadows_->target(), kMaxShadows);
+    if (is_inspection(settings.resolve.show) && !inspector_)
+        inspector_ = std::make_unique<Inspector>(device_, target_.rays, picture_, fields_);
+    performers_.resize(fields_.size());
+    for (size_t i = 0; i < fields_.size(); i++) {
+        if (performers_[i]) continue;
+        performers_[i] = std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
+                                                     slice_share(capacity_.slice_budget, fields_.size()));
+        performers_[i]->add_target(target_, capacity_.views);
+        if (shadows_) performers_[i]->add_target(shadows_->target(), kMaxShadows);
     }
     std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
     for (const auto& group : drawn_)
@@ -256,10 +307,17 @@ bool FrameRenderer::enlarge() {
 
 void FrameRenderer::forget_slices() {
     for (const auto& performer : performers_)
-        if (performer->slices()) performer->slices()->forget();
+        if (performer && performer->slices()) performer->slices()->forget();
 }
 
-std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
+uint64_t FrameRenderer::live_entries() const {
+    uint64_t entries = 0;
+    for (const auto& performer : performers_)
+        if (performer) entries += performer->shown_entries();
+    return entries;
+}
+
+void FrameRenderer::draw_to(To to, std::span<const Camera> cameras, const FrameSettings& settings) {
     expect_fitting(cameras, settings);
     place_rays(cameras, settings);
     place_instances(cameras, settings);
@@ -268,9 +326,19 @@ std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, 
         if (segments_) segments_->begin_frame();
         commands_.begin();
         record_frame(commands_, *this, settings);
+        if (to == To::kHost) record_readback(commands_, *this);
         commands_.submit();
         commands_.wait();
     } while (!is_reference(settings.mode) && enlarge());
+}
+
+const Buffer& FrameRenderer::draw(std::span<const Camera> cameras, const FrameSettings& settings) {
+    draw_to(To::kDevice, cameras, settings);
+    return picture_;
+}
+
+std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
+    draw_to(To::kHost, cameras, settings);
     std::vector<Image> pictures;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {

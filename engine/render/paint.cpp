@@ -75,7 +75,13 @@ uint32_t groups(const Paint& paint) {
 
 }  // namespace
 
-Paint::Paint(const Device& device, std::span<const PaintUse> uses) {
+Paint::Paint(const Device& device, uint32_t field_leaves, std::span<const PaintUse> uses) {
+    if (uses.size() > kPaintLayerLimit)
+        throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", uses.size(), kPaintLayerLimit));
+    for (const PaintUse& use : uses)
+        if (use.layer->field.leaf_count != field_leaves)
+            throw RuntimeFailure(fmt::format("paint for {} leaves does not fit a field of {}",
+                                             use.layer->field.leaf_count, field_leaves));
     const PackedPaint packed = pack(uses);
     leaf_count = static_cast<uint32_t>(packed.leaves.size() - 1);
     leaves = uploaded(device, "painted leaves", packed.leaves, VK_FORMAT_R32G32_UINT);
@@ -84,14 +90,8 @@ Paint::Paint(const Device& device, std::span<const PaintUse> uses) {
     layers = uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
 }
 
-uint32_t Paints::add(std::span<const PaintUse> layers) {
-    if (layers.size() > kPaintLayerLimit)
-        throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", layers.size(), kPaintLayerLimit));
-    for (const PaintUse& use : layers)
-        if (use.layer->field.leaf_count != leaf_count_)
-            throw RuntimeFailure(fmt::format("paint for {} leaves does not fit a field of {}",
-                                             use.layer->field.leaf_count, leaf_count_));
-    paints_.try_emplace(++last_, device_, layers);
+uint32_t Paints::add(Paint paint) {
+    paints_.try_emplace(++last_, std::move(paint));
     return last_;
 }
 

@@ -27,8 +27,9 @@ struct PaintUse {
 
 // The layers of one performer: 20 bytes an edit, 8 a leaf that has any.
 struct Paint {
-    // The lowest first, at most kPaintLayerLimit, all of one field. Layers are not needed afterwards.
-    Paint(const Device& device, std::span<const PaintUse> layers);
+    // The lowest first; they are not needed afterwards. Throws RuntimeFailure for more than kPaintLayerLimit, and for
+    // one that is not of a field of so many leaves.
+    Paint(const Device& device, uint32_t field_leaves, std::span<const PaintUse> layers);
 
     uint32_t leaf_count;  // that have edits
     Buffer leaves, edits, sigmas, layers;
@@ -39,8 +40,10 @@ struct Paint {
 class Paints {
   public:
     Paints(const Device& device, const Field& field) : device_(device), leaf_count_(field.leaf_count) {}
-    // Throws RuntimeFailure for layers of another field, or more than a paint has.
-    uint32_t add(std::span<const PaintUse> layers);
+    // Throws RuntimeFailure as Paint does.
+    uint32_t add(std::span<const PaintUse> layers) { return add(Paint(device_, leaf_count_, layers)); }
+    // One that was made for this field.
+    uint32_t add(Paint paint);
     // No frame that shows it may be under way.
     void remove(uint32_t paint) { paints_.erase(paint); }
     // Null where there is none of this number.

@@ -32,7 +32,7 @@ TargetPasses::Shaded::Shaded(const Device& device, const Field& field, const Sli
     : entries(shaded_entries(device, trees.capacity, views)), shader(device, field, trees, entries) {}
 
 size_t TargetPasses::place_of(Shading shading, Into into) {
-    return 4 * static_cast<size_t>(shading) + static_cast<size_t>(into);
+    return 5 * static_cast<size_t>(shading) + static_cast<size_t>(into);
 }
 
 void TargetPasses::need_tree(Shading shading, Into into, const Segments* segments) {
@@ -109,6 +109,12 @@ uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
     return static_cast<uint32_t>(passes_.size()) - 1;
 }
 
+void Performer::replace_target(uint32_t number, const RayTarget& target, uint32_t views) {
+    targets_[number] = {&target, views};
+    passes_[number] =
+        std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views);
+}
+
 void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next) {
     make_room(std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
     if (!slices_) return;
@@ -131,6 +137,13 @@ void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Se
 
 void Performer::forget_segments() {
     for (const auto& passes : passes_) passes->forget_segments();
+}
+
+uint64_t Performer::shown_entries() const {
+    uint64_t entries = 0;
+    for (uint32_t slice = 0; slices_ && slice < slices_->trees().slices; slice++)
+        if (slices_->is_shown(slice)) entries += counts_readback_.as<LiveCount>()[slice].slots;
+    return entries;
 }
 
 bool Performer::enlarge_slices() {

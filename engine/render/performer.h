@@ -70,8 +70,8 @@ class TargetPasses {
     uint32_t views_;
     std::unique_ptr<Shaded> shaded_;
     std::unique_ptr<TileRanger> tree_ranger_, direct_ranger_;
-    std::array<std::unique_ptr<TreeTracer>, 12> trees_into_;
-    std::array<std::unique_ptr<DirectTracer>, 4> direct_into_;
+    std::array<std::unique_ptr<TreeTracer>, 15> trees_into_;
+    std::array<std::unique_ptr<DirectTracer>, 5> direct_into_;
 };
 
 // Of a budget of slices, the part of each of so many fields.
@@ -87,6 +87,8 @@ class Performer {
 
     // Where its instances are drawn, of so many views at most; returns the target's number.
     uint32_t add_target(const RayTarget& target, uint32_t views);
+    // Another one by this number.
+    void replace_target(uint32_t number, const RayTarget& target, uint32_t views);
 
     // Before a picture is recorded: what its instances show in all targets, those first that shall rather have a slice,
     // and the slices that will be shown next. Then for each target its instances there; makes what is missing on the
@@ -97,6 +99,8 @@ class Performer {
     // picture must be prepared and recorded anew.
     bool enlarge_slices();
     void forget_segments();
+    // Live leaves, and the live nodes above them, of the slices that the last picture shows.
+    uint64_t shown_entries() const;
 
     const Field& field() const { return field_; }
     SliceCache* slices() { return slices_.get(); }  // null where there is none

@@ -39,7 +39,7 @@ Picker::Picker(const Device& device, const Field& field)
                    {kPickOut, &picks_}}) {}
 
 void Picker::show(float frame, std::span<const PaintUse> uses) {
-    const Paint paint(device_, uses);
+    const Paint paint(device_, field_.leaf_count, uses);
     const SlicePaint bound(painter_, paint);
     run_once(device_, "slice to pick on",
              [&](Commands& commands) { record_slice_tree(commands, slicer_, 0, frame, &bound); });

@@ -1,5 +1,7 @@
 #include "render/resolve.h"
 
+#include <cassert>
+
 #include "spirv/resolve.comp.h"
 #include "spirv/upscale.comp.h"
 
@@ -23,6 +25,7 @@ Resolver::Resolver(const Device& device, RaysPerPixel rays_per_pixel, const RayB
 
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings) {
+    assert(!is_inspection(settings.show));
     const PassScope scope(commands, resolver.pass_.name());
     const ResolvePush push{
         settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),

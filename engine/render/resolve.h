@@ -8,12 +8,23 @@
 
 namespace neuvv {
 
-enum class Show : uint32_t { kColour = kShowColour, kAlpha = kShowAlpha, kDepth = kShowDepth };
+enum class Show : uint32_t {
+    kColour = kShowColour,
+    kAlpha = kShowAlpha,
+    kDepth = kShowDepth,
+    kLevel = kShowLevel,  // inspect.h: how deep in the octree the leaf lies at which a ray meets a surface
+    kCost = kShowCost,    // and how many steps its walk took
+};
+// Whether rays are to be traced Into::kInspect, and shown by record_inspect.
+constexpr bool is_inspection(Show show) {
+    return show == Show::kLevel || show == Show::kCost;
+}
 
 struct ResolveSettings {
     Show show = Show::kColour;
     glm::vec4 background{0};  // linear RGB, opacity (0: the picture keeps its alpha)
     float depth_near_m = 0, depth_far_m = 1;
+    float cost_max = 256;  // steps that are shown brightest
     bool operator==(const ResolveSettings&) const = default;
 };
 
@@ -35,7 +46,7 @@ class Resolver {
 };
 
 // Whole: the rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of
-// samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view.
+// samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view. No inspection.
 void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "base/error.h"
 #include "render/raster.h"
@@ -24,24 +26,31 @@ struct MapUvs {
     glm::vec2 uv[kGltfMaps];
 };
 
+// Calls visit(node, primitive) for all that is drawn, in the order of draws.
+template <typename Visit>
+void for_each_drawn(const GltfScene& scene, const Visit& visit) {
+    for (uint32_t n = 0; n < scene.nodes.size(); n++) {
+        const GltfNode& node = scene.nodes[n];
+        if (!node.draws_mesh()) continue;
+        for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(node.mesh)].primitives)
+            visit(n, primitive);
+    }
+}
+
 void list_draws(SceneGeometry& to) {
     uint64_t vertices = 0, indices = 0;
-    for (uint32_t n = 0; n < to.scene.nodes.size(); n++) {
-        const GltfNode& node = to.scene.nodes[n];
-        if (!node.in_scene || node.mesh < 0) continue;
-        for (const GltfPrimitive& primitive : to.scene.meshes[static_cast<size_t>(node.mesh)].primitives) {
-            SceneDraw& draw = to.draws.emplace_back();
-            draw.node = n;
-            draw.primitive = &primitive;
-            draw.first_vertex = static_cast<uint32_t>(vertices);
-            draw.first_index = static_cast<uint32_t>(indices);
-            draw.material = primitive.material;
-            vertices += primitive.positions.size();
-            indices += primitive.indices.size();
-            if (vertices > INT32_MAX || indices > UINT32_MAX)
-                throw RuntimeFailure(to.scene.file + ": more vertices than one picture takes; use a smaller model");
-        }
-    }
+    for_each_drawn(*to.scene, [&](uint32_t node, const GltfPrimitive& primitive) {
+        SceneDraw& draw = to.draws.emplace_back();
+        draw.node = node;
+        draw.primitive = &primitive;
+        draw.first_vertex = static_cast<uint32_t>(vertices);
+        draw.first_index = static_cast<uint32_t>(indices);
+        draw.material = primitive.material;
+        vertices += primitive.positions.size();
+        indices += primitive.indices.size();
+        if (vertices > INT32_MAX || indices > UINT32_MAX)
+            throw RuntimeFailure(to.scene->file + ": more vertices than one picture takes; use a smaller model");
+    });
     to.vertex_count = static_cast<uint32_t>(vertices);
     to.index_count = static_cast<uint32_t>(indices);
 }
@@ -79,10 +88,29 @@ void upload_map_uvs(const Device& device, SceneGeometry& to) {
     to.map_uvs = filled(device, "raster map UVs", uvs);
 }
 
+// By their bytes: as fast as memory, whatever the elements are.
+template <typename Values>
+bool same(const Values& a, const Values& b) {
+    static_assert(std::is_trivially_copyable_v<typename Values::value_type>);
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
+}
+
+// All that is uploaded or posed.
+bool same_vertices(const GltfPrimitive& a, const GltfPrimitive& b) {
+    bool equal = same(a.positions, b.positions) && same(a.normals, b.normals) && same(a.uvs, b.uvs) &&
+                 same(a.tangents, b.tangents) && same(a.colors, b.colors) && same(a.joints, b.joints) &&
+                 same(a.weights, b.weights) && same(a.indices, b.indices) && a.targets.size() == b.targets.size();
+    for (size_t map = 0; equal && map < kGltfMaps; map++) equal = same(a.map_uvs[map], b.map_uvs[map]);
+    for (size_t i = 0; equal && i < a.targets.size(); i++)
+        equal =
+            same(a.targets[i].positions, b.targets[i].positions) && same(a.targets[i].normals, b.targets[i].normals);
+    return equal;
+}
+
 // Whether the draw's vertices stand elsewhere than in the pose before.
 bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const PosedScene& to) {
     const PosedScene& from = geometry.pose;
-    const int32_t skin = geometry.scene.nodes[draw.node].skin;
+    const int32_t skin = geometry.scene->nodes[draw.node].skin;
     if (from.world_from_node.empty() || from.morph_weights[draw.node] != to.morph_weights[draw.node]) return true;
     if (skin < 0) return from.world_from_node[draw.node] != to.world_from_node[draw.node];
     return from.joint_matrices[static_cast<size_t>(skin)] != to.joint_matrices[static_cast<size_t>(skin)];
@@ -90,7 +118,7 @@ bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const PosedScen
 
 void pose_draw(SceneGeometry& geometry, const PosedScene& pose, SceneDraw& draw) {
     PosedVertices& posed = geometry.scratch;
-    pose_vertices(geometry.scene, pose, draw.node, *draw.primitive, posed);
+    pose_vertices(*geometry.scene, pose, draw.node, *draw.primitive, posed);
     draw.mirrored = posed.mirrored;
     draw.low = glm::vec3(INFINITY);
     draw.high = -draw.low;
@@ -107,13 +135,37 @@ void pose_draw(SceneGeometry& geometry, const PosedScene& pose, SceneDraw& draw)
 
 }  // namespace
 
-SceneGeometry::SceneGeometry(const Device& device, const GltfScene& from, SceneDetail how) : scene(from), detail(how) {
+SceneGeometry::SceneGeometry(const Device& device, const GltfScene& from, SceneDetail how) : scene(&from), detail(how) {
     list_draws(*this);
     moving = filled(device, "raster moving vertices", std::vector<MovingVertex>(vertex_count));
     upload_fixed(device, *this);
     if (detail == SceneDetail::kBase) return;
     tangents = filled(device, "raster tangents", std::vector<glm::vec4>(vertex_count, glm::vec4(0)));
     upload_map_uvs(device, *this);
+}
+
+bool has_vertices_of(const SceneGeometry& geometry, const GltfScene& scene) {
+    size_t drawn = 0;
+    bool equal = true;
+    for_each_drawn(scene, [&](uint32_t, const GltfPrimitive& primitive) {
+        equal = equal && drawn < geometry.draws.size() && same_vertices(*geometry.draws[drawn].primitive, primitive);
+        drawn++;
+    });
+    return equal && drawn == geometry.draws.size();
+}
+
+void repoint_geometry(SceneGeometry& geometry, const GltfScene& scene) {
+    bool same_nodes = true;
+    size_t drawn = 0;
+    for_each_drawn(scene, [&](uint32_t node, const GltfPrimitive& primitive) {
+        SceneDraw& draw = geometry.draws[drawn++];
+        same_nodes = same_nodes && draw.node == node && geometry.scene->nodes[node].skin == scene.nodes[node].skin;
+        draw.node = node;
+        draw.primitive = &primitive;
+        draw.material = primitive.material;
+    });
+    geometry.scene = &scene;
+    if (!same_nodes) geometry.pose = {};  // it is by node
 }
 
 bool pose_geometry(SceneGeometry& geometry, const PosedScene& pose) {
@@ -197,6 +249,19 @@ DeviceImage make_texture(const Device& device, const std::string& name, const Im
 }
 
 }  // namespace
+
+bool same_textures(const GltfScene& a, const GltfScene& b) {
+    const auto same_texture = [](const GltfTexture& one, const GltfTexture& other) {
+        return one.image == other.image && one.wrap_u == other.wrap_u && one.wrap_v == other.wrap_v &&
+               one.nearest_magnification == other.nearest_magnification &&
+               one.nearest_minification == other.nearest_minification && one.mipmaps == other.mipmaps;
+    };
+    const auto same_image = [](const Image& one, const Image& other) {
+        return one.width == other.width && one.height == other.height && same(one.rgba, other.rgba);
+    };
+    return std::equal(a.textures.begin(), a.textures.end(), b.textures.begin(), b.textures.end(), same_texture) &&
+           std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(), same_image);
+}
 
 SceneTextures make_textures(const Device& device) {
     Image white(1, 1);

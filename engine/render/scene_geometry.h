@@ -28,7 +28,7 @@ struct SceneGeometry {
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
     SceneGeometry(const Device& device, const GltfScene& scene, SceneDetail detail);
 
-    const GltfScene& scene;
+    const GltfScene* scene;
     SceneDetail detail;
     std::vector<SceneDraw> draws;  // in the order of nodes and primitives
     uint32_t vertex_count = 0, index_count = 0;
@@ -39,6 +39,11 @@ struct SceneGeometry {
     PosedScene pose;            // what the vertices show
     PosedVertices scratch;
 };
+
+// Whether the device has all vertices of what `scene` draws, in its order: then nothing need be uploaded to draw it.
+bool has_vertices_of(const SceneGeometry& geometry, const GltfScene& scene);
+// From now on it draws that scene, whose vertices it must have; what stands on the same node stays posed.
+void repoint_geometry(SceneGeometry& geometry, const GltfScene& scene);
 
 // Poses what differs from `geometry.pose`, and says whether anything did. Host memory that draws read: nothing that is
 // under way may draw it.
@@ -62,6 +67,8 @@ struct SceneTextures {
     std::vector<Entry> entries;
 };
 SceneTextures make_textures(const Device& device);
+// Whether textures of one scene are those of the other, by index.
+bool same_textures(const GltfScene& a, const GltfScene& b);
 // Index of the entry, uploaded if it is new. `texture` −1 is white. Set-up only.
 size_t add_texture(const Device& device, const GltfScene& scene, SceneTextures& textures, int32_t texture, bool srgb);
 

@@ -19,6 +19,7 @@ namespace neuvv {
 namespace {
 
 constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT, kMetres = VK_FORMAT_R32_SFLOAT;
+constexpr VkImageUsageFlags kDepthUse = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 constexpr uint32_t kInfinityBits = 0x7f800000u;
 
 GraphicsShape surface_shape(std::span<const uint32_t> fragment, std::vector<VkFormat> colours, bool blend) {
@@ -66,11 +67,45 @@ bool is_srgb(size_t map) {
     return map == static_cast<size_t>(GltfMap::kEmissive);
 }
 
+// Whether materials, by index, are drawn alike with textures that are alike.
+bool same_materials(const GltfScene& a, const GltfScene& b) {
+    const auto same = [](const GltfMaterial& one, const GltfMaterial& other) {
+        const SetMaterial packed = packed_material(one), other_packed = packed_material(other);
+        return std::memcmp(&packed, &other_packed, sizeof(packed)) == 0 && one.texture == other.texture &&
+               one.maps == other.maps && one.alpha == other.alpha && one.double_sided == other.double_sided;
+    };
+    return std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(), same);
+}
+
 }  // namespace
+
+SetEnvironment::SetEnvironment(const Device& device, const Image* picture) : has_picture(picture != nullptr) {
+    const Environment environment = picture ? make_environment(*picture) : dark_environment();
+    std::vector<std::vector<uint8_t>> levels;
+    for (const std::vector<uint16_t>& level : environment.levels) {
+        levels.emplace_back(level.size() * sizeof(uint16_t));
+        std::memcpy(levels.back().data(), level.data(), levels.back().size());
+    }
+    image = DeviceImage(
+        device, "environment",
+        {environment.width, environment.height, kColour, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+         VK_SAMPLE_COUNT_1_BIT, static_cast<uint32_t>(levels.size())});
+    upload_levels(device, image, levels);
+    SamplerShape shape;
+    shape.wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    sampler = Sampler(device, "environment", shape);
+    irradiance = environment.irradiance;
+    last_level = static_cast<float>(levels.size() - 1);
+}
 
 SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
                      const Image* environment)
-    : scene_(scene),
+    : SetRaster(device, scene, width, height, views, std::make_shared<SetEnvironment>(device, environment)) {}
+
+SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
+                     std::shared_ptr<const SetEnvironment> environment)
+    : device_(device),
+      scene_(&scene),
       width_(width),
       height_(height),
       geometry_(device, scene, SceneDetail::kSurface),
@@ -78,116 +113,131 @@ SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t widt
       masked_(device, "set masked", surface_shape(set_masked_frag, {kColour, kMetres}, false)),
       blended_(device, "set transparent", surface_shape(set_transparent_frag, {kColour, kColour}, true)),
       shadow_(device, "set shadow", shadow_shape()),
-      background_(device, "set background", background_shape()) {
-    make_buffers(device, views);
-    make_images(device, views);
-    upload_environment(device, environment);
-    make_materials(device);
-    make_sets(device);
+      background_(device, "set background", background_shape()),
+      environment_(std::move(environment)) {
+    make_targets(views);
+    make_light_buffers();
+    surfaces_ = make_surfaces(scene, *environment_, std::make_shared<SceneTextures>(make_textures(device)));
     given_lights_.reserve(kMaxSetLights);
-    for (const SceneDraw& draw : geometry_.draws)
-        has_transparent_ |= material_at(scene, draw.material).alpha == GltfAlpha::kBlend;
-    order_.reserve(geometry_.draws.size());
+    find_transparent();
     pack();
 }
 
-void SetRaster::make_buffers(const Device& device, uint32_t views) {
+void SetRaster::change(const GltfScene& scene, std::shared_ptr<const SetEnvironment> environment) {
+    const bool same_maps = same_textures(*scene_, scene), same_shapes = has_vertices_of(geometry_, scene);
+    const bool same_surfaces = same_maps && same_materials(*scene_, scene) && environment == environment_;
+    std::optional<SceneGeometry> geometry;
+    if (!same_shapes) geometry.emplace(device_, scene, SceneDetail::kSurface);
+    if (!same_surfaces)
+        surfaces_ =
+            make_surfaces(scene, *environment,
+                          same_maps ? surfaces_.textures : std::make_shared<SceneTextures>(make_textures(device_)));
+    // Nothing fails from here on.
+    if (geometry)
+        geometry_ = std::move(*geometry);
+    else
+        repoint_geometry(geometry_, scene);
+    scene_ = &scene;
+    environment_ = std::move(environment);
+    shadows_old_ |= !same_shapes || !same_surfaces;
+    find_transparent();
+    pack();
+}
+
+void SetRaster::resize(uint32_t width, uint32_t height) {
+    const uint32_t views = this->views();
+    width_ = width;
+    height_ = height;
+    make_targets(views);
+    surfaces_ = make_surfaces(*scene_, *environment_, surfaces_.textures);
+}
+
+// All that is of the pictures' size.
+void SetRaster::make_targets(uint32_t views) {
     const uint64_t texels = uint64_t{views} * width_ * height_;
-    constexpr uint64_t kSetMap = uint64_t{kSetShadowSide} * kSetShadowSide,
-                       kPerformerMap = uint64_t{kPerformerShadowSide} * kPerformerShadowSide;
-    colour = Buffer(device, "set colour", 8 * texels, MemoryKind::kDevice, kColour);
-    front = Buffer(device, "set front", 8 * texels, MemoryKind::kDevice, kColour);
-    depth = Buffer(device, "set depth", 4 * texels, MemoryKind::kDevice, kMetres);
-    volume_depth = Buffer(device, "set volume depth", 4 * texels, MemoryKind::kDevice, kMetres);
-    lights_buffer = Buffer(device, "set lights", sizeof(ShaderLights), MemoryKind::kUpload);
-    set_shadow_maps = Buffer(device, "set shadow maps", 4 * kMaxShadows * kSetMap, MemoryKind::kDevice, kMetres);
-    performer_shadows = Buffer(device, "performer shadows", 8 * kMaxShadows * kPerformerMap, MemoryKind::kDevice,
-                               VK_FORMAT_R32G32_SFLOAT);
-    run_once(device, "set buffers", [&](Commands& commands) {
-        for (const Buffer* nothing : {&colour, &front, &set_shadow_maps, &performer_shadows})
-            fill(commands, *nothing, 0);
+    colour = Buffer(device_, "set colour", 8 * texels, MemoryKind::kDevice, kColour);
+    front = Buffer(device_, "set front", 8 * texels, MemoryKind::kDevice, kColour);
+    depth = Buffer(device_, "set depth", 4 * texels, MemoryKind::kDevice, kMetres);
+    volume_depth = Buffer(device_, "set volume depth", 4 * texels, MemoryKind::kDevice, kMetres);
+    make_images(views);
+    run_once(device_, "set buffers", [&](Commands& commands) {
+        for (const Buffer* nothing : {&colour, &front}) fill(commands, *nothing, 0);
         for (const Buffer* far : {&depth, &volume_depth}) fill(commands, *far, kInfinityBits);
     });
 }
 
-void SetRaster::make_images(const Device& device, uint32_t views) {
+void SetRaster::make_images(uint32_t views) {
     constexpr VkImageUsageFlags kColourUse = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    constexpr VkImageUsageFlags kDepthUse = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+    colours_.resize(views);
+    depths_.resize(views);
     for (uint32_t view = 0; view < views; view++) {
         const std::string of_view = " " + std::to_string(view);
-        colours_.emplace_back(device, "set colour" + of_view, ImageShape{width_, height_, kColour, kColourUse});
-        depths_.emplace_back(device, "set depth" + of_view,
-                             ImageShape{width_, height_, VK_FORMAT_D32_SFLOAT, kDepthUse});
+        colours_[view] = DeviceImage(device_, "set colour" + of_view, {width_, height_, kColour, kColourUse});
+        depths_[view] = DeviceImage(device_, "set depth" + of_view, {width_, height_, VK_FORMAT_D32_SFLOAT, kDepthUse});
     }
-    metres_ = DeviceImage(device, "set metres", {width_, height_, kMetres, kColourUse});
-    front_ = DeviceImage(device, "set front", {width_, height_, kColour, kColourUse});
+    metres_ = DeviceImage(device_, "set metres", {width_, height_, kMetres, kColourUse});
+    front_ = DeviceImage(device_, "set front", {width_, height_, kColour, kColourUse});
+}
+
+void SetRaster::make_light_buffers() {
+    constexpr uint64_t kSetMap = uint64_t{kSetShadowSide} * kSetShadowSide,
+                       kPerformerMap = uint64_t{kPerformerShadowSide} * kPerformerShadowSide;
+    lights_buffer = Buffer(device_, "set lights", sizeof(ShaderLights), MemoryKind::kUpload);
+    set_shadow_maps = Buffer(device_, "set shadow maps", 4 * kMaxShadows * kSetMap, MemoryKind::kDevice, kMetres);
+    performer_shadows = Buffer(device_, "performer shadows", 8 * kMaxShadows * kPerformerMap, MemoryKind::kDevice,
+                               VK_FORMAT_R32G32_SFLOAT);
     shadow_depth_ = DeviceImage(
-        device, "set shadow depth",
+        device_, "set shadow depth",
         {kSetShadowSide, kSetShadowSide, VK_FORMAT_D32_SFLOAT, kDepthUse | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    run_once(device_, "shadow maps", [&](Commands& commands) {
+        for (const Buffer* nothing : {&set_shadow_maps, &performer_shadows}) fill(commands, *nothing, 0);
+    });
 }
 
-void SetRaster::upload_environment(const Device& device, const Image* picture) {
-    const Environment environment = picture ? make_environment(*picture) : dark_environment();
-    std::vector<std::vector<uint8_t>> levels;
-    for (const std::vector<uint16_t>& level : environment.levels) {
-        levels.emplace_back(level.size() * sizeof(uint16_t));
-        std::memcpy(levels.back().data(), level.data(), levels.back().size());
-    }
-    environment_ = DeviceImage(
-        device, "environment",
-        {environment.width, environment.height, kColour, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-         VK_SAMPLE_COUNT_1_BIT, static_cast<uint32_t>(levels.size())});
-    upload_levels(device, environment_, levels);
-    SamplerShape shape;
-    shape.wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    environment_sampler_ = Sampler(device, "environment", shape);
-    irradiance_ = environment.irradiance;
-    last_level_ = static_cast<float>(levels.size() - 1);
-    has_environment_ = picture != nullptr;
-}
-
-// Material 0 is glTF's default one.
-void SetRaster::make_materials(const Device& device) {
-    textures_ = make_textures(device);
+// `textures` of this scene, which may lack some. Material 0 is glTF's default one.
+SetRaster::Surfaces SetRaster::make_surfaces(const GltfScene& scene, const SetEnvironment& environment,
+                                             std::shared_ptr<SceneTextures> textures) const {
+    Surfaces made;
+    made.textures = std::move(textures);
     std::vector<SetMaterial> packed;
-    for (int32_t m = -1; m < static_cast<int32_t>(scene_.materials.size()); m++) {
-        const GltfMaterial& material = material_at(scene_, m);
-        packed.push_back(packed_material(material));
-        add_texture(device, scene_, textures_, material.texture, true);
-        for (size_t map = 0; map < kGltfMaps; map++)
-            add_texture(device, scene_, textures_, material.maps[map], is_srgb(map));
-    }
-    materials_ = Buffer(device, "set materials", packed.size() * sizeof(SetMaterial), MemoryKind::kUpload,
-                        VK_FORMAT_R32G32B32A32_SFLOAT);
-    std::memcpy(materials_.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
-}
-
-void SetRaster::make_sets(const Device& device) {
+    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++)
+        packed.push_back(packed_material(material_at(scene, m)));
+    made.materials = Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial), MemoryKind::kUpload,
+                            VK_FORMAT_R32G32B32A32_SFLOAT);
+    std::memcpy(made.materials.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
     using Texture = std::pair<const DeviceImage*, const Sampler*>;
-    const Texture around{&environment_, &environment_sampler_};
-    for (int32_t m = -1; m < static_cast<int32_t>(scene_.materials.size()); m++) {
-        const GltfMaterial& material = material_at(scene_, m);
-        const auto texture = [&](int32_t index, bool srgb) -> Texture {
-            const SceneTextures::Entry& entry = textures_.entries[add_texture(device, scene_, textures_, index, srgb)];
-            return {&entry.image, &entry.sampler};
-        };
-        std::vector<Texture> bound{texture(material.texture, true)};
-        for (size_t map = 0; map < kGltfMaps; map++) bound.push_back(texture(material.maps[map], is_srgb(map)));
+    const Texture around{&environment.image, &environment.sampler};
+    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++) {
+        const GltfMaterial& material = material_at(scene, m);
+        std::vector<size_t> entries{add_texture(device_, scene, *made.textures, material.texture, true)};
+        for (size_t map = 0; map < kGltfMaps; map++)
+            entries.push_back(add_texture(device_, scene, *made.textures, material.maps[map], is_srgb(map)));
+        std::vector<Texture> bound;  // of entries that do not move any more
+        for (const size_t entry : entries)
+            bound.emplace_back(&made.textures->entries[entry].image, &made.textures->entries[entry].sampler);
         bound.push_back(around);
-        for (const auto& [pass, sets] : {std::pair{&solid_, &solid_sets_}, std::pair{&masked_, &masked_sets_},
-                                         std::pair{&blended_, &blended_sets_}})
+        for (const auto& [pass, sets] :
+             {std::pair{&solid_, &made.solid}, std::pair{&masked_, &made.masked}, std::pair{&blended_, &made.blended}})
             sets->emplace_back(
                 *pass, bound,
-                std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &materials_},
+                std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &made.materials},
                                                                           {kSetLights, &lights_buffer},
                                                                           {kSetShadowMaps, &set_shadow_maps},
                                                                           {kSetPerformerShadows, &performer_shadows},
                                                                           {kSetVolumeDepth, &volume_depth}});
-        shadow_sets_.emplace_back(
+        made.shadow.emplace_back(
             shadow_, std::span(bound).first(1),
-            std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &materials_}});
+            std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &made.materials}});
     }
-    background_set_ = TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
+    made.background = TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
+    return made;
+}
+
+void SetRaster::find_transparent() {
+    has_transparent_ = false;
+    for (const SceneDraw& draw : geometry_.draws)
+        has_transparent_ |= material_at(*scene_, draw.material).alpha == GltfAlpha::kBlend;
+    order_.reserve(geometry_.draws.size());
 }
 
 WorldBox SetRaster::box() const {
@@ -216,9 +266,9 @@ void SetRaster::shadows_of(const std::optional<WorldBox>& performers) {
 // Lights as shaders see them; maps are drawn again where one's matrix is another than before.
 void SetRaster::pack() {
     const ShaderLights before = packed_;
-    packed_ = pack_lights(given_lights_, ambient_, shadows_, irradiance_, box(), performers_);
-    if (!has_environment_) packed_.environment.x = 0;
-    packed_.environment.y = last_level_;
+    packed_ = pack_lights(given_lights_, ambient_, shadows_, environment_->irradiance, box(), performers_);
+    if (!environment_->has_picture) packed_.environment.x = 0;
+    packed_.environment.y = environment_->last_level;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow)
             shadows_old_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||

@@ -7,6 +7,7 @@
 // pixel.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,17 +21,40 @@ namespace neuvv {
 
 constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
 
+// The picture around a set, on the device.
+struct SetEnvironment {
+    // environment.h says what the picture is; null: no light. It is not needed afterwards.
+    SetEnvironment(const Device& device, const Image* picture);
+
+    DeviceImage image;
+    Sampler sampler;
+    Irradiance irradiance{};
+    float last_level = 0;
+    bool has_picture = false;
+};
+
 // Draws one scene for at most `views` views of at most width × height texels. What is made here is all that it ever
-// makes: posing, lighting and recording allocate nothing. pose() and light() write memory that draws read: nothing that
-// was recorded here may be under way.
+// makes until it is changed: posing, lighting and recording allocate nothing. All but recording touch memory that draws
+// read: nothing that was recorded here may be under way.
 class SetRaster {
   public:
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the picture around it need
     // not (environment.h says what it is).
     SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
               const Image* environment = nullptr);
+    SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
+              std::shared_ptr<const SetEnvironment> environment);
     SetRaster(const SetRaster&) = delete;
     SetRaster& operator=(const SetRaster&) = delete;
+
+    // From now on it draws this scene, which must outlive it; the one before is looked at for the last time. Pipelines
+    // and pictures stay, and so does what is equal on the device: comparing takes as long as reading both. Must be
+    // posed and lit anew. Throws RuntimeFailure where the scene exceeds the device, and then still draws the one
+    // before.
+    void change(const GltfScene& scene, std::shared_ptr<const SetEnvironment> environment);
+    // Other buffers `colour`, `front`, `depth` and `volume_depth`: who is bound to them must be made anew. Where it
+    // throws (RuntimeFailure: no room) it must be called again before anything is drawn.
+    void resize(uint32_t width, uint32_t height);
 
     // The instant that is drawn; vertices that did not move are left alone.
     void pose(const PosedScene& pose);
@@ -66,11 +90,19 @@ class SetRaster {
     friend void record_set_shadows(Commands&, SetRaster&);
     friend void record_set(Commands&, SetRaster&, std::span<const Camera>);
     friend void record_set_transparent(Commands&, SetRaster&, std::span<const Camera>);
-    void make_buffers(const Device& device, uint32_t views);
-    void make_images(const Device& device, uint32_t views);
-    void make_materials(const Device& device);
-    void make_sets(const Device& device);
-    void upload_environment(const Device& device, const Image* picture);
+    // Materials and what they read, by material, the default one first.
+    struct Surfaces {
+        std::shared_ptr<SceneTextures> textures;
+        Buffer materials;
+        std::vector<TextureSet> solid, masked, blended, shadow;
+        TextureSet background;
+    };
+    void make_targets(uint32_t views);
+    void make_images(uint32_t views);
+    void make_light_buffers();
+    Surfaces make_surfaces(const GltfScene& scene, const SetEnvironment& environment,
+                           std::shared_ptr<SceneTextures> textures) const;
+    void find_transparent();
     void pack();
     SetPush push_of(const Camera& camera, uint32_t view) const;
     void record_view(Commands& commands, const Camera& camera, uint32_t view);
@@ -84,22 +116,15 @@ class SetRaster {
     void draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets, const SceneDraw& draw,
               SetPush push) const;
 
-    const GltfScene& scene_;
+    const Device& device_;
+    const GltfScene* scene_;
     uint32_t width_, height_;
     SceneGeometry geometry_;
     GraphicsPass solid_, masked_, blended_, shadow_, background_;
     std::vector<DeviceImage> colours_, depths_;  // by view
     DeviceImage metres_, front_, shadow_depth_;
-    SceneTextures textures_;
-    DeviceImage environment_;
-    Sampler environment_sampler_;
-    Irradiance irradiance_{};
-    float last_level_ = 0;
-    bool has_environment_ = false;
-    Buffer materials_;
-    std::vector<TextureSet> solid_sets_, masked_sets_, blended_sets_,
-        shadow_sets_;  // by material, the default one first
-    TextureSet background_set_;
+    std::shared_ptr<const SetEnvironment> environment_;
+    Surfaces surfaces_;
     std::vector<SetLight> given_lights_;
     SetAmbient ambient_;
     SetShadows shadows_;

@@ -101,7 +101,7 @@ void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t v
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
     draw_solid(commands, push_of(camera, view));
-    if (has_environment_ && ambient_.show_environment) draw_background(commands, camera);
+    if (environment_->has_picture && ambient_.show_environment) draw_background(commands, camera);
     vkCmdEndRendering(commands.handle());
     store(commands, colours_[view], area_of(camera), colour, view);
     store(commands, metres_, area_of(camera), depth, view);
@@ -146,7 +146,7 @@ void SetRaster::draw_background(Commands& commands, const Camera& camera) const 
     SetPush push{};
     push.clip_from_world = glm::mat4(glm::inverse(clip_from_world(camera, kSetNear_m)));
     VkCommandBuffer to = commands.handle();
-    const VkDescriptorSet set = background_set_.handle();
+    const VkDescriptorSet set = surfaces_.background.handle();
     vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.pipeline());
     vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.layout(), 0, 1, &set, 0, nullptr);
     vkCmdPushConstants(to, background_.layout(), kDrawStages, 0, background_.interface().push_bytes, &push);
@@ -172,12 +172,12 @@ void SetRaster::draw_solid(Commands& commands, const SetPush& push) {
     sort_far_to_near(glm::vec3(push.eye));
     bind_streams(commands, geometry_);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
-    for (const auto& [alpha, pass, sets] : {std::tuple{GltfAlpha::kOpaque, &solid_, &solid_sets_},
-                                            std::tuple{GltfAlpha::kMask, &masked_, &masked_sets_}}) {
+    for (const auto& [alpha, pass, sets] : {std::tuple{GltfAlpha::kOpaque, &solid_, &surfaces_.solid},
+                                            std::tuple{GltfAlpha::kMask, &masked_, &surfaces_.masked}}) {
         vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline());
         for (auto next = order_.rbegin(); next != order_.rend(); ++next) {
             const SceneDraw& one = geometry_.draws[next->second];
-            if (material_at(scene_, one.material).alpha == alpha) draw(commands, *pass, *sets, one, push);
+            if (material_at(*scene_, one.material).alpha == alpha) draw(commands, *pass, *sets, one, push);
         }
     }
 }
@@ -189,8 +189,8 @@ void SetRaster::draw_blended(Commands& commands, const SetPush& push) {
     vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
     for (const auto& [nearness, i] : order_) {
         const SceneDraw& one = geometry_.draws[i];
-        if (material_at(scene_, one.material).alpha == GltfAlpha::kBlend)
-            draw(commands, blended_, blended_sets_, one, push);
+        if (material_at(*scene_, one.material).alpha == GltfAlpha::kBlend)
+            draw(commands, blended_, surfaces_.blended, one, push);
     }
 }
 
@@ -199,14 +199,14 @@ void SetRaster::draw_shadowing(Commands& commands, const SetPush& push) const {
     bind_streams(commands, geometry_);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
     for (const SceneDraw& one : geometry_.draws)
-        if (material_at(scene_, one.material).alpha != GltfAlpha::kBlend)
-            draw(commands, shadow_, shadow_sets_, one, push);
+        if (material_at(*scene_, one.material).alpha != GltfAlpha::kBlend)
+            draw(commands, shadow_, surfaces_.shadow, one, push);
 }
 
 void SetRaster::draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets,
                      const SceneDraw& draw, SetPush push) const {
     VkCommandBuffer to = commands.handle();
-    const bool both_sides = material_at(scene_, draw.material).double_sided || &pass == &shadow_;
+    const bool both_sides = material_at(*scene_, draw.material).double_sided || &pass == &shadow_;
     push.material = static_cast<uint32_t>(draw.material + 1);
     const VkDescriptorSet set = sets[push.material].handle();
     vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout(), 0, 1, &set, 0, nullptr);

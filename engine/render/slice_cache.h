@@ -34,6 +34,8 @@ class SliceCache {
     void ask(std::span<const SliceKey> keys);
     // Where a slice that was asked for is; none where there was no room.
     std::optional<uint32_t> find(SliceKey key) const;
+    // Whether the picture that asked last shows it.
+    bool is_shown(uint32_t slice) const { return kept_[slice].key && kept_[slice].shown == pictures_; }
     void forget();
 
     // After ask(): these slices will be needed next. The first of them that is not kept is built in parts

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "voctree/clip.h"
 #include "voctree/half.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 namespace neuvv {
 
@@ -33,6 +33,13 @@ std::vector<glm::vec4> download_halves(const Device& device, const Buffer& from)
     return colours;
 }
 
+template <typename Clips>
+std::vector<const Field*> fields_of(const Clips& clips) {
+    std::vector<const Field*> fields;
+    for (const auto& clip : clips) fields.push_back(&clip->field);
+    return fields;
+}
+
 }  // namespace
 
 SetLight set_light(const InstantLight& light) {
@@ -49,63 +56,159 @@ SetLight set_light(const InstantLight& light) {
 }
 
 StageRenderer::StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
-                             const std::function<void(size_t, size_t)>& loaded)
-    : device_(device), stage_(stage), capacity_(capacity) {
-    fields_.reserve(stage.clips.size());  // renderers keep their addresses
-    for (const StageClip& clip : stage.clips) {
-        const VOctree tree = read_nvv(clip.path);
-        fields_.push_back(upload_field(device, tree, WeightPrecision::kHalf));
-        painted_.push_back(painted_field(tree));
-        if (loaded) loaded(fields_.size(), stage.clips.size());
-    }
-    std::optional<Image> environment;
-    if (stage.settings.environment)
-        environment = read_png(file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri"));
+                             const Loaded& loaded, PaintSource paint)
+    : device_(device), stage_(&stage), capacity_(capacity), paint_source_(std::move(paint)) {
+    clips_ = load_clips(stage, loaded);
+    around_ = load_around(stage);
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
-                                       capacity.samples * capacity.height, capacity.views,
-                                       environment ? &*environment : nullptr);
-    std::vector<const Field*> fields;
-    for (const Field& field : fields_) fields.push_back(&field);
-    frames_ = std::make_unique<FrameRenderer>(device, std::move(fields), capacity, set_.get());
-    for (const StagePerformer& performer : stage.performers) paints_.push_back(add_paint(performer));
+                                       capacity.samples * capacity.height, capacity.views, around_.map);
+    frames_ = std::make_unique<FrameRenderer>(device, fields_of(clips_), capacity, set_.get());
+    take(stage, make_paints(stage, clips_));
 }
 
-// The layers of a performer that show, as a paint of its clip; 0: none do.
-uint32_t StageRenderer::add_paint(const StagePerformer& performer) {
-    std::string all = fmt::format("{}", performer.clip);
-    for (const PaintLayer& layer : performer.settings.paint)
-        if (layer.visible && layer.opacity > 0)
-            all += fmt::format("\n{}\n{}\n{}", layer.uri, static_cast<int>(layer.blend), layer.opacity);
-    if (const auto known = paint_of_layers_.find(all); known != paint_of_layers_.end()) return known->second;
-    std::vector<EditLayer> layers;
-    std::vector<PaintUse> uses;
+void StageRenderer::change(const Stage& stage, const Loaded& loaded) {
+    Clips clips = load_clips(stage, loaded);
+    Around around = load_around(stage);
+    NextPaints paints = make_paints(stage, clips);
+    set_->change(stage.scene, around.map);
+    // Nothing fails from here on.
+    frames_->change_fields(fields_of(clips));
+    clips_ = std::move(clips);
+    around_ = std::move(around);
+    stage_ = &stage;
+    take(stage, std::move(paints));
+}
+
+// Those that are on the device and on the disk as they were, and the others.
+StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded& loaded) const {
+    Clips clips;
+    size_t read = 0, missing = 0;
+    for (const StageClip& wanted : stage.clips) {
+        const FileStamp stamp = stamp_of(wanted.path);
+        const auto known = std::find_if(clips_.begin(), clips_.end(), [&](const auto& clip) {
+            return clip->path == wanted.path && clip->stamp == stamp;
+        });
+        clips.push_back(known == clips_.end() ? nullptr : *known);
+        missing += clips.back() ? 0 : 1;
+    }
+    for (size_t i = 0; i < clips.size(); i++) {
+        if (clips[i]) continue;
+        const FileStamp stamp = stamp_of(stage.clips[i].path);
+        const VOctree tree = read_clip(stage.clips[i].path);
+        clips[i] = std::make_shared<const Clip>(Clip{stage.clips[i].path, stamp,
+                                                     upload_field(device_, tree, WeightPrecision::kHalf),
+                                                     neuvv::painted_field(tree)});
+        if (loaded) loaded(++read, missing);
+    }
+    return clips;
+}
+
+StageRenderer::Around StageRenderer::load_around(const Stage& stage) const {
+    Around around;
+    std::optional<Image> picture;
+    if (stage.settings.environment) {
+        around.path = file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri");
+        around.stamp = stamp_of(around.path);
+    }
+    if (around_.map && around.path == around_.path && around.stamp == around_.stamp) return around_;
+    if (stage.settings.environment) picture = read_png(around.path);
+    around.map = std::make_shared<const SetEnvironment>(device_, picture ? &*picture : nullptr);
+    return around;
+}
+
+StageRenderer::PaintKey StageRenderer::paint_key(const Stage& stage, const StagePerformer& performer,
+                                                 const std::shared_ptr<const Clip>& clip) {
+    PaintKey key{clip, {}};
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
         try {
-            layers.push_back(read_paint(file_of_uri(stage_.file, layer.uri, place), painted_[performer.clip]));
+            const std::filesystem::path path = file_of_uri(stage.file, layer.uri, place);
+            std::shared_ptr<const EditLayer> edits = paint_source_ ? paint_source_(path, clip->painted) : nullptr;
+            if (!edits) edits = paint_files_.read(path, clip->painted);
+            if (edits->field != clip->painted)
+                throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
+            key.layers.emplace_back(std::move(edits), layer.blend, static_cast<float>(layer.opacity));
         } catch (const InputError& problem) {
-            throw InputError(stage_.file.path.string(), place, problem.what());
+            throw InputError(stage.file.path.string(), place, problem.what());
         }
-        uses.push_back({nullptr, layer.blend, static_cast<float>(layer.opacity)});
     }
-    for (size_t i = 0; i < layers.size(); i++) uses[i].layer = &layers[i];
-    return paint_of_layers_[all] = uses.empty() ? 0 : frames_->paints(performer.clip).add(uses);
+    return key;
+}
+
+StageRenderer::NextPaints StageRenderer::make_paints(const Stage& stage, const Clips& clips) {
+    NextPaints next;
+    for (const StagePerformer& performer : stage.performers) {
+        next.of_performer.push_back(paint_key(stage, performer, clips[performer.clip]));
+        const PaintKey& key = next.of_performer.back();
+        if (key.layers.empty() || paint_numbers_.contains(key) || next.made.contains(key)) continue;
+        std::vector<PaintUse> uses;
+        for (const auto& [layer, blend, opacity] : key.layers) uses.push_back({layer.get(), blend, opacity});
+        next.made.try_emplace(key, device_, key.clip->field.leaf_count, uses);
+    }
+    return next;
+}
+
+// The renderer has the fields of this stage already.
+void StageRenderer::take(const Stage& stage, NextPaints next) {
+    std::map<PaintKey, uint32_t> numbers;
+    paints_.clear();
+    for (size_t i = 0; i < stage.performers.size(); i++) {
+        const PaintKey& key = next.of_performer[i];
+        const auto [number, is_new] = numbers.try_emplace(key, 0);
+        if (is_new && !key.layers.empty()) {
+            const auto kept = paint_numbers_.find(key);
+            number->second = kept != paint_numbers_.end()
+                                 ? kept->second
+                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.made.at(key)));
+        }
+        paints_.push_back(number->second);
+    }
+    for (const auto& [key, number] : paint_numbers_) {
+        const auto clip = std::find(clips_.begin(), clips_.end(), key.clip);
+        if (clip != clips_.end() && !numbers.contains(key))
+            frames_->paints(static_cast<uint32_t>(clip - clips_.begin())).remove(number);
+    }
+    paint_numbers_ = std::move(numbers);
+    next = {};
+    paint_files_.drop_unused();
+}
+
+void StageRenderer::resize(uint32_t width, uint32_t height) {
+    const uint32_t has_width = set_->width() / capacity_.samples, has_height = set_->height() / capacity_.samples;
+    if (width > has_width || height > has_height) {
+        try {
+            make_targets(std::max(width, has_width), std::max(height, has_height));
+        } catch (const RuntimeFailure&) {
+            make_targets(has_width, has_height);
+            throw;
+        }
+    }
+    capacity_.width = width;
+    capacity_.height = height;
+}
+
+void StageRenderer::make_targets(uint32_t width, uint32_t height) {
+    FrameCapacity capacity = capacity_;
+    capacity.width = width;
+    capacity.height = height;
+    set_->resize(capacity.samples * width, capacity.samples * height);
+    frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
 void StageRenderer::show(const StageInstant& instant, bool show_environment) {
     std::vector<SetLight> lights;
     for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
     SetAmbient ambient;
-    ambient.light = stage_.ambient;
-    if (stage_.settings.environment) {
-        ambient.environment_intensity = stage_.settings.environment->intensity;
-        ambient.environment_rotation = glm::radians(stage_.settings.environment->rotation_deg);
+    ambient.light = stage_->ambient;
+    if (stage_->settings.environment) {
+        ambient.environment_intensity = stage_->settings.environment->intensity;
+        ambient.environment_rotation = glm::radians(stage_->settings.environment->rotation_deg);
         ambient.show_environment = show_environment;
     }
     set_->pose(instant.pose);
-    set_->light(lights, ambient, {stage_.settings.shadows, stage_.settings.shadows});
+    set_->light(lights, ambient, {stage_->settings.shadows, stage_->settings.shadows});
 }
 
 // As show.glsl's with_set.
@@ -136,9 +239,9 @@ FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {
     settings.height = capacity_.height;
     settings.samples = capacity_.samples;
     settings.mode = TraceMode::kPlay;
-    settings.blend = stage_.settings.blend == StageBlend::kExact ? Blend::kExact : Blend::kPaper;
-    settings.lit = stage_.settings.falloff;
-    settings.resolve.background = glm::vec4(stage_.settings.background, 1);
+    settings.blend = stage_->settings.blend == StageBlend::kExact ? Blend::kExact : Blend::kPaper;
+    settings.lit = stage_->settings.falloff;
+    settings.resolve.background = glm::vec4(stage_->settings.background, 1);
     settings.instances.clear();
     for (const InstantPerformer& performer : instant.performers) {
         if (!performer.visible) continue;

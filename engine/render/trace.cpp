@@ -56,6 +56,7 @@ TracePush trace_push(const Field& field, float stop) {
     push.top = field.top_box;
     push.leaf_count = field.leaf_count;
     push.end_tile = UINT32_MAX;
+    push.levels_above = field.levels_above;
     return push;
 }
 

@@ -59,6 +59,7 @@ enum class Into : uint32_t {
     kLayer = kIntoLayer,                // under all that stands there: instances in draw order
     kLayerByDepth = kIntoLayerByDepth,  // over or under it: the paper's Algorithm 1 (errata 11)
     kSegments = kIntoSegments,          // to be merged with others
+    kInspect = kIntoInspect,            // what their walks were like, in place of light (shared/inspect.h)
 };
 
 // Some of a target's tiles of rays: first..end−1.

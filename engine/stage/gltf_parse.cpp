@@ -246,9 +246,9 @@ void check_extensions(const Source& source, const json& root) {
     for (const json& extension : *required) {
         const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
         bool known = false;
-        for (const char* ours :
-             {"KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization",
-              "KHR_materials_emissive_strength", "KHR_lights_punctual", "NEUVV_performer", "NEUVV_stage"})
+        for (const char* ours : {"KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization",
+                                 "KHR_materials_emissive_strength", "KHR_lights_punctual", kVisibilityExtension,
+                                 "NEUVV_performer", "NEUVV_stage"})
             known = known || name == ours;
         if (!known)
             throw InputError(source.file, "/extensionsRequired", fmt::format("needs {}, which is not supported", name),

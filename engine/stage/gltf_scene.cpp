@@ -54,6 +54,16 @@ void check_skin(const GltfScene& scene, const GltfNode& node, const std::string&
     }
 }
 
+void read_visibility(const GltfScene& scene, const tinygltf::Node& source, GltfNode& node, const std::string& place) {
+    const auto extension = source.extensions.find(kVisibilityExtension);
+    if (extension == source.extensions.end() || !extension->second.Has("visible")) return;
+    const tinygltf::Value& visible = extension->second.Get("visible");
+    if (!visible.IsBool())
+        throw InputError(scene.file, fmt::format("{}/extensions/{}/visible", place, kVisibilityExtension),
+                         "is neither true nor false");
+    node.visible = visible.Get<bool>();
+}
+
 void read_node(GltfScene& scene, const tinygltf::Node& source, size_t index) {
     const std::string place = fmt::format("/nodes/{}", index);
     GltfNode& node = scene.nodes[index];
@@ -76,6 +86,7 @@ void read_node(GltfScene& scene, const tinygltf::Node& source, size_t index) {
             for (size_t i = 0; i < node.weights.size(); ++i) node.weights[i] = static_cast<float>(source.weights[i]);
         }
     }
+    read_visibility(scene, source, node, place);
     for (const int child : source.children) {
         const std::string at = place + "/children";
         if (child < 0 || static_cast<size_t>(child) >= scene.nodes.size())
@@ -129,6 +140,10 @@ void load_nodes(GltfScene& scene, const tinygltf::Model& model) {
     scene.nodes.resize(model.nodes.size());
     for (size_t i = 0; i < model.nodes.size(); ++i) read_node(scene, model.nodes[i], i);
     order_nodes(scene);
+    for (const uint32_t i : scene.order) {
+        const int32_t parent = scene.nodes[i].parent;
+        if (parent >= 0 && !scene.nodes[static_cast<size_t>(parent)].visible) scene.nodes[i].visible = false;
+    }
     mark_scene(scene, model);
 }
 

@@ -16,6 +16,8 @@
 
 namespace neuvv {
 
+constexpr const char* kVisibilityExtension = "KHR_node_visibility";
+
 enum class GltfWrap { kRepeat, kMirroredRepeat, kClampToEdge };
 
 struct GltfTexture {
@@ -117,6 +119,9 @@ struct GltfNode {
     int32_t camera = -1;         // index into GltfScene::cameras
     int32_t light = -1;          // index into GltfScene::lights
     bool in_scene = false;       // reached from the default scene: only these are drawn
+    bool visible = true;         // KHR_node_visibility, of the node and all above it
+
+    bool draws_mesh() const { return in_scene && visible && mesh >= 0; }
 };
 
 struct GltfSkin {

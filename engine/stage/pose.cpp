@@ -191,7 +191,7 @@ std::pair<glm::dvec3, glm::dvec3> bounds_over(const GltfScene& scene, int32_t an
     for (const double t : times_s) {
         const PosedScene pose = pose_scene(scene, animation, t);
         for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
-            if (!scene.nodes[n].in_scene || scene.nodes[n].mesh < 0) continue;
+            if (!scene.nodes[n].draws_mesh()) continue;
             for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
                 pose_vertices(scene, pose, n, primitive, vertices);
                 for (const uint32_t index : primitive.indices) {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "stage/pose.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 
@@ -33,10 +33,7 @@ std::string extension_place(const char* list, size_t index, const char* name) {
 
 // Where a performer's .nvv lies.
 std::filesystem::path clip_path(const Stage& stage, const StagePerformer& performer, const std::string& place) {
-    std::error_code error;
-    const std::filesystem::path named = file_of_uri(stage.file, performer.settings.uri, place + "/uri");
-    const std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(named), error);
-    return error ? named : path;
+    return absolute_path(file_of_uri(stage.file, performer.settings.uri, place + "/uri"));
 }
 
 // Index into stage.clips; a new one is read.
@@ -45,7 +42,7 @@ uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePer
     for (uint32_t i = 0; i < stage.clips.size(); ++i)
         if (stage.clips[i].path == path) return i;
     try {
-        const NvvHead head = summarise_nvv(path).head;
+        const ClipHead head = read_clip_head(path);
         if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
         stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size});
     } catch (const InputError& problem) {
@@ -119,6 +116,7 @@ void read_settings(Stage& stage) {
     for (const StagePerformer& performer : stage.performers)
         longest_s = std::max(longest_s, performance_s(stage, performer));
     for (const GltfAnimation& animation : stage.scene.animations) longest_s = std::max(longest_s, animation.duration_s);
+    if (stage.settings.camera_path) longest_s = std::max(longest_s, stage.settings.camera_path->duration_s);
     stage.duration_s = stage.settings.duration_s.value_or(std::min(longest_s, kMaxStageSeconds));
     stage.fps = stage.settings.fps.value_or(
         stage.clips.empty() ? 25 : std::clamp(stage.clips[0].fps, kMinStageFps, kMaxStageFps));

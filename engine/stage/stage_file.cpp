@@ -21,8 +21,10 @@ std::string_view json_text(const StageFile::Saved& saved) {
         .substr(saved.json_begin, saved.json_size);
 }
 
-std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, const std::string& file) {
+std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, const std::string& file,
+                                                 bool on_disk = true) {
     const auto saved = std::make_shared<StageFile::Saved>();
+    saved->on_disk = on_disk;
     const GltfContainer container = find_gltf_json(bytes, file);
     saved->bytes = std::move(bytes);
     saved->binary = container.binary;
@@ -77,9 +79,7 @@ void edit_uris(ordered_json& json, const Edit& edit) {
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
-    std::error_code error;
-    const std::filesystem::path whole = std::filesystem::weakly_canonical(std::filesystem::absolute(file), error);
-    return (error ? std::filesystem::absolute(file).lexically_normal() : whole).parent_path();
+    return absolute_path(file).parent_path();
 }
 
 // URIs of the stage as they must be in the folder of `path`.
@@ -139,7 +139,7 @@ StageFile make_stage_file(const std::filesystem::path& path, const std::string& 
     StageFile file;
     file.path = path;
     std::vector<uint8_t> bytes(json_text.begin(), json_text.end());
-    file.saved = saved_of(is_named_binary(path) ? glb_of(json_text, nullptr) : std::move(bytes), path.string());
+    file.saved = saved_of(is_named_binary(path) ? glb_of(json_text, nullptr) : std::move(bytes), path.string(), false);
     file.json = file.saved->json;
     return file;
 }
@@ -153,19 +153,30 @@ std::vector<uint8_t> stage_bytes(const StageFile& file) {
     return glb_of(json, &saved);
 }
 
+StageFile moved_to(StageFile file, const std::filesystem::path& path) {
+    if (folder_of(file.path) != folder_of(path)) file.json = rebased(file, path);
+    file.path = path;
+    return file;
+}
+
 void save_stage_file(StageFile& file, const std::filesystem::path& path) {
     if (is_named_binary(path) != file.saved->binary)
         throw InputError(path.string(), "", file.saved->binary ? "this stage is a .glb" : "this stage is a .gltf",
                          "keep the ending");
-    StageFile moved = file;
-    if (folder_of(file.path) != folder_of(path)) moved.json = rebased(file, path);
-    moved.path = path;
+    StageFile moved = moved_to(file, path);
     std::vector<uint8_t> bytes = stage_bytes(moved);
     auto saved = saved_of(bytes, path.string());
     write_file_atomically(path, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
     moved.saved = std::move(saved);
     moved.json = moved.saved->json;
     file = std::move(moved);
+}
+
+std::filesystem::path absolute_path(const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::path absolute = std::filesystem::absolute(file);
+    const std::filesystem::path whole = std::filesystem::weakly_canonical(absolute, error);
+    return error ? absolute.lexically_normal() : whole;
 }
 
 std::string decoded_uri(const std::string& uri) {

@@ -24,6 +24,7 @@ struct StageFile {
         bool binary = false;  // .glb, told by content
         size_t json_begin = 0, json_size = 0;
         nlohmann::ordered_json json;
+        bool on_disk = true;  // else no file was there yet: make_stage_file
     };
     std::shared_ptr<const Saved> saved;
 };
@@ -37,10 +38,17 @@ StageFile make_stage_file(const std::filesystem::path& path, const std::string& 
 // a .glb. Without edits: the old bytes.
 std::vector<uint8_t> stage_bytes(const StageFile& file);
 
-// Writes stage_bytes to `path`, atomically, which then is the file's. In another folder relative URIs are rewritten so
-// that they name the same files. Refused (InputError): buffers and images that would lie outside of the new folder, as
-// no reader may follow those there; a .glb under the name of a .gltf or the other way round.
+// The file under another path, not written there. In another folder relative URIs are rewritten so that they name the
+// same files. Refused (InputError): buffers and images that would lie outside of the new folder, as no reader may
+// follow those there.
+StageFile moved_to(StageFile file, const std::filesystem::path& path);
+
+// Writes stage_bytes of the file moved_to `path`, atomically, which then is the file's. Refused as well (InputError): a
+// .glb under the name of a .gltf or the other way round.
 void save_stage_file(StageFile& file, const std::filesystem::path& path);
+
+// One name for a file, there or not: absolute, links and .. resolved as far as it is there.
+std::filesystem::path absolute_path(const std::filesystem::path& file);
 
 // URIs name files with escapes: "my%20clip.nvv".
 std::string decoded_uri(const std::string& uri);

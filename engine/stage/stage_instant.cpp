@@ -45,7 +45,7 @@ InstantPerformer performer_at(const Stage& stage, uint32_t index, const StageIns
     const glm::dmat4& world_from_node = instant.pose.world_from_node[source.node];
     performer.world_from_performer = glm::rotate(world_from_node, turn_rad, glm::dvec3(0, 1, 0));
     performer.opacity = static_cast<float>(settings.opacity);
-    performer.visible = settings.visible && is_placeable(world_from_node);
+    performer.visible = settings.visible && stage.scene.nodes[source.node].visible && is_placeable(world_from_node);
     performer.casts_shadow = settings.casts_shadow;
     performer.receives_shadow = settings.receives_shadow;
     return performer;
@@ -119,7 +119,7 @@ StageInstant stage_at(const Stage& stage, double stage_s) {
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
         const GltfNode& node = stage.scene.nodes[i];
         if (!node.in_scene || !is_on_stage(instant.pose.world_from_node[i])) continue;
-        if (node.light >= 0) instant.lights.push_back(light_at(stage.scene, i, instant.pose));
+        if (node.light >= 0 && node.visible) instant.lights.push_back(light_at(stage.scene, i, instant.pose));
         if (node.camera >= 0) instant.cameras.push_back(camera_at(stage.scene, i, instant.pose));
     }
     return instant;

@@ -17,7 +17,7 @@ struct InstantPerformer {
     float frame = 0;                     // 0..frames − 1 of the clip
     glm::dmat4 world_from_performer{1};  // its node's, spin included; invertible where visible
     float opacity = 1;
-    bool visible = true;  // false too while an animation makes the transform flat
+    bool visible = true;  // its own, and its node's; false too while an animation makes the transform flat
     bool casts_shadow = true, receives_shadow = true;
 };
 
@@ -48,7 +48,7 @@ struct StageInstant {
 };
 
 // At any finite time; all animations of the file play at once from 0. Only what the default scene holds; lights and
-// cameras that an animation sends out of this world are left out meanwhile.
+// cameras that an animation sends out of this world are left out meanwhile, and so are hidden lights.
 StageInstant stage_at(const Stage& stage, double stage_s);
 
 // World box, low and high, around the boxes of all performers; ±1 m where there are none.

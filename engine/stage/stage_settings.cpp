@@ -1,6 +1,7 @@
 #include "stage/stage_settings.h"
 
 #include "base/error.h"
+#include "stage/camera_path_json.h"
 #include "stage/json_members.h"
 
 namespace neuvv {
@@ -39,6 +40,8 @@ StageSettings stage_settings_of(const ordered_json& json, const std::string& fil
     members.choice("blend", kStageBlendNames, settings.blend);
     members.boolean("shadows", settings.shadows);
     members.boolean("falloff", settings.falloff);
+    if (const ordered_json* path = members.find("cameraPath"))
+        settings.camera_path = camera_path_of(*path, file, place + "/cameraPath");
     return settings;
 }
 
@@ -57,6 +60,7 @@ ordered_json json_of(const StageSettings& settings) {
     if (settings.blend != StageBlend::kExact) json["blend"] = kStageBlendNames[static_cast<size_t>(settings.blend)];
     if (!settings.shadows) json["shadows"] = false;
     if (!settings.falloff) json["falloff"] = false;
+    if (settings.camera_path) json["cameraPath"] = json_of(*settings.camera_path);
     return json;
 }
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "stage/camera_path.h"
+
 namespace neuvv {
 
 constexpr const char* kStageExtension = "NEUVV_stage";
@@ -21,13 +23,14 @@ struct StageEnvironment {
 };
 
 struct StageSettings {
-    std::optional<double> duration_s;  // not given: until all performers and animations are at their end
+    std::optional<double> duration_s;  // not given: until all performers, animations and the camera path end
     std::optional<double> fps;         // not given: that of the first clip
     glm::dvec3 background{0};          // linear RGB where nothing is seen
     std::optional<StageEnvironment> environment;
     std::optional<glm::dvec3> ambient;  // linear RGB on everything; not given: 1 in a scene without lights, else 0
     StageBlend blend = StageBlend::kExact;
     bool shadows = true, falloff = true;
+    std::optional<CameraPath> camera_path;  // in stage time
 };
 
 // `place` is the extension's JSON place. Throws InputError.

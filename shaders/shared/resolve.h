@@ -22,6 +22,8 @@ CONSTEXPR uint kUpscaleReach = 2u;  // rays that its filter takes on each side o
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;
 CONSTEXPR uint kShowDepth = 2u;  // near white to far black
+CONSTEXPR uint kShowLevel = 3u;  // these by inspect.comp
+CONSTEXPR uint kShowCost = 4u;
 
 struct ResolvePush {
     vec4 background;  // linear RGB; w: its opacity, 0 for a transparent picture

@@ -45,6 +45,7 @@ CONSTEXPR uint kIntoRay = 0u;           // it alone
 CONSTEXPR uint kIntoLayer = 1u;         // under what stands there
 CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11)
 CONSTEXPR uint kIntoSegments = 3u;
+CONSTEXPR uint kIntoInspect = 4u;  // no light, but what the walk was like (shared/inspect.h)
 
 // Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset
 // (grid.glsl).
@@ -86,6 +87,7 @@ struct TracePush {
     uint set_width;   // texels of the set's picture, in rows; 0: there is no set
     uint set_texels;  // of a view
     uint lighting;    // of kLit, kShadowed
+    uint levels_above;  // Field::levels_above
 };
 
 NEUVV_SHARED_END
@@ -93,6 +95,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 80);
+static_assert(sizeof(neuvv::TracePush) == 84);
 #endif
 #endif

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include <cmath>
 #include <set>
 
-#include "edit/history.h"
 #include "stage/stage.h"
 #include "stage/stage_instant.h"
 #include "support/input_error.h"
@@ -110,6 +111,37 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
 }
 
 // A matrix takes the same moves as translation, rotation and scale.
+TEST_F(Edits, DraggedNodesKeepTheirPartsUnlessTheyAreSheared) {
+    const uint32_t anna = find_node(file, "Anna");
+    Placement turned;
+    turned.at = glm::dvec3(1, 2, 3);
+    turned.turn_deg = glm::dvec3(0, 30, 0);
+    turned.scale = glm::dvec3(2, 2, 2);
+    place_node(file, anna, turned);
+    const auto before = node("Anna");
+    Placement moved;
+    const GltfNode there = stage().scene.nodes[anna];
+    glm::dmat4 matrix = glm::mat4_cast(there.rotation) * glm::scale(glm::dmat4(1), there.scale);
+    matrix[3] = glm::dvec4(4, 2, 3, 1);
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_EQ(node("Anna")["rotation"], before["rotation"]);
+    EXPECT_EQ(node("Anna")["scale"], before["scale"]);
+    EXPECT_EQ(node("Anna")["translation"], nlohmann::ordered_json({4.0, 2.0, 3.0}));
+    matrix[0] *= -1.5;  // mirrored, and wider
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_FALSE(node("Anna").contains("matrix"));
+    const GltfNode mirrored = stage().scene.nodes[anna];
+    const glm::dmat4 parts = glm::translate(glm::dmat4(1), mirrored.translation) * glm::mat4_cast(mirrored.rotation) *
+                             glm::scale(glm::dmat4(1), mirrored.scale);
+    for (int axis = 0; axis < 3; axis++) expect_near(glm::dvec3(parts[axis]), glm::dvec3(matrix[axis]));
+    matrix[1][0] += 0.5;
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_TRUE(node("Anna").contains("matrix"));
+}
+
 TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     Placement placement;
     placement.matrix = glm::dmat4(1);
@@ -468,31 +500,6 @@ TEST_F(Edits, WhatCannotBeLoadedIsNotSound) {
     edit.opacity = 2;
     set_performer(file, 4, edit);
     expect_input_error([&] { expect_sound_document(file); }, {"opacity"});
-}
-
-TEST_F(Edits, HistoryGoesBackAndForth) {
-    History history(3);
-    std::vector<ordered_json> documents = {file.json};
-    for (int i = 0; i < 5; ++i) {
-        ordered_json before = file.json;
-        history.did(before, rename_node(file, 4, "name " + std::to_string(i)));
-        documents.push_back(file.json);
-    }
-    EXPECT_FALSE(history.redo(file));
-    for (size_t i = 5; i > 2; --i) {
-        const auto what = history.undo(file);
-        ASSERT_TRUE(what);
-        EXPECT_NE(what->find("name " + std::to_string(i - 1)), std::string::npos);
-        EXPECT_EQ(file.json, documents[i - 1]);
-    }
-    EXPECT_FALSE(history.undo(file)) << "three steps are kept";
-    EXPECT_TRUE(history.redo(file));
-    EXPECT_EQ(file.json, documents[3]);
-    const ordered_json before = file.json;
-    history.did(before, rename_node(file, 4, "elsewhere"));
-    EXPECT_FALSE(history.redo(file)) << "another way was taken";
-    EXPECT_TRUE(history.undo(file));
-    EXPECT_EQ(file.json, documents[3]);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "edit/brush.h"
-#include "edit/paint_history.h"
 #include "edit/project.h"
 #include "reference/camera.h"
 #include "reference/pick.h"
@@ -176,38 +175,6 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
     }
     EXPECT_GT(live, leaves.size());
     EXPECT_GT(changing, 0u);
-}
-
-TEST(PaintHistories, TakeBackAndDoAgain) {
-    Random random(3);
-    EditLayer layer{{1, 50, 9}, {}};
-    PaintHistory history;
-    std::vector<std::vector<LeafEdit>> states = {layer.edits};
-    for (int step = 0; step < 12; step++) {
-        std::vector<LeafEdit> edits;
-        for (int i = 0; i < 20; i++) {
-            const auto first = static_cast<float>(random.below(8));
-            edits.push_back({random.below(50), first, first + 1, glm::vec3(static_cast<float>(random.below(2))), 1});
-        }
-        EditLayer next = layer;
-        add_edits(next, edits);
-        history.change(layer, next.edits);
-        EXPECT_EQ(layer.edits, next.edits);
-        states.push_back(layer.edits);
-    }
-    for (size_t i = states.size() - 1; i-- > 0;) {
-        ASSERT_TRUE(history.undo(layer));
-        EXPECT_EQ(layer.edits, states[i]);
-        EXPECT_EQ(defect_of(layer), "");
-    }
-    EXPECT_FALSE(history.undo(layer));
-    for (size_t i = 1; i < 6; i++) {
-        ASSERT_TRUE(history.redo(layer));
-        EXPECT_EQ(layer.edits, states[i]);
-    }
-    history.change(layer, {});
-    EXPECT_FALSE(history.redo(layer)) << "another way was taken";
-    EXPECT_EQ(history.undo_steps(), 6u);
 }
 
 using ToolsTest = GpuTest;

@@ -19,8 +19,8 @@
 
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
+#include "voctree/clip.h"
 #include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 // Read by the sanitizer's runtime before main. An allocation of more than a gibibyte is a failure.
 extern "C" const char* __asan_default_options();
@@ -103,8 +103,14 @@ fs::path stage_in(const fs::path& folder) {
     return {};
 }
 
+fs::path clip_name(const fs::path& folder) {
+    for (const char* name : {"scene.nvv", "scene.npz"})
+        if (fs::exists(folder / name)) return folder / name;
+    return {};
+}
+
 VOctree clip_in(const fs::path& folder) {
-    return read_nvv(folder / "scene.nvv");
+    return read_clip(clip_name(folder));
 }
 
 EditLayer paint_in(const fs::path& folder) {
@@ -121,7 +127,7 @@ void load(const fs::path& folder) {
         load_stage(stage);
     else if (fs::exists(folder / "layer.nvpaint"))
         paint_in(folder);
-    else if (fs::exists(folder / "scene.nvv"))
+    else if (!clip_name(folder).empty())
         clip_in(folder);
     else
         for (const Split split : {Split::kTrain, Split::kTest}) dataset_in(folder, split);
@@ -131,7 +137,7 @@ std::string complaint_about_folder(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
         return fuzz::complaint_about_stage([&] { return load_stage(stage); });
     if (fs::exists(folder / "layer.nvpaint")) return fuzz::complaint_about_paint([&] { return paint_in(folder); });
-    if (fs::exists(folder / "scene.nvv")) return fuzz::complaint_about_clip([&] { return clip_in(folder); });
+    if (!clip_name(folder).empty()) return fuzz::complaint_about_clip([&] { return clip_in(folder); });
     for (const Split split : {Split::kTrain, Split::kTest})
         if (const std::string complaint = fuzz::complaint_about([&] { return dataset_in(folder, split); });
             !complaint.empty())

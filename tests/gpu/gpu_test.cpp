@@ -10,11 +10,13 @@
 
 #include "base/error.h"
 #include "gpu/commands.h"
+#include "shared/inspect.h"
 #include "shared/resolve.h"
 #include "shared/set.h"
 #include "shared/slice.h"
 #include "shared/trace.h"
 #include "spirv/direct.comp.h"
+#include "spirv/inspect.comp.h"
 #include "spirv/resolve.comp.h"
 #include "spirv/rows.comp.h"
 #include "spirv/set.frag.h"
@@ -119,6 +121,7 @@ TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
     EXPECT_EQ(reflect(trace_comp, "trace").push_bytes, sizeof(TracePush));
     EXPECT_EQ(reflect(direct_comp, "direct").push_bytes, sizeof(TracePush));
     EXPECT_EQ(reflect(resolve_comp, "resolve").push_bytes, sizeof(ResolvePush));
+    EXPECT_EQ(reflect(inspect_comp, "inspect").push_bytes, sizeof(InspectPush));
     EXPECT_EQ(reflect(set_vert, "set").push_bytes, sizeof(SetPush));
     EXPECT_EQ(reflect(set_frag, "set").push_bytes, sizeof(SetPush));
     EXPECT_EQ(reflect(set_shadow_frag, "set shadow").push_bytes, sizeof(SetPush));

@@ -11,12 +11,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Interval {
-    double enter = 0;
-    double exit = 0;
-    bool empty() const { return !(enter < exit); }
-};
-
 // The ray in tree space with the world's parameter t.
 struct TreeRay {
     glm::dvec3 origin;
@@ -35,12 +29,11 @@ Interval slab(double origin, double direction, double low, double high) {
     return {std::min(t_low, t_high), std::max(t_low, t_high)};
 }
 
-// Where the ray is inside a cell of a grid of `side` cells an axis over the tree's box.
-Interval cell_interval(const TreeRay& ray, glm::uvec3 cell, double side) {
+// Where the ray is inside some cells of a grid of `side` cells an axis over the tree's box.
+Interval box_interval(const TreeRay& ray, glm::uvec3 first, glm::uvec3 end, double side) {
     Interval result{ray.t_min, kInfinity};
     for (int axis = 0; axis < 3; ++axis) {
-        const Interval along =
-            slab(ray.origin[axis], ray.direction[axis], cell[axis] / side, (cell[axis] + 1.0) / side);
+        const Interval along = slab(ray.origin[axis], ray.direction[axis], first[axis] / side, end[axis] / side);
         result.enter = std::max(result.enter, along.enter);
         result.exit = std::min(result.exit, along.exit);
     }
@@ -76,7 +69,7 @@ void visit_node(const VOctree& tree, const TreeRay& ray, uint32_t node_index, gl
                 std::vector<Segment>& segments) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
         const glm::uvec3 octant_cell = corner * 2u + offset_of(octant);
-        const Interval in_octant = cell_interval(ray, octant_cell, side * 2);
+        const Interval in_octant = box_interval(ray, octant_cell, octant_cell + 1u, side * 2);
         if (in_octant.empty()) continue;
         if (const auto leaf = octant_leaf(tree, node_index, octant)) {
             segments.push_back({*leaf, in_octant.enter, in_octant.exit});
@@ -86,7 +79,7 @@ void visit_node(const VOctree& tree, const TreeRay& ray, uint32_t node_index, gl
             const std::optional<uint32_t> child = child_of(tree, node_index, octant * 8 + i);
             if (!child) continue;
             const glm::uvec3 cell = octant_cell * 2u + offset_of(i);
-            const Interval in_cell = cell_interval(ray, cell, side * 4);
+            const Interval in_cell = box_interval(ray, cell, cell + 1u, side * 4);
             if (in_cell.empty()) continue;
             if ((*child & kLeafBit) != 0) {
                 segments.push_back({*child & ~kLeafBit, in_cell.enter, in_cell.exit});
@@ -101,14 +94,21 @@ Sample sample_of(const Segment& segment, double sigma, glm::dvec3 colour) {
     return {sigma, colour, segment.t_exit - segment.t_enter, 0.5 * (segment.t_enter + segment.t_exit)};
 }
 
+TreeRay in_tree(const VOctree& tree, const Ray& ray) {
+    const glm::dvec3 box_size(tree.box_size);
+    return {(ray.origin - glm::dvec3(tree.box_min)) / box_size, ray.direction / box_size, ray.t_min};
+}
+
 }  // namespace
+
+Interval intersect_box(const VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side) {
+    return box_interval(in_tree(tree, ray), first, end, side);
+}
 
 std::vector<Segment> intersect(const VOctree& tree, const Ray& ray) {
     std::vector<Segment> segments;
     if (tree.nodes.empty()) return segments;
-    const glm::dvec3 box_size(tree.box_size);
-    const TreeRay tree_ray{(ray.origin - glm::dvec3(tree.box_min)) / box_size, ray.direction / box_size, ray.t_min};
-    visit_node(tree, tree_ray, 0, glm::uvec3(0), 1, segments);
+    visit_node(tree, in_tree(tree, ray), 0, glm::uvec3(0), 1, segments);
     std::sort(segments.begin(), segments.end(),
               [](const Segment& a, const Segment& b) { return a.t_enter < b.t_enter; });
     return segments;

@@ -22,6 +22,16 @@ struct Segment {
     double t_exit = 0;
 };
 
+// Where a ray is between two of its places, metres; nowhere (enter ≥ exit) where it is not.
+struct Interval {
+    double enter = 0;
+    double exit = 0;
+    bool empty() const { return !(enter < exit); }
+};
+// Where it is inside the cells from `first` up to before `end` of a grid of `side` cells an axis over the tree's box.
+// Boxes that share a face share the very number there, whatever their sizes.
+Interval intersect_box(const VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side);
+
 // All segments of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
 // Neighbours share the very number at their border.
 std::vector<Segment> intersect(const VOctree& tree, const Ray& ray);

@@ -69,7 +69,7 @@ struct PaintTest : GpuTest {
         const LiveLeaves live(device(), field, field.leaf_count);
         const SliceTrees sliced(device(), field, most_entries(field), 1);
         const TreeSlicer slicer(device(), field, live, sliced);
-        const Paint paint(device(), uses);
+        const Paint paint(device(), tree.leaf_count, uses);
         const Painter painter(device(), field, live, sliced);
         const SlicePaint bound(painter, paint);
         run_once(device(), "slice", [&](Commands& commands) {

@@ -1,4 +1,5 @@
 #include "stage/stage.h"
+#include "stage/camera_path_json.h"
 
 #include <gtest/gtest.h>
 
@@ -104,6 +105,21 @@ TEST_F(Stages, APlainSceneIsAStage) {
     expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"none"});
 }
 
+TEST_F(Stages, APlenoctreeIsAClipOfOneFrame) {
+    std::filesystem::copy(NEUVV_SOURCE_DIR "/tests/fuzz/corpus/plenoctree/tiny/scene.npz", at("tree.npz"));
+    test::put_foreign_stage(folder.path);
+    std::string text = test::kForeignStage;
+    text.replace(text.find("anna.nvv"), 8, "tree.npz");
+    text.replace(text.find("\"time\""), 6, "\"when\"");  // of a clip of more frames
+    write_text(at("stage.gltf"), text);
+    const Stage stage = load_stage(at("stage.gltf"));
+    ASSERT_EQ(stage.clips.size(), 1u);
+    EXPECT_EQ(stage.clips[0].frames, 1u);
+    EXPECT_EQ(stage.clips[0].fps, 25);
+    EXPECT_EQ(stage.clips[0].box_min, glm::dvec3(-1));
+    EXPECT_EQ(stage.clips[0].box_size, glm::dvec3(2));
+}
+
 TEST_F(Stages, OneClipForAllThatPlayIt) {
     test::put_clip(at("clips/a.nvv"), 50, 50);
     test::put_clip(at("clips/b.nvv"), 10, 25);
@@ -141,6 +157,26 @@ TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
     const glm::dmat3 turn(camera.world_from_camera);
     EXPECT_NEAR(glm::determinant(turn), 1, 1e-9);
     expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3});
+}
+
+// KHR_node_visibility: a node hides all below it, but cameras.
+TEST_F(Stages, HiddenNodesHideWhatHangsOnThem) {
+    const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}},)";
+    const Stage pivot = changed(R"("name" : "Pivot",)", hidden + R"("name" : "Pivot",)");
+    EXPECT_FALSE(stage_at(pivot, 0).performers.at(0).visible);
+    ASSERT_EQ(stage_at(pivot, 0).lights.size(), 1u);
+    EXPECT_EQ(stage_at(pivot, 0).lights[0].node, 2u);
+    EXPECT_TRUE(pivot.scene.nodes[0].draws_mesh());
+    const Stage floor = changed(R"("mesh" : 0, "name" : "Floor",)", hidden + R"("mesh" : 0, "name" : "Floor",)");
+    EXPECT_FALSE(floor.scene.nodes[0].draws_mesh());
+    EXPECT_EQ(floor.scene.nodes[0].mesh, 0);
+    EXPECT_TRUE(stage_at(floor, 0).performers.at(0).visible);
+    expect_input_error([&] { bounds_over(floor.scene, kNoAnimation, {0}); }, {"draw"});
+    const Stage camera = changed(R"("camera" : 0, "name" : "Camera",)", hidden + R"("camera" : 0, "name" : "Camera",)");
+    EXPECT_EQ(stage_at(camera, 0).cameras.size(), 1u);
+    expect_refused(R"("name" : "Pivot",)", R"("extensions":{"KHR_node_visibility":{"visible":0}},"name":"Pivot",)",
+                   {"/nodes/3/extensions/KHR_node_visibility/visible"});
+    EXPECT_NO_THROW(changed(R"("extensionsRequired" : [ )", R"("extensionsRequired" : [ "KHR_node_visibility", )"));
 }
 
 TEST_F(Stages, OrthographicCamerasAreNamedAndNotDrawn) {
@@ -216,6 +252,34 @@ TEST_F(Stages, HostileOnesAreRefusedInALine) {
     EXPECT_NO_THROW(changed("\"opacity\" : 0.50", "\"paint\":[{\"uri\":\"later.nvpaint\",\"who\":1}]"));
 }
 
+TEST_F(Stages, HostileCameraPathsAreRefused) {
+    const std::string key = R"({"time":1,"position":[0,1,2],"rotation":[0,0,0,1],"yfov":0.5})",
+                      later = R"({"time":2,"position":[0,1,2],"rotation":[0,0,0,1],"yfov":0.5})";
+    const auto path = [](const std::string& members) { return "\"fps\":30,\"cameraPath\":{" + members + "}"; };
+    const auto refused = [&](const std::string& members, std::initializer_list<std::string> parts) {
+        expect_refused("\"fps\" : 30.0", path(members), parts);
+    };
+    EXPECT_EQ(changed("\"fps\" : 30.0", path("\"keys\":[" + key + "," + later + "]")).settings.camera_path->duration_s,
+              2);
+    refused("", {"cameraPath/keys"});
+    refused("\"keys\":[]", {"cameraPath/keys"});
+    refused("\"keys\":[" + key + "," + key + "]", {"cameraPath/keys/1/time", "after"});
+    refused("\"keys\":[" + key + "],\"duration\":0.5", {"cameraPath/duration"});
+    refused("\"keys\":[" + key + "," + later + "],\"cyclic\":true", {"cameraPath/duration", "come back"});
+    refused("\"keys\":[" + key + "],\"interpolation\":\"spline\"", {"cameraPath/interpolation", "smooth"});
+    const auto refused_key = [&](const std::string& what, const std::string& with,
+                                 std::initializer_list<std::string> parts) {
+        std::string bad = key;
+        refused("\"keys\":[" + bad.replace(bad.find(what), what.size(), with) + "]", parts);
+    };
+    refused_key("\"time\":1,", "", {"keys/0", "time"});
+    refused_key("0,1,2", "0,1", {"keys/0/position"});
+    refused_key("0,1,2", "0,1e10,2", {"keys/0/position"});
+    refused_key("0,0,0,1", "0,0,0,0", {"keys/0/rotation"});
+    refused_key("0,0,0,1", "0,0,0,\"1\"", {"keys/0/rotation"});
+    refused_key("0.5", "3.15", {"keys/0/yfov"});
+}
+
 // While an animation flattens a performer it is not seen, rather than no picture at all.
 TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
     const Stage stage =
@@ -272,9 +336,16 @@ TEST(StageSchema, StageHoldsWhatIsWritten) {
     settings.ambient = glm::dvec3(0.5);
     settings.blend = StageBlend::kPaper;
     settings.shadows = settings.falloff = false;
+    settings.camera_path = CameraPath{{{}, {}}, Interpolation::kLinear, true, 2};
+    settings.camera_path->keys[1].time_s = 1;
     const ordered_json json = json_of(settings), schema = schema_of("NEUVV_stage.schema.json");
     expect_members(schema, json, "stage");
     expect_members(schema["properties"]["environment"], json["environment"], "environment");
+    expect_members(schema["properties"]["cameraPath"], json["cameraPath"], "path");
+    expect_members(schema["$defs"]["key"], json["cameraPath"]["keys"][1], "key");
+    EXPECT_EQ(schema["properties"]["cameraPath"]["properties"]["interpolation"]["enum"],
+              ordered_json(kInterpolationNames));
+    EXPECT_EQ(schema["$defs"]["key"]["required"].size(), 4u);
     EXPECT_EQ(schema["properties"]["blend"]["enum"], ordered_json(kStageBlendNames));
     EXPECT_EQ(json_of(stage_settings_of(json, "f", "p")), json);
     EXPECT_TRUE(json_of(StageSettings()).empty());
@@ -304,8 +375,15 @@ TEST(StageSchema, BoundsAreTheReaders) {
     each(schema["properties"], performer, [](const ordered_json& json) { performer_settings_of(json, "f", "p"); });
     each(schema["$defs"]["layer"]["properties"], performer,
          [](const ordered_json& json) { paint_layer_of(json, "f", "p"); });
-    each(schema_of("NEUVV_stage.schema.json")["properties"], ordered_json::object(),
+    const ordered_json stage = schema_of("NEUVV_stage.schema.json");
+    each(stage["properties"], ordered_json::object(),
          [](const ordered_json& json) { stage_settings_of(json, "f", "p"); });
+    const ordered_json path = json_of(CameraPath{{{}}, {}, false, 0});
+    each(stage["properties"]["cameraPath"]["properties"], path,
+         [](const ordered_json& json) { camera_path_of(json, "f", "p"); });
+    each(stage["$defs"]["key"]["properties"], path["keys"][0], [](const ordered_json& json) {
+        camera_path_of({{"keys", ordered_json::array({json})}, {"duration", 86400}}, "f", "p");
+    });
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include "base/error.h"
 #include "media/video.h"
 #include "tests/tools/cli_gpu.h"
+#include "training/metrics.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 namespace {
@@ -83,6 +85,16 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     EXPECT_EQ(std::vector<uint8_t>(green.rgba.begin(), green.rgba.begin() + 4), (std::vector<uint8_t>{0, 255, 0, 255}));
     EXPECT_EQ(depth.rgba[0], 0);  // nothing there: far
     EXPECT_GT(*std::max_element(depth.rgba.begin(), depth.rgba.end() - 1), 60);
+    const Image level = picture({"--level"}), cost = picture({"--cost"}),
+                cheap = picture({"--cost", "--cost-max", "4"});
+    EXPECT_NE(level.rgba, cost.rgba);
+    EXPECT_NE(cost.rgba, cheap.rgba);
+    for (size_t i = 0; i < colour.rgba.size(); i += 4) {
+        const auto any = [&](const Image& image) { return image.rgba[i] + image.rgba[i + 1] + image.rgba[i + 2] > 0; };
+        EXPECT_TRUE(colour.rgba[i + 3] == 0 || any(cost)) << "what is seen has cost something";
+        EXPECT_TRUE(colour.rgba[i + 3] < 255 || any(level)) << "what is solid has a level";
+        EXPECT_TRUE(colour.rgba[i + 3] > 0 || !any(level)) << "what is not seen has none";
+    }
 }
 
 TEST_F(CliGpu, AnEmptySceneRenders) {
@@ -203,6 +215,41 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     expect_refused({"convert", file("none.nvv"), "-o", file("small.nvv")}, 2, {"none.nvv"});
     expect_refused({"convert", scene, "-o", scene}, 2, {"--output", "is the scene itself"});
     EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
+}
+
+// The same picture from the file itself, from it on a stage and from what it is converted to.
+TEST_F(CliGpu, PlenoctreesAreClips) {
+    const std::string tree_npz = file("tree.npz");
+    std::filesystem::copy(NEUVV_SOURCE_DIR "/tests/fuzz/corpus/plenoctree/tiny/scene.npz", tree_npz);
+    const auto run = [](const std::vector<std::string>& arguments) {
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.out;
+    };
+    const VOctree expected = read_clip(tree_npz);
+    const nlohmann::json facts = nlohmann::json::parse(run({"info", tree_npz, "--check", "--json"}));
+    EXPECT_EQ(facts.at("format"), "PlenOctree");
+    EXPECT_EQ(facts.at("leaves"), expected.leaf_count);
+    EXPECT_EQ(facts.at("bytes"), std::filesystem::file_size(tree_npz));
+    EXPECT_NE(run({"info", tree_npz}).find("1 frames"), std::string::npos);
+
+    const auto rendered = [&](const std::string& clip) {
+        run({"render", clip, "-o", file("seen.png"), "--frames", "0", "--size", "64x48"});
+        return read_png(file("seen.png"));
+    };
+    const Image seen = rendered(tree_npz);
+    EXPECT_GT(compare(seen, Image(64, 48)).mae, 0.01) << "nothing is to be seen";
+    run({"convert", tree_npz, "-o", file("tree.nvv"), "--size", "64x48", "--quality", "50"});
+    EXPECT_EQ(nlohmann::json::parse(run({"info", file("tree.nvv"), "--json"})).at("format"), "nvv");
+    EXPECT_GT(compare(seen, rendered(file("tree.nvv"))).psnr, 45);
+
+    run({"stage", "new", file("show.gltf")});
+    run({"stage", "add", file("show.gltf"), tree_npz, "--name", "tree"});
+    EXPECT_EQ(nlohmann::json::parse(run({"stage", "info", file("show.gltf"), "--json"})).at("clips")[0].at("frames"),
+              1);
+    run({"render", file("show.gltf"), "-o", file("shown.png"), "--time", "0", "--size", "64x48"});
+    write_text(file("tree.npz"), "PK\3\4");
+    expect_refused({"render", tree_npz, "-o", file("seen.png")}, 2, {"tree.npz"});
 }
 
 TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {

@@ -131,7 +131,7 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
                         255 * srgb_from_linear(std::min(1.0, double{linear.rgba[4 * p + c]} / double{alpha})), 1.5);
     }
     EXPECT_GT(seen, 50u);
-    for (const char* flag : {"--depth", "--alpha"})
+    for (const char* flag : {"--depth", "--alpha", "--level", "--cost"})
         expect_refused(command("one.exr", {"--frames", "1", flag}), 2, {flag, "at once"});
     expect_refused(command("one.exr", {"--frames", "1", "--scale", "0.5"}), 2, {"--scale", "not linear"});
 }

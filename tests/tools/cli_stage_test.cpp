@@ -89,6 +89,37 @@ TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
     EXPECT_EQ(all.err.find("shadows"), std::string::npos) << "none are wanted";
 }
 
+// The stage's own path, in its time; by default the first camera is seen.
+TEST_F(CliStage, TheStagesPathIsFollowed) {
+    const Image first = still();
+    expect_refused({"render", show, "-o", file("x.png"), "--camera", "path"}, 2, {"path", "camera"});
+    done({"stage", "camera", show, "--add", "--name", "left", "--at", "-3,1,2", "--aim", "0,1,0"});
+    done({"stage", "path", show, "--key", "0", "--camera", "left"});
+    done({"stage", "path", show, "--key", "4", "--camera", "camera"});
+    EXPECT_EQ(still().rgba, first.rgba);
+    EXPECT_EQ(still({"--camera", "path"}).rgba, still({"--camera", "left"}).rgba);
+    EXPECT_EQ(still({"--camera", "path", "--time", "4"}).rgba, still({"--camera", "camera", "--time", "4"}).rgba);
+    EXPECT_NE(still({"--camera", "path", "--time", "2"}).rgba, still({"--camera", "camera", "--time", "2"}).rgba);
+    done({"render", show, "-o", file("path.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
+    EXPECT_EQ(summarise_video(file("path.mp4")).frames, 8u) << "as long as the stage, which lasts as long as the path";
+    done({"stage", "set", show, "--duration", "1"});
+    done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
+    EXPECT_EQ(summarise_video(file("part.mp4")).frames, 2u);
+}
+
+TEST_F(CliStage, WhatIsHiddenIsNotDrawn) {
+    const Image before = still();
+    done({"stage", "set", show, "floor", "--shown", "off"});
+    const Image floorless = still();
+    EXPECT_NE(before.rgba, floorless.rgba);
+    done({"stage", "set", show, "anna", "--shown", "off"});
+    const Image empty = still();
+    EXPECT_NE(floorless.rgba, empty.rgba);
+    for (size_t i = 4; i < empty.rgba.size(); ++i) ASSERT_EQ(empty.rgba[i], empty.rgba[i % 4]) << "nothing is left";
+    for (const char* node : {"floor", "anna"}) done({"stage", "set", show, node, "--shown", "on"});
+    EXPECT_EQ(before.rgba, still().rgba);
+}
+
 // Without a camera that is drawn, the stage is seen on a turn around it.
 TEST_F(CliStage, OrthographicCamerasAreAsNone) {
     std::string text = read_text(show);

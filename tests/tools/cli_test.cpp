@@ -60,6 +60,9 @@ TEST_F(Cli, WrongUseIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--fps", "nan"}, 2, {"--fps"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--fps", "0"}, 2, {"--fps"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--depth", "--alpha"}, 2, {"--depth", "--alpha"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--level", "--cost"}, 2, {"--level", "--cost"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--level", "--direct"}, 2, {"--level", "--direct"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--cost-max", "9"}, 2, {"--cost-max", "--cost"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--orbit", "--camera", "c.json"}, 2, {"--orbit", "--camera"});
 }
 

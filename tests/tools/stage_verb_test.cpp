@@ -36,7 +36,7 @@ struct StageVerb : testing::Test {
 };
 
 TEST_F(StageVerb, EveryOneHelpsWithExamples) {
-    for (const char* verb : {"new", "add", "set", "duplicate", "remove", "light", "paint", "info"}) {
+    for (const char* verb : {"new", "add", "set", "duplicate", "remove", "light", "camera", "path", "paint", "info"}) {
         const ProgramResult result = run_neuvv({"stage", verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
         const size_t examples = result.out.find("Examples");
@@ -119,6 +119,69 @@ TEST_F(StageVerb, LightsBeyondTheLimitsAreNamed) {
     expect_done({"set", show, "--shadows", "off"});
     EXPECT_EQ(info()["lights"][0]["casts_shadow"], false);
     EXPECT_EQ(info()["lights"][0]["limited"], false) << "the stage says so, not a limit";
+}
+
+TEST_F(StageVerb, CamerasAreAddedAndChanged) {
+    expect_done({"new", show});
+    expect_done({"camera", show, "--add", "--name", "camera", "--angle", "30", "--at", "0,1,3", "--aim", "0,1,0"},
+                "\"camera 2\" (node 3), 30° high");
+    expect_done({"camera", show, "camera 2", "--angle", "60", "--move", "1,0,0"}, "sees 60° high");
+    const auto json = info();
+    ASSERT_EQ(json["cameras"].size(), 2u);
+    EXPECT_NEAR(json["cameras"][0]["degrees"].get<double>(), 45, 1e-9);
+    EXPECT_NEAR(json["cameras"][1]["degrees"].get<double>(), 60, 1e-9);
+    EXPECT_EQ(json["cameras"][1]["position"], nlohmann::json({1, 1, 3}));
+    expect_refused({"stage", "camera", show}, 2, {"--add"});
+    expect_refused({"stage", "camera", show, "camera"}, 2, {"nothing to change"});
+    expect_refused({"stage", "camera", show, "floor", "--angle", "30"}, 2, {"floor", "no camera"});
+    expect_refused({"stage", "camera", show, "camera", "--angle", "180"}, 2, {"--angle"});
+}
+
+TEST_F(StageVerb, ACameraPathIsMadeOfCameras) {
+    expect_done({"new", show});
+    expect_done({"camera", show, "--add", "--name", "left", "--at", "-3,1,2", "--aim", "0,1,0", "--angle", "30"});
+    expect_refused({"stage", "path", show}, 2, {"nothing to change"});
+    expect_refused({"stage", "path", show, "--cyclic", "on"}, 2, {"no camera path", "--key"});
+    expect_done({"path", show, "--key", "1"}, "key at 1 s added");
+    expect_done({"path", show, "--key", "3", "--camera", "left"}, "2 keys");
+    EXPECT_EQ(info()["duration"], 3);
+    expect_done({"path", show, "--move-key", "0", "--to", "0"}, "from 1 s to 0 s");
+    expect_done({"path", show, "--cyclic", "on", "--duration", "5", "--interpolation", "linear"});
+    const auto json = info()["camera_path"];
+    EXPECT_EQ(json, nlohmann::json::parse(R"({"keys":2,"first":0,"last":3,"interpolation":"linear","cyclic":true,
+                                              "duration":5})"));
+    const std::string text = run_neuvv({"info", show}).out;
+    EXPECT_NE(text.find("camera path: 2 keys from 0 s to 3 s, linear, back every 5 s"), std::string::npos) << text;
+    const CameraPath path = load_stage(show).settings.camera_path.value();
+    EXPECT_NEAR(path.keys[1].angle_y, glm::radians(30.0), 1e-12);
+    EXPECT_LT(glm::length(path.keys[1].position - glm::dvec3(-3, 1, 2)), 1e-12);
+    write_text(file("path.json"), R"({"camera_angle_y":0.5,"frames":[{"seconds":0.5,"transform_matrix":
+        [[1,0,0,0],[0,1,0,1],[0,0,1,3],[0,0,0,1]]}]})");
+    expect_done({"path", show, "--from", file("path.json")}, "camera path of 1 key");
+    expect_refused({"stage", "path", show, "--remove-key", "1"}, 2, {"no key 1"});
+    expect_refused({"stage", "path", show, "--key", "0", "--camera", "nobody"}, 2, {"nobody", "left"});
+    expect_refused({"stage", "path", show, "--key", "0", "--remove"}, 2, {"--"});
+    expect_refused({"stage", "path", show, "--move-key", "0"}, 2, {"--to"});
+    expect_done({"path", show, "--remove"}, "no camera path");
+    EXPECT_FALSE(info().contains("camera_path"));
+}
+
+TEST_F(StageVerb, NodesAreHiddenAndLocked) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    expect_done({"set", show, "anna", "--shown", "off", "--locked", "on"}, "hidden, and what hangs on it");
+    expect_done({"set", show, "key", "--shown", "off"});
+    auto json = info();
+    EXPECT_EQ(json["performers"][0]["visible"], false);
+    EXPECT_EQ(json["lights"].size(), 0u);
+    EXPECT_EQ(json["hidden"], nlohmann::json({2, 3}));
+    EXPECT_EQ(json["locked"], nlohmann::json({3}));
+    const std::string text = run_neuvv({"info", show}).out;
+    EXPECT_NE(text.find("hidden: key, anna\nlocked: anna\n"), std::string::npos) << text;
+    expect_done({"set", show, "anna", "--shown", "on", "--locked", "off"}, "shown; \"anna\" (node 3): not locked");
+    json = info();
+    EXPECT_EQ(json["performers"][0]["visible"], true);
+    EXPECT_EQ(json["locked"].size(), 0u);
 }
 
 // Another program's stage: after an edit every byte but those of the edit is as it was.

@@ -3,47 +3,30 @@
 #include "training/lpips.h"
 
 #include <gtest/gtest.h>
-#include <zip.h>
 
 #include <cmath>
 #include <cstring>
 #include <map>
 
+#include "base/npz.h"
 #include "support/input_error.h"
+#include "support/npz_files.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "training/npz.h"
 
 namespace neuvv::test {
 namespace {
 
 using Arrays = std::map<std::string, FloatArray>;
 
-std::string npy_bytes(const FloatArray& array, const std::string& type = "<f4", const std::string& order = "False") {
-    std::string shape;
-    for (const uint64_t extent : array.shape) shape += std::to_string(extent) + ", ";
-    std::string header = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': (" + shape + "), }";
-    header.resize((header.size() + 10 + 64) / 64 * 64 - 10, ' ');
-    header.back() = '\n';
-    std::string bytes = "\x93NUMPY";
-    bytes += {1, 0, static_cast<char>(header.size() & 0xff), static_cast<char>(header.size() >> 8)};
-    return bytes + header +
-           std::string(reinterpret_cast<const char*>(array.values.data()), array.values.size() * sizeof(float));
+std::string npy_of(const FloatArray& array, const std::string& type = "<f4", const std::string& order = "False") {
+    return npy_bytes(type, array.shape, bytes_of(array.values), order);
 }
 
-void write_zip(const std::filesystem::path& file, const std::map<std::string, std::string>& entries) {
-    int error = 0;
-    zip_t* zip = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error);
-    ASSERT_NE(zip, nullptr);
-    for (const auto& [name, bytes] : entries)
-        zip_file_add(zip, (name + ".npy").c_str(), zip_source_buffer(zip, bytes.data(), bytes.size(), 0), 0);
-    ASSERT_EQ(zip_close(zip), 0);
-}
-
-void write_npz(const std::filesystem::path& file, const Arrays& arrays) {
+void write_weights(const std::filesystem::path& file, const Arrays& arrays) {
     std::map<std::string, std::string> entries;
-    for (const auto& [name, array] : arrays) entries[name] = npy_bytes(array);
-    write_zip(file, entries);
+    for (const auto& [name, array] : arrays) entries[name] = npy_of(array);
+    write_npz(file, entries);
 }
 
 struct Convolution {
@@ -178,7 +161,7 @@ struct LpipsTest : ::testing::Test {
 
 TEST_F(LpipsTest, IsThePlainDefinition) {
     const Arrays arrays = random_network();
-    write_npz(file, arrays);
+    write_weights(file, arrays);
     const Lpips lpips(file);
     const struct {
         uint32_t width, height;
@@ -200,15 +183,15 @@ TEST_F(LpipsTest, OtherArraysAreIgnoredButNoneMayLackOrBeMisshapen) {
     const Arrays good = random_network();
     Arrays more = good;
     more["scaling_layer.shift"] = {{1, 3, 1, 1}, {0, 0, 0}};
-    write_npz(file, more);
+    write_weights(file, more);
     EXPECT_NO_THROW(Lpips{file});
     for (const auto& [name, array] : good) {
         Arrays bad = good;
         bad.erase(name);
-        write_npz(file, bad);
+        write_weights(file, bad);
         expect_input_error([&] { Lpips{file}; }, {"weights.npz", name, "missing"});
         bad[name] = {{2, 3}, std::vector<float>(6)};
-        write_npz(file, bad);
+        write_weights(file, bad);
         expect_input_error([&] { Lpips{file}; }, {"weights.npz", "shape"});
     }
 }
@@ -218,22 +201,22 @@ TEST_F(LpipsTest, DamagedFilesAreBadInput) {
     write_text(file, "no zip");
     expect_input_error([&] { read_npz(file); }, {"weights.npz"});
     const FloatArray array{{2, 2}, {1, 2, 3, 4}};
-    const std::string whole = npy_bytes(array);
+    const std::string whole = npy_of(array);
     const struct {
         std::string bytes, problem;
-    } cases[] = {{npy_bytes(array, "<f8"), "its shape 32"},
-                 {npy_bytes(array, "|O"), "little-endian"},
-                 {npy_bytes(array, "<f4", "True"), "C order"},
+    } cases[] = {{npy_of(array, "<f8"), "its shape 32"},
+                 {npy_of(array, "|O"), "little-endian"},
+                 {npy_of(array, "<f4", "True"), "C order"},
                  {whole.substr(0, whole.size() - 1), "its shape 16"},
                  {whole + "x", "its shape 16"},
                  {whole.substr(0, 30), "header"},
                  {"", "no .npy"},
-                 {npy_bytes({{4000000000u, 4000000000u, 4000000000u}, {}}), "shape"}};
+                 {npy_of({{4000000000u, 4000000000u, 4000000000u}, {}}), "shape"}};
     for (const auto& c : cases) {
-        write_zip(file, {{"a", c.bytes}});
+        write_npz(file, {{"a", c.bytes}});
         expect_input_error([&] { read_npz(file); }, {"weights.npz", "a", c.problem});
     }
-    write_npz(file, {{"numbers", array}});
+    write_weights(file, {{"numbers", array}});
     EXPECT_EQ(read_npz(file).at("numbers").values, array.values);
     EXPECT_EQ(read_npz(file).at("numbers").shape, array.shape);
     std::string flipped = read_text(file);

@@ -10,7 +10,7 @@
 #include "support/temporary_folder.h"
 #include "training/dataset.h"
 #include "training/formats.h"
-#include "training/npy.h"
+#include "base/npy.h"
 
 namespace neuvv {
 namespace {

@@ -1,0 +1,165 @@
+// The stage's camera path: as JSON, so that members of ours from later versions stay.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "edit/document.h"
+#include "edit/operations.h"
+#include "stage/camera_path_json.h"
+
+namespace neuvv {
+
+namespace {
+
+double time_of(const ordered_json& key) {
+    return key["time"].get<double>();
+}
+
+// The stage's cameraPath, null where there is none.
+ordered_json* find_path(StageFile& file) {
+    ordered_json* stage = find_extension(scene_of(file), kStageExtension);
+    return stage && stage->contains("cameraPath") ? &(*stage)["cameraPath"] : nullptr;
+}
+
+ordered_json& make_path(StageFile& file) {
+    declare_extension(file, kStageExtension);
+    return make_extension(file, scene_of(file), kStageExtension)["cameraPath"];
+}
+
+void remove_path(StageFile& file) {
+    ordered_json& scene = scene_of(file);
+    ordered_json& stage = *find_extension(scene, kStageExtension);
+    stage.erase("cameraPath");
+    if (stage.empty()) remove_extension(scene, kStageExtension);
+    forget_unused(file, kStageExtension);
+}
+
+// keys[key] of the path; throws where there is none.
+ordered_json& path_with_key(StageFile& file, size_t key) {
+    ordered_json* path = find_path(file);
+    const size_t count = path ? (*path)["keys"].size() : 0;
+    if (key >= count)
+        throw InputError(file.path.string(), "cameraPath", fmt::format("has no key {}", key),
+                         count == 0 ? "it has none" : fmt::format("choose from 0 to {}", count - 1));
+    return *path;
+}
+
+// The key nearest to a time, within half a frame; keys.size() where there is none.
+size_t key_at(const ordered_json& keys, double time_s, double frame_s) {
+    size_t nearest = keys.size();
+    double distance = 0.5 * frame_s;
+    for (size_t i = 0; i < keys.size(); ++i)
+        if (std::abs(time_of(keys[i]) - time_s) <= distance) {
+            distance = std::abs(time_of(keys[i]) - time_s);
+            nearest = i;
+        }
+    return nearest;
+}
+
+void insert_key(ordered_json& keys, ordered_json key) {
+    const auto after = std::find_if(keys.begin(), keys.end(),
+                                    [&](const ordered_json& other) { return time_of(other) > time_of(key); });
+    keys.insert(after, std::move(key));
+}
+
+// The end of an open path that ended with its last key, at `last_s`, still does. A cycle that has no time left to come
+// back takes as long for that as from key to key.
+void set_duration(ordered_json& path, double last_s) {
+    const ordered_json& keys = path["keys"];
+    const double first = time_of(keys.front()), last = time_of(keys.back()), duration = path.value("duration", last_s);
+    if (path.value("cyclic", false)) {
+        const double mean = keys.size() > 1 ? (last - first) / static_cast<double>(keys.size() - 1) : 1;
+        path["duration"] = duration > last ? duration : last + mean;
+    } else if (path.contains("duration")) {
+        path["duration"] = duration <= last_s ? last : std::max(duration, last);
+    }
+}
+
+std::string words_of(const ordered_json& path) {
+    const size_t count = path["keys"].size();
+    return fmt::format("camera path of {} {}, {:.6g} s", count, count == 1 ? "key" : "keys",
+                       path.value("duration", time_of(path["keys"].back())));
+}
+
+// A stage's path says no more of a lens than its angle.
+void expect_simple(const StageFile& file, const CameraPath& path) {
+    for (size_t i = 0; i < path.keys.size(); ++i) {
+        const CameraPathKey& key = path.keys[i];
+        if (key.angle_x || std::abs(key.stretch - 1) > 1e-6 || glm::length(key.shift) > 1e-6)
+            throw InputError(file.path.string(), fmt::format("cameraPath/keys/{}", i),
+                             "its lens has more than a vertical angle: another horizontal one, or a shifted middle",
+                             "give square pixels, centred, and camera_angle_y; or render with the path's own file");
+    }
+}
+
+}  // namespace
+
+std::string set_camera_path(StageFile& file, const std::optional<CameraPath>& path) {
+    return all_or_nothing(file, [&]() -> std::string {
+        if (!path || path->keys.empty()) {
+            if (find_path(file)) remove_path(file);
+            return "no camera path";
+        }
+        expect_simple(file, *path);
+        ordered_json& json = make_path(file);
+        if (json.is_null()) json = ordered_json::object();
+        const ordered_json old = json.value("keys", ordered_json::array());
+        for (const char* name : {"interpolation", "cyclic"}) json.erase(name);
+        json.update(json_of(*path));
+        for (ordered_json& key : json["keys"])
+            if (const size_t same = key_at(old, time_of(key), 0); same < old.size()) {
+                ordered_json kept = old[same];
+                kept.update(key);
+                key = std::move(kept);
+            }
+        return words_of(json);
+    });
+}
+
+std::string add_path_key(StageFile& file, const CameraPathKey& key, double frame_s) {
+    return all_or_nothing(file, [&] {
+        if (!find_path(file)) make_path(file) = {{"keys", ordered_json::array()}, {"duration", key.time_s}};
+        ordered_json& path = *find_path(file);
+        ordered_json& keys = path["keys"];
+        const double last_s = keys.empty() ? key.time_s : time_of(keys.back());
+        const size_t same = key_at(keys, key.time_s, frame_s);
+        const bool replaces = same < keys.size();
+        if (replaces)
+            keys[same].update(json_of(key));
+        else
+            insert_key(keys, json_of(key));
+        set_duration(path, last_s);
+        return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", words_of(path));
+    });
+}
+
+std::string remove_path_key(StageFile& file, size_t key) {
+    ordered_json& path = path_with_key(file, key);
+    ordered_json& keys = path["keys"];
+    const double time_s = time_of(keys[key]), last_s = time_of(keys.back());
+    keys.erase(key);
+    if (keys.empty()) {
+        remove_path(file);
+        return fmt::format("key at {:.6g} s removed; no camera path", time_s);
+    }
+    set_duration(path, last_s);
+    return fmt::format("key at {:.6g} s removed; {}", time_s, words_of(path));
+}
+
+std::string move_path_key(StageFile& file, size_t key, double to_s, double frame_s) {
+    ordered_json& path = path_with_key(file, key);
+    ordered_json& keys = path["keys"];
+    const double from_s = time_of(keys[key]), last_s = time_of(keys.back());
+    ordered_json moved = keys[key];
+    keys.erase(key);
+    const size_t same = key_at(keys, to_s, frame_s);
+    if (same < keys.size()) keys.erase(same);
+    moved["time"] = to_s;
+    insert_key(keys, std::move(moved));
+    set_duration(path, last_s);
+    return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, words_of(path));
+}
+
+}  // namespace neuvv

@@ -1,0 +1,38 @@
+// A stage as it is edited: its file, and layers of paint that are not on the disk yet. History undoes both, one save
+// writes both.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "stage/stage_file.h"
+#include "voctree/paint.h"
+
+namespace neuvv {
+
+// By paint_path. Layers do not change: who paints puts another one in.
+using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const EditLayer>>;
+
+struct Document {
+    StageFile file;
+    // Layers as edited; one that is missing here is as on the disk. Put one in by open_paint before its first edit, so
+    // that undo knows how it was; one that has no file yet, at any time.
+    PaintLayers paint;
+    PaintLayers saved_paint;  // those of them that the disk holds, as it holds them
+};
+
+// The .nvpaint that a layer's uri names, absolute. Throws InputError as file_of_uri.
+std::filesystem::path paint_path(const StageFile& file, const std::string& uri);
+
+// The layer as edited, else as read from the disk, which then is in both lists. Throws InputError as read_paint.
+std::shared_ptr<const EditLayer> open_paint(Document& document, const std::filesystem::path& path,
+                                            const PaintedField& field);
+
+// Writes the layers that the stage's performers wear and the disk does not hold so, then the stage to `path`, which is
+// the file's then (save_stage_file): each file atomically. Layers stay where they are; stages that share one share its
+// edits. Throws InputError for a document that could not be loaded again (expect_sound_document), RuntimeFailure where
+// the disk fails; what was written by then stays written.
+void save_document(Document& document, const std::filesystem::path& path);
+
+}  // namespace neuvv

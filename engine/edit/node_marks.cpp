@@ -1,0 +1,77 @@
+// What is said about a node as a whole: whether it is shown, whether it is locked.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "edit/document.h"
+#include "edit/operations.h"
+#include "stage/gltf_scene.h"
+
+namespace neuvv {
+
+namespace {
+
+// extras.neuvv of a node, null where it is not there or something else.
+const ordered_json* our_extras(const ordered_json& node) {
+    if (!node.contains("extras") || !node["extras"].is_object()) return nullptr;
+    const ordered_json& extras = node["extras"];
+    return extras.contains("neuvv") && extras["neuvv"].is_object() ? &extras["neuvv"] : nullptr;
+}
+
+void remove_lock(ordered_json& node) {
+    if (!our_extras(node)) return;
+    ordered_json& extras = node["extras"];
+    extras["neuvv"].erase("locked");
+    if (extras["neuvv"].empty()) extras.erase("neuvv");
+    if (extras.empty()) node.erase("extras");
+}
+
+void add_lock(const StageFile& file, uint32_t index, ordered_json& node) {
+    ordered_json& extras = node["extras"];
+    const bool usable = extras.is_null() || extras.is_object();
+    if (!usable || (extras.contains("neuvv") && !extras["neuvv"].is_object()))
+        throw InputError(file.path.string(), fmt::format("/nodes/{}/extras", index),
+                         "is no object, and cannot say that the node is locked", "take it out");
+    extras["neuvv"]["locked"] = true;
+}
+
+}  // namespace
+
+std::string show_node(StageFile& file, uint32_t node, bool shown) {
+    node_of(file, node);
+    if (shown) {
+        remove_extension(node_of(file, node), kVisibilityExtension);
+        if (ordered_json* performer = find_extension(node_of(file, node), kPerformerExtension))
+            performer->erase("visible");
+        forget_unused(file, kVisibilityExtension);
+    } else {
+        declare_extension(file, kVisibilityExtension);
+        make_extension(file, node_of(file, node), kVisibilityExtension)["visible"] = false;
+    }
+    return fmt::format("{}: {}", title_of(file, node), shown ? "shown" : "hidden, and what hangs on it");
+}
+
+bool is_shown(const StageFile& file, uint32_t node) {
+    ordered_json& json = node_of(const_cast<StageFile&>(file), node);  // which is only looked at
+    for (const char* extension : {kVisibilityExtension, kPerformerExtension})
+        if (const ordered_json* found = find_extension(json, extension))
+            if (!found->value("visible", true)) return false;
+    return true;
+}
+
+std::string lock_node(StageFile& file, uint32_t node, bool locked) {
+    return all_or_nothing(file, [&] {
+        ordered_json& json = node_of(file, node);
+        if (locked)
+            add_lock(file, node, json);
+        else
+            remove_lock(json);
+        return fmt::format("{}: {}", title_of(file, node), locked ? "locked" : "not locked");
+    });
+}
+
+bool is_locked(const StageFile& file, uint32_t node) {
+    const ordered_json* ours = our_extras(node_of(const_cast<StageFile&>(file), node));
+    return ours && ours->contains("locked") && (*ours)["locked"] == true;
+}
+
+}  // namespace neuvv

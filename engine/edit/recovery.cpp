@@ -1,0 +1,266 @@
+#include "edit/recovery.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "stage/json_splice.h"
+#include "stage/stage.h"
+#include "voctree/nvpaint.h"
+
+namespace neuvv {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kEntryName = "entry.json";
+constexpr const char* kLockName = "lock";
+constexpr uint64_t kMaxEntryBytes = 3 * kMaxStageJsonBytes;
+constexpr uint64_t kVersion = 1;
+
+// Paths are bytes, JSON is UTF-8. decoded_uri reads it.
+std::string escaped(const std::filesystem::path& path) {
+    std::string text;
+    for (const char c : path.string())
+        if (c < ' ' || c > '~' || c == '%')
+            text += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+        else
+            text += c;
+    return text;
+}
+
+std::string hex(uint64_t number) {
+    return fmt::format("{:016x}", number);
+}
+
+// Never fails: a name that is no UTF-8 is no reason to lose the rest.
+std::string text_of(const ordered_json& json, int indent) {
+    return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+uint64_t hash_of(const std::vector<uint8_t>& bytes) {
+    return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+// Members of an entry's JSON, of which nothing is trusted.
+struct Members {
+    const ordered_json& json;
+    std::string file;
+
+    [[noreturn]] void fail(const char* name) const {
+        throw InputError(file, name, "is missing or damaged", "discard what cannot be recovered");
+    }
+    const ordered_json& at(const char* name) const {
+        if (!json.is_object() || !json.contains(name)) fail(name);
+        return json[name];
+    }
+    std::string text(const char* name) const {
+        if (!at(name).is_string()) fail(name);
+        return at(name).get<std::string>();
+    }
+    uint64_t number(const char* name, uint64_t most) const {
+        if (!at(name).is_number_unsigned() || at(name).get<uint64_t>() > most) fail(name);
+        return at(name).get<uint64_t>();
+    }
+    uint64_t hex(const char* name) const {
+        const std::string digits = text(name);
+        uint64_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+        if (error != std::errc() || end != digits.data() + digits.size()) fail(name);
+        return value;
+    }
+    bool boolean(const char* name) const {
+        if (!at(name).is_boolean()) fail(name);
+        return at(name).get<bool>();
+    }
+    std::filesystem::path path(const char* name) const {
+        const std::string decoded = decoded_uri(text(name));
+        const std::filesystem::path found(decoded);
+        if (!found.is_absolute() || decoded.find('\0') != std::string::npos) fail(name);
+        return found;
+    }
+};
+
+ordered_json read_entry(const std::filesystem::path& folder) {
+    const std::filesystem::path file = folder / kEntryName;
+    const std::vector<uint8_t> bytes = read_file(file, kMaxEntryBytes);
+    ordered_json json =
+        parse_document(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file.string());
+    const Members members{json, file.string()};
+    if (members.number("version", UINT64_MAX) != kVersion)
+        throw InputError(file.string(), "version", "is another program's", "recover it with the neuvv that wrote it");
+    return json;
+}
+
+bool is_changed(const RecoveryEntry& entry, uint64_t disk_hash) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(entry.stage, error)) return entry.on_disk;
+    return !entry.on_disk || hash_of(read_file(entry.stage, kMaxStageBytes)) != disk_hash;
+}
+
+RecoveryEntry entry_of(const std::filesystem::path& folder) {
+    const ordered_json json = read_entry(folder);
+    const Members members{json, (folder / kEntryName).string()};
+    RecoveryEntry entry;
+    entry.folder = folder;
+    entry.stage = members.path("stage");
+    entry.when_s = static_cast<int64_t>(members.number("when", INT64_MAX));
+    entry.process = static_cast<int64_t>(members.number("process", INT64_MAX));
+    entry.on_disk = members.boolean("on_disk");
+    entry.alive = is_file_locked(folder / kLockName);
+    entry.changed = is_changed(entry, members.hex("disk_hash"));
+    return entry;
+}
+
+int64_t now_s() {
+    const auto since = std::chrono::system_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::seconds>(since).count();
+}
+
+void restore_layer(Document& document, const ordered_json& json, const RecoveryEntry& entry) {
+    const Members members{json, (entry.folder / kEntryName).string()};
+    const std::filesystem::path name = members.text("file");
+    if (!name.has_filename() || name.filename() != name || name == ".." || name == ".") members.fail("file");
+    const PaintedField field{members.hex("topology"), static_cast<uint32_t>(members.number("leaves", UINT32_MAX)),
+                             static_cast<uint32_t>(members.number("frames", UINT32_MAX))};
+    document.paint[members.path("path")] = std::make_shared<const EditLayer>(read_paint(entry.folder / name, field));
+}
+
+}  // namespace
+
+// No entry that is there is taken: a process of the same number may have left it.
+void RecoveryWriter::make_entry() {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    for (uint32_t n = 0; entry_.empty(); ++n) {
+        const std::filesystem::path entry = folder_ / fmt::format("{}-{}", process_id(), n);
+        if (std::filesystem::create_directory(entry, error))
+            entry_ = entry;
+        else if (error)
+            throw RuntimeFailure(fmt::format("{}: cannot be made: {}", entry.string(), error.message()));
+    }
+    lock_ = FileLock(entry_ / kLockName);
+}
+
+RecoveryWriter::StoredLayers RecoveryWriter::store_layers(const Document& document) {
+    StoredLayers stored;
+    for (const auto& [path, layer] : document.paint) {
+        const auto saved = document.saved_paint.find(path);
+        if (saved != document.saved_paint.end() && saved->second == layer) continue;
+        const auto before = layers_.find(path);
+        if (before != layers_.end() && before->second.layer == layer) {
+            stored[path] = before->second;
+            continue;
+        }
+        const std::string name = fmt::format("{}.nvpaint", next_layer_++);
+        write_paint(entry_ / name, *layer);
+        stored[path] = {layer, name};
+    }
+    return stored;
+}
+
+void RecoveryWriter::remove_layers_but(const StoredLayers& kept) {
+    for (const auto& [path, stored] : layers_) {
+        const auto found = kept.find(path);
+        std::error_code ignored;
+        if (found == kept.end() || found->second.file != stored.file)
+            std::filesystem::remove(entry_ / stored.file, ignored);
+    }
+}
+
+void RecoveryWriter::store(const Document& document) {
+    if (entry_.empty()) make_entry();
+    StoredLayers layers = store_layers(document);
+    const auto same_layers = [&] {
+        return std::equal(
+            layers.begin(), layers.end(), layers_.begin(), layers_.end(),
+            [](const auto& a, const auto& b) { return a.first == b.first && a.second.file == b.second.file; });
+    };
+    const bool same_disk = file_.saved == document.file.saved;
+    if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
+    const uint64_t hash = same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
+    ordered_json json = {{"version", kVersion},
+                         {"stage", escaped(absolute_path(document.file.path))},
+                         {"when", static_cast<uint64_t>(now_s())},
+                         {"process", static_cast<uint64_t>(process_id())},
+                         {"on_disk", document.file.saved->on_disk},
+                         {"disk_hash", hex(hash)},
+                         {"paint", ordered_json::array()}};
+    for (const auto& [path, stored] : layers)
+        json["paint"].push_back({{"path", escaped(path)},
+                                 {"file", stored.file},
+                                 {"topology", hex(stored.layer->field.topology)},
+                                 {"leaves", stored.layer->field.leaf_count},
+                                 {"frames", stored.layer->field.frames}});
+    json["document"] = text_of(document.file.json, -1);
+    const std::string text = text_of(json, 1);
+    write_file_atomically(entry_ / kEntryName, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+    remove_layers_but(layers);
+    layers_ = std::move(layers);
+    file_ = document.file;
+    disk_hash_ = hash;
+}
+
+void RecoveryWriter::discard() {
+    std::error_code ignored;
+    if (!entry_.empty()) std::filesystem::remove_all(entry_, ignored);
+    *this = RecoveryWriter(folder_);
+}
+
+std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder) {
+    std::vector<RecoveryEntry> entries;
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        std::error_code ignored;
+        if (!std::filesystem::is_directory(at->symlink_status(ignored))) continue;
+        try {
+            entries.push_back(entry_of(at->path()));
+        } catch (const InputError&) {
+            // One that is damaged must not hide the others.
+        }
+    }
+    std::sort(entries.begin(), entries.end(), [](const RecoveryEntry& a, const RecoveryEntry& b) {
+        return std::tie(b.when_s, a.folder) < std::tie(a.when_s, b.folder);
+    });
+    return entries;
+}
+
+std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, const std::filesystem::path& stage) {
+    std::vector<RecoveryEntry> entries = list_recovery(folder);
+    std::erase_if(entries, [whole = absolute_path(stage)](const RecoveryEntry& entry) { return entry.stage != whole; });
+    return entries;
+}
+
+Document restore(const RecoveryEntry& entry) {
+    const ordered_json json = read_entry(entry.folder);
+    const Members members{json, (entry.folder / kEntryName).string()};
+    const ordered_json stored = parse_document(members.text("document"), members.file);
+    const std::filesystem::path stage = members.path("stage");
+    std::error_code error;
+    const bool on_disk = members.boolean("on_disk");
+    Document document;
+    // The text of a .gltf is all of it; a .glb has its buffers beside.
+    if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error)))
+        document.file = read_stage_file(stage);
+    else
+        document.file = make_stage_file(stage, text_of(stored, 2) + "\n");
+    document.file.json = stored;
+    expect_sound_document(document.file);
+    if (!members.at("paint").is_array()) members.fail("paint");
+    for (const ordered_json& layer : members.at("paint")) restore_layer(document, layer, entry);
+    return document;
+}
+
+void discard(const RecoveryEntry& entry) {
+    std::error_code ignored;
+    std::filesystem::remove_all(entry.folder, ignored);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,29 @@
+// Inspect: what the walks of rays were like, as a picture: how deep in the octree they met a surface, or what they
+// cost.
+#pragma once
+
+#include <span>
+
+#include "render/resolve.h"
+#include "shared/inspect.h"
+
+namespace neuvv {
+
+class Inspector {
+  public:
+    // `picture`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
+    Inspector(const Device& device, const RayBatch& rays, const Buffer& picture, std::span<const Field* const> fields);
+
+  private:
+    friend void record_inspect(Commands&, const Inspector&, const ViewLayout&, const ResolveSettings&);
+    float coarsest_, finest_;
+    ComputePass pass_;
+    BindingSet set_;
+};
+
+// Rays that instances were traced into as Into::kInspect, laid out as record_resolve's; is_inspection(settings.show).
+// Black where nothing is met, and where no walk took a step; opaque.
+void record_inspect(Commands& commands, const Inspector& inspector, const ViewLayout& layout,
+                    const ResolveSettings& settings);
+
+}  // namespace neuvv

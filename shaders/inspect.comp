@@ -1,0 +1,47 @@
+// Inspect: what rays' walks were like (shared/inspect.h) to a picture: levels, or steps, by a colour map; black where there is
+// none. A pixel shows the level of that of its samples × samples rays that met something nearest, and the mean of their steps;
+// where rays are fewer than pixels, those of the nearest ray.
+// Reads radiance and depth in tile order; writes as resolve.comp does, opaque. One thread a pixel, one workgroup 8×8 pixels.
+// Bound by memory: 20 bytes a ray and 4 a pixel.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/inspect.h"
+#include "shared/trace.h"
+
+layout(local_size_x = kTilePixels) in;
+layout(binding = kInspectRays) uniform textureBuffer rays;
+layout(binding = kInspectDepth) uniform textureBuffer depth;
+layout(binding = kInspectCameras) uniform textureBuffer cameras;
+layout(binding = kInspectPicture, r32ui) writeonly uniform uimageBuffer picture;
+layout(push_constant) uniform Push { InspectPush push; };
+#include "colour_map.glsl"
+#include "grid.glsl"
+#include "picture_pixel.glsl"
+
+// The ray around a place of the picture.
+uvec2 ray_around(uint view, vec2 place) {
+    const int camera = int(kCameraTexels * view);
+    const vec2 last = vec2(texelFetch(cameras, camera + 1).w, texelFetch(cameras, camera + 2).w) - 1.0;
+    const vec2 at = vec2(ray_of_pixel(camera_axis(view, 0u), place.x), ray_of_pixel(camera_axis(view, 1u), place.y));
+    return uvec2(clamp(floor(at), vec2(0.0), last));
+}
+
+void main() {
+    uint view;
+    uvec2 pixel;
+    if (!pixel_of_thread(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, view, pixel)) return;
+    float level = 0.0, nearest = uintBitsToFloat(0x7f800000u), steps = 0.0;
+    for (uint i = 0u; i < push.samples * push.samples; i++) {
+        const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
+        const int ray = ray_at(view, ray_around(view, vec2(texel) + 0.5));
+        const vec4 seen = texelFetch(rays, ray);
+        const float metres = texelFetch(depth, ray).x;
+        if (metres < nearest) level = seen.x;
+        nearest = min(nearest, metres);
+        steps += seen.y;
+    }
+    const float shown = push.level != 0u ? level : steps / float(push.samples * push.samples);
+    const float place = clamp((shown - push.least) / (push.most - push.least), 0.0, 1.0);
+    const vec4 colour = vec4(shown > 0.0 ? viridis(place) : vec3(0.0), 1.0);
+    imageStore(picture, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
+}

@@ -1,0 +1,416 @@
+// A renderer whose stage is edited while it is shown draws what one made for the new stage draws.
+#include "render/stage_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "reference/slice.h"
+#include "support/figure.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "support/set_scene.h"
+#include "voctree/nvpaint.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+using StageRendererTest = GpuTest;
+
+constexpr uint32_t kWidth = 62, kHeight = 44;
+
+VOctree clip_tree(uint64_t seed) {
+    return random_tree({.seed = seed, .node_levels = 3, .leaves = 1500});
+}
+
+// A stage that is edited: a floor with a texture, a box that casts a shadow, a pane of glass, a lamp, two performers.
+struct Draft {
+    TemporaryFolder folder;
+    GlbBuilder glb;
+    json& root = glb.root;
+
+    Draft() {
+        write_nvv(folder.path / "a.nvv", clip_tree(1));
+        json chequered = pbr_material({1, 1, 1, 1}, 0, 1);
+        chequered["pbrMetallicRoughness"]["baseColorTexture"] = {
+            {"index", test::add_texture(glb, one_colour(200, 120, 40))}};
+        add_mesh(glb, rectangle({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}), chequered);
+        add_mesh(glb, sphere({1.2, 0.4, 0.6}, 0.3f, 8), pbr_material({0.3f, 0.4f, 0.9f, 1}, 0, 0.4));
+        json glass = pbr_material({0.2f, 0.9f, 0.3f, 0.4f}, 0, 0.5);
+        glass["alphaMode"] = "BLEND";
+        add_mesh(glb, rectangle({-0.2f, 0.2f, 0.9f}, {0.8f, 0, 0}, {0, 0.7f, 0}), glass);
+        root["extensionsUsed"] = {"KHR_lights_punctual", "NEUVV_performer", "NEUVV_stage"};
+        root["extensions"]["KHR_lights_punctual"]["lights"] = {
+            {{"type", "spot"}, {"intensity", 90}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.7}}}}};
+        root["nodes"].push_back({{"name", "lamp"},
+                                 {"translation", {0.4, 4, 1}},
+                                 {"rotation", {-0.7071067811865476, 0, 0, 0.7071067811865476}},
+                                 {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+        add_performer("anna", "a.nvv", {-0.9, 0, 0});
+        add_performer("bert", "a.nvv", {0.4, 0.1, -0.6});
+        settings() = {{"ambient", {0.2, 0.2, 0.25}}};
+    }
+    json& settings() { return root["scenes"][0]["extensions"]["NEUVV_stage"]; }
+    json& node(const std::string& name) {
+        for (json& one : root["nodes"])
+            if (one.value("name", "") == name) return one;
+        throw std::runtime_error("no node " + name);
+    }
+    json& performer(const std::string& name) { return node(name)["extensions"]["NEUVV_performer"]; }
+    void add_performer(const std::string& name, const std::string& clip, glm::dvec3 at) {
+        root["nodes"].push_back({{"name", name},
+                                 {"translation", {at.x, at.y, at.z}},
+                                 {"extensions", {{"NEUVV_performer", {{"uri", clip}}}}}});
+    }
+    void remove_node(const std::string& name) {
+        json& nodes = root["nodes"];
+        for (size_t i = 0; i < nodes.size(); i++)
+            if (nodes[i].value("name", "") == name) {
+                nodes.erase(i);
+                return;
+            }
+        throw std::runtime_error("no node " + name);
+    }
+    std::unique_ptr<Stage> stage() {
+        root["scene"] = 0;
+        root["scenes"][0]["nodes"] = json::array();
+        for (size_t i = 0; i < root["nodes"].size(); i++) root["scenes"][0]["nodes"].push_back(i);
+        return std::make_unique<Stage>(load_stage(folder.write(glb.bytes(), "stage.glb")));
+    }
+};
+
+Camera camera_of_size(uint32_t width, uint32_t height) {
+    return look_at({0.4, 1.6, 4.2}, {0.2, 0.5, 0}, width, height, 1.1);
+}
+
+Image shown(StageRenderer& renderer, const Stage& stage) {
+    const StageInstant instant = stage_at(stage, 0.06);
+    renderer.show(instant);
+    const FrameSettings settings = renderer.settings_at(instant);
+    return renderer.frames().render(camera_of_size(settings.width, settings.height), settings);
+}
+
+// The stage of a draft as it is edited.
+struct Live {
+    const Device& device;
+    Draft& draft;
+    std::unique_ptr<Stage> stage = draft.stage();
+    PaintSource source;
+    StageRenderer renderer{device, *stage, {kWidth, kHeight}, {}, source};
+
+    Image picture() { return shown(renderer, *stage); }
+    Image fresh_picture() const {
+        StageRenderer fresh(device, *stage, {kWidth, kHeight}, {}, source);
+        return shown(fresh, *stage);
+    }
+    void change() {
+        std::unique_ptr<Stage> next = draft.stage();
+        renderer.change(*next);
+        stage = std::move(next);
+    }
+    // It shows something else than before, and that is right.
+    void expect_change(const std::string& what) {
+        SCOPED_TRACE(what);
+        const Image before = picture();
+        change();
+        const Image after = picture();
+        EXPECT_NE(after.rgba, before.rgba);
+        EXPECT_EQ(after.rgba, fresh_picture().rgba);
+    }
+};
+
+TEST_F(StageRendererTest, PerformersAndLightsChangeWithoutUploads) {
+    Draft draft;
+    Live live{device(), draft};
+    const Field* field = &live.renderer.field(0);
+    const Performer* performer = nullptr;
+    live.picture();
+    performer = live.renderer.frames().performer();
+    const uint64_t bytes = device().buffer_bytes();
+    draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
+    live.expect_change("moved performer");
+    draft.add_performer("carl", "a.nvv", {1.1, 0, -0.4});
+    live.expect_change("duplicated performer");
+    draft.remove_node("bert");
+    live.expect_change("removed performer");
+    draft.root["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = 30;
+    live.expect_change("dimmed light");
+    draft.node("lamp")["translation"] = {-1, 3, 1.5};
+    live.expect_change("moved light");
+    draft.settings()["background"] = {0.1, 0.3, 0.5};
+    draft.settings()["shadows"] = false;
+    live.expect_change("settings");
+    draft.root["nodes"][1]["translation"] = {-0.5, 0.2, 0.3};
+    live.expect_change("moved mesh");
+    EXPECT_EQ(&live.renderer.field(0), field);
+    EXPECT_EQ(live.renderer.frames().performer(), performer) << "its slices and pipelines";
+    EXPECT_EQ(device().buffer_bytes(), bytes);
+}
+
+TEST_F(StageRendererTest, TheSetChanges) {
+    Draft draft;
+    Live live{device(), draft};
+    json first = draft.root["nodes"][3];
+    draft.root["nodes"].erase(3);
+    draft.root["nodes"].insert(draft.root["nodes"].begin(), first);
+    draft.root["nodes"][2]["translation"] = {-0.5, 0.2, 0.3};
+    live.expect_change("meshes on other nodes");
+    add_mesh(draft.glb, sphere({-0.2, 0.3, 1.2}, 0.25f, 6), pbr_material({0.9f, 0.2f, 0.2f, 1}, 0.5, 0.4));
+    live.expect_change("mesh node added");
+    draft.root["nodes"].back()["translation"] = {0.1, 0.1, 0};
+    live.expect_change("and moved");
+    draft.root["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = {0.9, 0.9, 0.1, 1};
+    live.expect_change("material");
+    draft.root["materials"][1]["alphaMode"] = "BLEND";
+    draft.root["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = {0.9, 0.9, 0.1, 0.5};
+    live.expect_change("glass");
+    draft.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
+        test::add_texture(draft.glb, one_colour(40, 160, 200));
+    live.expect_change("texture");
+    draft.root["nodes"].erase(draft.root["nodes"].size() - 1);
+    live.expect_change("mesh node removed");
+}
+
+TEST_F(StageRendererTest, TheEnvironmentChanges) {
+    Draft draft;
+    Live live{device(), draft};
+    const auto around = [&](const Image& picture, const std::string& name) {
+        write_png(draft.folder.path / name, picture);
+    };
+    Image sky(32, 16);
+    for (uint32_t i = 0; i < sky.rgba.size(); i++) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
+    around(sky, "sky.png");
+    draft.settings()["environment"] = {{"uri", "sky.png"}};
+    live.expect_change("environment");
+    draft.settings()["environment"]["rotation"] = 40;
+    live.expect_change("turned");
+    around(one_colour(30, 90, 200), "sky.png");
+    live.expect_change("its file is another");
+    draft.settings().erase("environment");
+    live.expect_change("none");
+}
+
+TEST_F(StageRendererTest, ClipsComeAndGoAndAreWrittenAnew) {
+    Draft draft;
+    Live live{device(), draft};
+    const std::filesystem::path folder = draft.folder.path;
+    live.picture();
+    const Field* a = &live.renderer.field(0);
+    write_nvv(folder / "b.nvv", clip_tree(2));
+    draft.performer("anna")["uri"] = "b.nvv";
+    live.expect_change("new clip");
+    EXPECT_EQ(&live.renderer.field(1), a) << "the one that stays is not read again";
+    write_nvv(folder / "a.nvv", clip_tree(3));
+    live.expect_change("clip file replaced");
+    EXPECT_NE(&live.renderer.field(1), a);
+    const uint64_t two = device().buffer_bytes();
+    draft.performer("bert")["uri"] = "b.nvv";
+    live.expect_change("clip that nobody plays any more");
+    EXPECT_LT(device().buffer_bytes(), two);
+    EXPECT_EQ(live.stage->clips.size(), 1u);
+    draft.remove_node("anna");
+    draft.remove_node("bert");
+    live.expect_change("a set alone");
+    draft.add_performer("dora", "a.nvv", {0, 0, 0});
+    live.expect_change("and somebody again");
+}
+
+// One colour on all leaves, at all frames.
+EditLayer coat(const VOctree& tree, glm::vec3 colour) {
+    EditLayer layer{painted_field(tree), {}};
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        layer.edits.push_back({leaf, 0, static_cast<float>(tree.frames - 1), colour, 1, kKeepSigma});
+    return layer;
+}
+
+TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
+    Draft draft;
+    const VOctree tree = clip_tree(1);
+    const std::filesystem::path unsaved = draft.folder.path / "unsaved.nvpaint";
+    std::shared_ptr<const EditLayer> open;
+    const PaintSource source = [&](const std::filesystem::path& path, const PaintedField&) {
+        return path == unsaved ? open : nullptr;
+    };
+    Live live{device(), draft, draft.stage(), source};
+    const Field* field = &live.renderer.field(0);
+    open = std::make_shared<EditLayer>(coat(tree, {1, 0, 0}));
+    draft.performer("anna")["paint"] = {{{"uri", "unsaved.nvpaint"}}};
+    live.expect_change("painted");
+    const uint64_t bytes = device().buffer_bytes();
+    const uint32_t red = live.renderer.paint_of(0);
+    draft.node("bert")["translation"] = {0.4, 0.2, -0.6};
+    live.expect_change("something else");
+    EXPECT_EQ(live.renderer.paint_of(0), red) << "the same layer is the same paint";
+    open = std::make_shared<EditLayer>(coat(tree, {0, 0, 1}));
+    live.expect_change("another stroke");
+    EXPECT_NE(live.renderer.paint_of(0), red);
+    EXPECT_EQ(live.renderer.frames().paints().find(red), nullptr);
+    EXPECT_EQ(device().buffer_bytes(), bytes) << "the paint before is gone";
+    draft.performer("bert")["paint"] = {{{"uri", "unsaved.nvpaint"}}};
+    live.expect_change("shared by a copy");
+    EXPECT_EQ(live.renderer.paint_of(0), live.renderer.paint_of(1));
+    write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {0, 1, 0}));
+    draft.performer("anna")["paint"] = {{{"uri", "unsaved.nvpaint"}}, {{"uri", "saved.nvpaint"}, {"opacity", 0.5}}};
+    live.expect_change("a layer on the disk");
+    write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {1, 1, 0}));
+    live.expect_change("which was written anew");
+    draft.performer("anna").erase("paint");
+    live.expect_change("none on one");
+    EXPECT_EQ(live.renderer.paint_of(0), 0u);
+    EXPECT_EQ(&live.renderer.field(0), field);
+}
+
+TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
+    Draft draft;
+    const VOctree tree = clip_tree(1), other = clip_tree(2);
+    std::shared_ptr<const EditLayer> open;
+    const PaintSource source = [&](const std::filesystem::path&, const PaintedField&) { return open; };
+    Live live{device(), draft, draft.stage(), source};
+    const Image before = live.picture();
+    const auto expect_refusal = [&](const std::string& what) {
+        SCOPED_TRACE(what);
+        draft.node("bert")["translation"] = {0.9, 0.2, -0.6};
+        EXPECT_THROW(live.change(), InputError);
+        EXPECT_EQ(live.picture().rgba, before.rgba);
+    };
+    write_nvv(draft.folder.path / "b.nvv", other);
+    draft.performer("anna")["uri"] = "b.nvv";
+    open = std::make_shared<EditLayer>(coat(tree, {1, 0, 0}));
+    draft.performer("anna")["paint"] = {{{"uri", "layer.nvpaint"}}};
+    expect_refusal("paint of another clip");
+    open = nullptr;
+    expect_refusal("paint that is nowhere");
+    draft.performer("anna").erase("paint");
+    draft.settings()["environment"] = {{"uri", "sky.png"}};
+    expect_refusal("no environment");
+    draft.settings().erase("environment");
+    const std::filesystem::path clip = draft.folder.path / "b.nvv";
+    const std::unique_ptr<Stage> next = draft.stage();  // a damaged clip's header is sound
+    std::filesystem::resize_file(clip, std::filesystem::file_size(clip) - 100);
+    EXPECT_THROW(live.renderer.change(*next), InputError);
+    EXPECT_EQ(live.picture().rgba, before.rgba);
+    write_nvv(clip, other);
+    live.expect_change("all is well again");
+}
+
+TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
+    Draft draft;
+    Live live{device(), draft};
+    live.picture();
+    const Performer* performer = live.renderer.frames().performer();
+    for (const glm::uvec2 size : {glm::uvec2(90, 40), glm::uvec2(30, 70), glm::uvec2(20, 20), glm::uvec2(90, 70)}) {
+        SCOPED_TRACE(std::to_string(size.x) + "x" + std::to_string(size.y));
+        live.renderer.resize(size.x, size.y);
+        StageRenderer fresh(device(), *live.stage, {size.x, size.y});
+        const Image picture = live.picture();
+        EXPECT_EQ(picture.width, size.x);
+        EXPECT_EQ(picture.rgba, shown(fresh, *live.stage).rgba);
+        EXPECT_EQ(live.renderer.frames().performer(), performer) << "with its slices";
+    }
+    draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
+    live.change();
+    StageRenderer fresh(device(), *live.stage, {90, 70});
+    EXPECT_EQ(live.picture().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
+}
+
+TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
+    Draft draft;
+    Live live{device(), draft};
+    const Image picture = live.picture();
+    const StageInstant instant = stage_at(*live.stage, 0.06);
+    FrameSettings settings = live.renderer.settings_at(instant);
+    settings.instances.clear();
+    const Camera camera = camera_of_size(kWidth, kHeight);
+    FrameRenderer& frames = live.renderer.frames();
+    frames.render(camera, settings);  // something else is there
+    const Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(instant));
+    std::vector<uint8_t> bytes(picture.rgba.size());
+    download(device(), kept, bytes.data(), bytes.size());
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), picture.rgba.begin()));
+}
+
+TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
+    Draft draft;
+    Live live{device(), draft};
+    live.picture();
+    const VOctree tree = clip_tree(1);
+    uint64_t leaves = 0;
+    for (const reference::LeafSlice& leaf :
+         reference::slice_tree(tree, static_cast<double>(stage_at(*live.stage, 0.06).performers[0].frame)))
+        leaves += leaf.sigma > 0;
+    const uint64_t entries = live.renderer.frames().live_entries();
+    EXPECT_GE(entries, leaves);
+    EXPECT_LE(entries, leaves + live.renderer.field(0).node_count());
+    draft.add_performer("carl", "a.nvv", {1.1, 0, -0.4});
+    live.change();
+    live.picture();
+    EXPECT_EQ(live.renderer.frames().live_entries(), entries) << "copies share a slice";
+    draft.remove_node("anna"), draft.remove_node("bert"), draft.remove_node("carl");
+    live.change();
+    live.picture();
+    EXPECT_EQ(live.renderer.frames().live_entries(), 0u);
+}
+
+// The part of a camera's picture from pixel (x, y) on.
+Camera part_of(Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+    camera.cx -= x;
+    camera.cy -= y;
+    camera.width = width;
+    camera.height = height;
+    return camera;
+}
+
+// Pixels that differ by more than a step. Glass and edges of the set may: a vertex of the part's picture, in single
+// precision, falls to the other side of the rasteriser's 1/256 of a texel.
+uint32_t unlike_pixels(const Image& a, const Image& b) {
+    uint32_t unlike = 0;
+    for (size_t pixel = 0; pixel < a.rgba.size(); pixel += 4) {
+        int most = 0;
+        for (size_t c = pixel; c < pixel + 4; c++) most = std::max(most, std::abs(a.rgba[c] - b.rgba[c]));
+        unlike += most > 1;
+    }
+    return unlike;
+}
+
+TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
+    constexpr uint32_t kWide = 160, kHigh = 120;
+    Draft draft;
+    write_nvv(draft.folder.path / "a.nvv", figure_tree());
+    const std::unique_ptr<Stage> stage = draft.stage();
+    const StageInstant instant = stage_at(*stage, 0);
+    StageRenderer fine(device(), *stage, {kWide, kHigh, 2}), coarse(device(), *stage, {kWide, kHigh, 1});
+    fine.show(instant);
+    coarse.show(instant);
+    const Camera camera = camera_of_size(kWide, kHigh);
+    FrameSettings settings = fine.settings_at(instant);
+    const auto put_together = [&](uint32_t samples) {
+        Image picture(kWide, kHigh);
+        FrameSettings of_block = settings;
+        of_block.width = kWide / 2;
+        of_block.height = kHigh / 2;
+        of_block.samples = samples;
+        for (uint32_t i = 0; i < 4; i++) {
+            const uint32_t x = i % 2 * of_block.width, y = i / 2 * of_block.height;
+            const Image block =
+                coarse.frames().render(part_of(camera, x, y, of_block.width, of_block.height), of_block);
+            for (uint32_t row = 0; row < of_block.height; row++)
+                std::copy_n(block.at(0, row), size_t{4} * of_block.width, picture.at(x, y + row));
+        }
+        return picture;
+    };
+    for (const TraceMode mode : {TraceMode::kTree, TraceMode::kPlay}) {  // which chooses for each part by itself
+        settings.mode = mode;
+        const Image whole = fine.frames().render(camera, settings);
+        EXPECT_GT(unlike_pixels(put_together(1), whole), kWide * kHigh / 50) << "so many samples do show";
+        EXPECT_LE(unlike_pixels(put_together(2), whole), kWide * kHigh / 1000);
+    }
+    ASSERT_FALSE(coarse.frames().drawn().empty());
+    EXPECT_EQ(fine.frames().drawn()[0][0].shading, Shading::kPerLeaf);
+    EXPECT_EQ(coarse.frames().drawn()[0][0].shading, Shading::kPerRay);
+    settings.width = settings.height = 2 * kHigh;
+    EXPECT_THROW(coarse.frames().render(camera_of_size(2 * kHigh, 2 * kHigh), settings), RuntimeFailure);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,404 @@
+// PlenOctrees against what svox makes of the same arrays, and files that must be refused.
+#include "voctree/plenoctree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "media/image.h"
+#include "reference/sample.h"
+#include "reference/slice.h"
+#include "reference/trace.h"
+#include "support/input_error.h"
+#include "support/npz_files.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+#include "voctree/clip.h"
+#include "voctree/half.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+double sigmoid(double x) {
+    return 1 / (1 + std::exp(-x));
+}
+
+// svox' functions (Condon-Shortley phase), in its order.
+std::vector<double> svox_basis(uint32_t functions, glm::dvec3 d) {
+    const double x = d.x, y = d.y, z = d.z;
+    std::vector<double> basis = {0.28209479177387814,
+                                 -0.4886025119029199 * y,
+                                 0.4886025119029199 * z,
+                                 -0.4886025119029199 * x,
+                                 1.0925484305920792 * x * y,
+                                 -1.0925484305920792 * y * z,
+                                 0.31539156525252005 * (2 * z * z - x * x - y * y),
+                                 -1.0925484305920792 * x * z,
+                                 0.5462742152960396 * (x * x - y * y),
+                                 -0.5900435899266435 * y * (3 * x * x - y * y),
+                                 2.890611442640554 * x * y * z,
+                                 -0.4570457994644658 * y * (4 * z * z - x * x - y * y),
+                                 0.3731763325901154 * z * (2 * z * z - 3 * x * x - 3 * y * y),
+                                 -0.4570457994644658 * x * (4 * z * z - x * x - y * y),
+                                 1.445305721320277 * z * (x * x - y * y),
+                                 -0.5900435899266435 * x * (x * x - 3 * y * y)};
+    basis.resize(functions);
+    return basis;
+}
+
+// An N3Tree as svox has it in memory. `functions` 0: RGBA.
+struct N3Tree {
+    uint32_t functions = 9;
+    bool halves = true;
+    std::vector<int32_t> child;
+    std::vector<float> data;
+    glm::vec3 offset{0.5f}, invradius{0.25f, 0.5f, 0.125f};
+
+    uint64_t nodes() const { return child.size() / 8; }
+    uint64_t numbers() const { return 3 * std::max(functions, 1u) + 1; }
+    std::string format() const { return functions == 0 ? "RGBA" : "SH" + std::to_string(functions); }
+
+    const float* query(glm::dvec3 world, double* cell_side = nullptr) const {
+        glm::dvec3 at = glm::dvec3(offset) + glm::dvec3(invradius) * world;
+        uint64_t node = 0;
+        for (double side = 0.5;; side /= 2) {
+            at *= 2.0;
+            const glm::dvec3 digit = glm::min(glm::floor(at), 1.0);
+            at -= digit;
+            const uint64_t cell = 8 * node + static_cast<uint64_t>(4 * digit.x + 2 * digit.y + digit.z);
+            if (cell_side) *cell_side = side;
+            if (child[cell] == 0) return &data[cell * numbers()];
+            node = static_cast<uint64_t>(static_cast<int64_t>(node) + child[cell]);
+        }
+    }
+
+    glm::dvec3 logits(const float* leaf, glm::dvec3 direction) const {
+        if (functions == 0) return {leaf[0], leaf[1], leaf[2]};
+        const std::vector<double> basis = svox_basis(functions, direction);
+        glm::dvec3 sum(0);
+        for (int channel = 0; channel < 3; channel++)
+            for (uint32_t i = 0; i < functions; i++)
+                sum[channel] += basis[i] * double{leaf[static_cast<uint32_t>(channel) * functions + i]};
+        return sum;
+    }
+
+    std::map<std::string, std::string> arrays() const {
+        std::string text;
+        for (const char letter : format()) text += {letter, 0, 0, 0};
+        std::vector<uint16_t> rounded;
+        for (const float value : data) rounded.push_back(half_from_float(value));
+        const auto of = [](glm::vec3 v) { return npy_bytes("<f4", {3}, bytes_of<float>({v.x, v.y, v.z})); };
+        return {{"child", npy_bytes("<i4", {nodes(), 2, 2, 2}, bytes_of(child))},
+                {"data", npy_bytes(halves ? "<f2" : "<f4", {nodes(), 2, 2, 2, numbers()},
+                                   halves ? bytes_of(rounded) : bytes_of(data))},
+                {"data_format", npy_bytes("<U" + std::to_string(format().size()), {}, text)},
+                {"data_dim", npy_bytes("<i8", {}, bytes_of<int64_t>({static_cast<int64_t>(numbers())}))},
+                {"invradius3", of(invradius)},
+                {"offset", of(offset)}};
+    }
+};
+
+constexpr uint32_t kNodes = 40, kCapacity = 43;
+
+// Nodes hang where there is room; σ is negative, 0 or positive; numbers of nodes that nothing leads to are not numbers.
+N3Tree random_n3tree(uint32_t functions, bool halves, uint64_t seed) {
+    Random random(seed);
+    N3Tree tree;
+    tree.functions = functions;
+    tree.halves = halves;
+    tree.child.resize(8 * kCapacity);
+    tree.offset = {0.25f, 0.5f, 0.75f};
+    for (uint32_t node = 1; node < kNodes;) {
+        const uint32_t parent = random.below(node), cell = 8 * parent + random.below(8);
+        if (tree.child[cell] != 0) continue;
+        tree.child[cell] = static_cast<int32_t>(node - parent);
+        node++;
+    }
+    for (uint64_t cell = 0; cell < 8 * kCapacity; cell++) {
+        for (uint64_t i = 0; i + 1 < tree.numbers(); i++) {
+            const auto value = static_cast<float>(random.uniform(-3, 3));
+            tree.data.push_back(halves ? float_from_half(half_from_float(value)) : value);
+        }
+        const float sigma[] = {-1, 0, 0.5f, 2.25f};
+        tree.data.push_back(cell < 8 * kNodes ? sigma[random.below(4)] : std::nanf(""));
+    }
+    return tree;
+}
+
+glm::dvec3 random_direction(Random& random) {
+    return glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()) + 1e-9);
+}
+
+struct PlenoctreeTest : ::testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path file = folder.path / "tree.npz";
+
+    VOctree read(const N3Tree& tree, PlenoctreeColours colours, int32_t method = ZIP_CM_STORE) {
+        write_npz(file, tree.arrays(), method);
+        return read_plenoctree(file, colours);
+    }
+};
+
+TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
+    uint64_t seed = 1;
+    for (const uint32_t functions : {0u, 1u, 4u, 9u, 16u})
+        for (const bool halves : {true, false})
+            for (const int32_t method : {ZIP_CM_STORE, ZIP_CM_DEFLATE}) {
+                SCOPED_TRACE(functions);
+                const N3Tree truth = random_n3tree(functions, halves, seed++);
+                const VOctree tree = read(truth, PlenoctreeColours::kAsStored, method);
+                ASSERT_EQ(defect_of(tree), "");
+                EXPECT_EQ(tree.frames, 1u);
+                EXPECT_EQ(tree.bases, 1u);
+                const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
+                Random random(seed);
+                uint32_t seen = 0;
+                for (int i = 0; i < 500; i++) {
+                    const glm::dvec3 in_tree(random.uniform(), random.uniform(), random.uniform());
+                    const float* expected =
+                        truth.query((in_tree - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
+                    const float sigma = expected[truth.numbers() - 1];
+                    const uint32_t leaf = find_leaf(tree, in_tree);
+                    ASSERT_EQ(leaf != UINT32_MAX, sigma > 0);
+                    if (leaf == UINT32_MAX) continue;
+                    seen++;
+                    ASSERT_EQ(slices[leaf].sigma, double{sigma});
+                    const glm::dvec3 direction = random_direction(random), logits = truth.logits(expected, direction);
+                    const glm::dvec3 colour = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
+                    for (int c = 0; c < 3; c++) ASSERT_NEAR(colour[c], sigmoid(logits[c]), 2e-6);
+                }
+                EXPECT_GT(seen, 100u);
+            }
+}
+
+TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
+    const N3Tree truth = random_n3tree(9, true, 5);
+    const VOctree tree = read(truth, PlenoctreeColours::kAsStored);
+    const auto slices = reference::slice_tree(tree, 0);
+    const std::vector<LeafPlace> places = leaf_places(tree);
+    const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        const LeafPlace& place = places[leaf];
+        const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * std::ldexp(1.0, -int(place.depth));
+        const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
+        for (size_t c = 0; c < 3; c++)
+            for (size_t i = 0; i < 9; i++)
+                ASSERT_NEAR(slices[leaf].k[c][i], signs[i] * double{expected[9 * c + i]}, 5e-7);
+    }
+}
+
+// Transmittance along rays of the world, whose cells are no cubes, by svox' steps: lengths are the world's.
+TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
+    const N3Tree truth = random_n3tree(4, true, 9);
+    const VOctree tree = read(truth, PlenoctreeColours::kAsStored);
+    EXPECT_EQ(tree.box_min, glm::vec3(-1, -1, -6));
+    EXPECT_EQ(tree.box_size, glm::vec3(4, 2, 8));
+    const auto slices = reference::slice_tree(tree, 0);
+    Random random(3);
+    const glm::dvec3 scale(truth.invradius);
+    for (int i = 0; i < 100; i++) {
+        const glm::dvec3 from =
+            (glm::dvec3(random.uniform(), random.uniform(), random.uniform()) - glm::dvec3(truth.offset)) / scale;
+        const glm::dvec3 direction = random_direction(random), unit = glm::normalize(direction * scale);
+        const double metres = 1 / glm::length(direction * scale);  // of a length in the tree
+        const glm::dvec3 origin = glm::dvec3(truth.offset) + scale * from;
+        double optical_depth = 0;
+        for (double t = 0;;) {
+            const glm::dvec3 at = origin + t * unit;
+            if (glm::any(glm::lessThan(at, glm::dvec3(0))) || glm::any(glm::greaterThanEqual(at, glm::dvec3(1)))) break;
+            double side = 0, exit = 1e9;
+            const float* leaf = truth.query((at - glm::dvec3(truth.offset)) / scale, &side);
+            for (int axis = 0; axis < 3; axis++) {
+                const double low = std::floor(at[axis] / side) * side;
+                exit = std::min(exit, ((unit[axis] > 0 ? low + side : low) - at[axis]) / unit[axis]);
+            }
+            const double step = std::max(exit, 0.0) + 1e-9;
+            optical_depth += std::max(0.0, double{leaf[truth.numbers() - 1]}) * step * metres;
+            t += step;
+        }
+        EXPECT_NEAR(reference::trace(tree, slices, {from, direction}).alpha, 1 - std::exp(-optical_depth), 1e-6);
+    }
+}
+
+// What a display is sent is what the file says: exactly where it does not depend on the direction, else nearly.
+TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
+    const struct {
+        uint32_t functions;
+        double worst, mean;  // differences of sRGB, 0 to 1
+    } cases[] = {{0, 1e-5, 1e-5}, {1, 1e-5, 1e-5}, {4, 0.02, 0.003}, {9, 0.02, 0.003}, {16, 0.02, 0.003}};
+    for (const auto& c : cases) {
+        SCOPED_TRACE(c.functions);
+        N3Tree truth = random_n3tree(c.functions, false, 20 + c.functions);
+        for (size_t i = 0; i < truth.data.size(); i++)  // most of a colour does not depend on the direction
+            if (c.functions > 1 && i % truth.numbers() % c.functions != 0) truth.data[i] *= 0.2f;
+        const VOctree tree = read(truth, PlenoctreeColours::kLinear);
+        const VOctree stored = read(truth, PlenoctreeColours::kAsStored);
+        EXPECT_NE(tree.weights, stored.weights);
+        const auto slices = reference::slice_tree(tree, 0), as_stored = reference::slice_tree(stored, 0);
+        Random random(4);
+        double worst = 0, sum = 0;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+            for (int i = 0; i < 20; i++) {
+                const glm::dvec3 direction = random_direction(random);
+                const glm::dvec3 linear = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
+                const glm::dvec3 shown = reference::sample_colour(as_stored[leaf], tree.hh_degree, direction);
+                for (int channel = 0; channel < 3; channel++) {
+                    const double off = std::abs(srgb_from_linear(linear[channel]) - shown[channel]);
+                    worst = std::max(worst, off);
+                    sum += off / (60.0 * tree.leaf_count);
+                }
+            }
+        EXPECT_LE(worst, c.worst);
+        EXPECT_LE(sum, c.mean);
+    }
+}
+
+TEST_F(PlenoctreeTest, OldFilesNameNoFormat) {
+    for (const uint32_t functions : {0u, 9u}) {
+        const N3Tree truth = random_n3tree(functions, true, 6);
+        auto arrays = truth.arrays();
+        write_npz(file, arrays);
+        const VOctree named = read_plenoctree(file);
+        arrays.erase("data_format");
+        write_npz(file, arrays);
+        EXPECT_EQ(read_plenoctree(file).weights, named.weights);
+    }
+}
+
+TEST_F(PlenoctreeTest, IsAClipOfOneFrame) {
+    const VOctree tree = read(random_n3tree(9, true, 7), PlenoctreeColours::kLinear);
+    EXPECT_TRUE(is_plenoctree(file));
+    EXPECT_EQ(read_clip(file).weights, tree.weights);
+    write_nvv(folder.path / "tree.nvv", tree);
+    EXPECT_FALSE(is_plenoctree(folder.path / "tree.nvv"));
+    EXPECT_EQ(read_clip(folder.path / "tree.nvv").leaf_count, tree.leaf_count);
+    for (const std::filesystem::path& path : {file, folder.path / "tree.nvv"}) {
+        const ClipHead head = read_clip_head(path);
+        EXPECT_EQ(head.frames, 1u);
+        EXPECT_EQ(head.fps, tree.fps);
+        EXPECT_EQ(head.box_min, tree.box_min);
+        EXPECT_EQ(head.box_size, tree.box_size);
+    }
+}
+
+TEST_F(PlenoctreeTest, DamageIsNamed) {
+    const N3Tree sound = random_n3tree(9, true, 8);
+    const auto expect_refused = [&](const std::function<void(N3Tree&)>& damage,
+                                    std::initializer_list<std::string> parts) {
+        N3Tree tree = sound;
+        damage(tree);
+        expect_input_error([&] { read(tree, PlenoctreeColours::kLinear); }, parts);
+    };
+    const auto leaf = [&](uint64_t from) {  // a leaf that is reached and seen
+        for (uint64_t cell = from;; cell++)
+            if (sound.child[cell] == 0 && sound.data[cell * sound.numbers() + 27] > 0) return cell;
+    };
+    const uint64_t last = 8 * (kNodes - 1);
+    expect_refused([&](N3Tree& t) { t.child[last] = -int(kNodes - 1); },
+                   {"tree.npz", "child[39, 0, 0, 0]", "more than once"});
+    expect_refused([&](N3Tree& t) { t.child[last + 3] = -1; }, {"node 38 is reached more than once"});
+    expect_refused([&](N3Tree& t) { t.child[last] = 4; }, {"node 43 does not exist (43 do)"});
+    expect_refused([&](N3Tree& t) { t.child[last] = INT32_MIN; }, {"node -2147483609 does not exist"});
+    expect_refused([&](N3Tree& t) { t.child[last] = INT32_MAX; }, {"does not exist"});
+    const uint64_t seen = leaf(80);
+    for (const float bad : {std::nanf(""), INFINITY})
+        for (const uint64_t number : {uint64_t{0}, uint64_t{27}})
+            expect_refused(
+                [&](N3Tree& t) {
+                    t.halves = false;
+                    t.data[seen * 28 + number] = bad;
+                },
+                {"data[" + std::to_string(seen / 8), "number " + std::to_string(number), "not finite"});
+    expect_refused([](N3Tree& t) { t.invradius.y = 0; }, {"invradius3", "box"});
+    expect_refused([](N3Tree& t) { t.invradius.y = -1; }, {"invradius3"});
+    expect_refused([](N3Tree& t) { t.invradius.x = std::nanf(""); }, {"invradius3"});
+    expect_refused([](N3Tree& t) { t.offset.z = INFINITY; }, {"invradius3"});
+    expect_refused(
+        [](N3Tree& t) {
+            for (uint64_t cell = 0; cell < t.child.size(); cell++) t.data[cell * 28 + 27] = -1;
+        },
+        {"empty everywhere"});
+    expect_refused(
+        [](N3Tree& t) {  // a chain
+            for (uint64_t node = 0; node < kCapacity; node++)
+                for (uint64_t cell = 0; cell < 8; cell++)
+                    t.child[8 * node + cell] = cell == 0 && node + 1 < kCapacity ? 1 : 0;
+        },
+        {"child[11, 0, 0, 0]", "deeper than 12"});
+}
+
+TEST_F(PlenoctreeTest, OtherArraysAreRefused) {
+    const N3Tree tree = random_n3tree(4, true, 8);
+    const auto expect_refused = [&](const std::string& name, const std::string& array,
+                                    std::initializer_list<std::string> parts) {
+        auto arrays = tree.arrays();
+        arrays[name] = array;
+        write_npz(file, arrays);
+        expect_input_error([&] { read_plenoctree(file); }, parts);
+    };
+    for (const char* name : {"child", "data", "offset", "invradius3"}) {
+        auto arrays = tree.arrays();
+        arrays.erase(name);
+        write_npz(file, arrays);
+        expect_input_error([&] { read_plenoctree(file); }, {"tree.npz", name, "missing"});
+    }
+    const auto text = [](const std::string& letters) {
+        std::string wide;
+        for (const char letter : letters) wide += {letter, 0, 0, 0};
+        return npy_bytes("<U" + std::to_string(letters.size()), {}, wide);
+    };
+    expect_refused("data_format", text("SG4"), {"data_format", "SG4"});
+    expect_refused("data_format", text("SH25"), {"SH25"});
+    expect_refused("data_format", text("SH9"), {"data_format", "13 numbers"});
+    expect_refused("data_format", text("\n\x1b[31m"), {"data_format", "??[31m"});
+    expect_refused("data_format", npy_bytes("<i4", {}, bytes_of<int32_t>({4})), {"no text"});
+    expect_refused("quant_colors", npy_bytes("<f2", {1}, "  "), {"quant_colors", "quantised"});
+    expect_refused("child", npy_bytes("<i4", {1, 3, 3, 3}, std::string(108, 0)), {"child", "(nodes, 2, 2, 2)"});
+    expect_refused("child", npy_bytes("<i8", {1, 2, 2, 2}, std::string(64, 0)), {"child", "<i4"});
+    expect_refused("child", npy_bytes("<i4", {0, 2, 2, 2}, ""), {"child"});
+    expect_refused("child", npy_bytes("<i4", {1, 2, 2, 2}, std::string(32, 0)), {"data", "(nodes, 2, 2, 2, numbers)"});
+    expect_refused("child", npy_bytes("<i4", {kCapacity, 2, 2, 2}, std::string(32, 0)), {"child", "32 bytes"});
+    expect_refused("data", npy_bytes("<f2", {kCapacity, 2, 2, 2, 1}, std::string(16 * kCapacity, 0)), {"data"});
+    expect_refused("data", npy_bytes("<f8", {1}, std::string(8, 0)), {"data", "<f2"});
+    expect_refused("offset", npy_bytes("<f4", {2}, std::string(8, 0)), {"offset", "three"});
+    write_text(file, "PK\3\4 and no more");
+    expect_input_error([&] { read_clip(file); }, {"tree.npz"});
+    expect_input_error([&] { read_clip(folder.path / "missing.npz"); }, {"missing.npz"});
+}
+
+TEST_F(PlenoctreeTest, SmallFilesAskForLittle) {
+    auto arrays = random_n3tree(9, true, 8).arrays();
+    arrays["padding"] = npy_bytes("|u1", {size_t{100} << 20}, std::string(size_t{100} << 20, 0));
+    write_npz(file, arrays, ZIP_CM_DEFLATE);
+    ASSERT_LT(std::filesystem::file_size(file), 300'000u);
+    expect_input_error([&] { read_plenoctree(file); }, {"padding", "too large"});
+}
+
+// Damage behind the checksums, which zip would find.
+TEST_F(PlenoctreeTest, AnyDamageIsRefusedOrMakesASoundTree) {
+    N3Tree tree = random_n3tree(4, true, 8);
+    const auto sound = tree.arrays();
+    Random random(12);
+    uint32_t refused = 0;
+    constexpr uint32_t kRounds = 400;
+    for (uint32_t round = 0; round < kRounds; round++) {
+        auto arrays = sound;
+        auto at = std::next(arrays.begin(), random.below(arrays.size()));
+        for (uint32_t i = 0; i < 1 + random.below(3); i++)
+            at->second[random.below(at->second.size())] = static_cast<char>(random.below(256));
+        write_npz(file, arrays);
+        try {
+            ASSERT_EQ(defect_of(read_plenoctree(file)), "");
+        } catch (const InputError&) {
+            refused++;
+        }
+    }
+    EXPECT_GT(refused, kRounds / 4);
+    EXPECT_LT(refused, kRounds);
+}
+
+}  // namespace
+}  // namespace neuvv::test

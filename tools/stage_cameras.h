@@ -1,0 +1,11 @@
+// neuvv stage camera, neuvv stage path.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace neuvv {
+
+void add_camera_verb(CLI::App& stage);
+void add_path_verb(CLI::App& stage);
+
+}  // namespace neuvv
