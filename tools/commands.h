@@ -65,5 +65,6 @@ void add_convert(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);
 void add_stage(CLI::App& app, CommonOptions& common);
 void add_paint(CLI::App& app, CommonOptions& common);
+void add_view(CLI::App& app, CommonOptions& common);
 
 }  // namespace neuvv

@@ -69,6 +69,7 @@ int run(int argc, char** argv) {
     neuvv::add_render(app, common);
     neuvv::add_stage(app, common);
     neuvv::add_paint(app, common);
+    neuvv::add_view(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
         "Examples (from the repository's root):\n"
@@ -77,7 +78,8 @@ int run(int argc, char** argv) {
         "  neuvv dataset build/performer -o build/look\n"
         "  neuvv train build/performer -o build/performer.nvv\n"
         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
-        "  neuvv render build/performer.nvv -o build/turn.mp4");
+        "  neuvv render build/performer.nvv -o build/turn.mp4\n"
+        "  neuvv view build/performer.nvv");
     try {
         app.parse(argc, argv);
     } catch (const CLI::RuntimeError& error) {  // a verb that has said already why it stops

@@ -1,0 +1,124 @@
+#include "tools/viewer/editor.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "edit/operations.h"
+
+namespace neuvv {
+namespace {
+
+std::filesystem::path in_temp(const char* name) {
+    return std::filesystem::path(testing::TempDir()) / name;
+}
+
+Document stage_named(const char* name) {
+    return {new_stage(in_temp(name)), {}, {}};
+}
+
+Editor::Operation named(uint32_t node, const std::string& name) {
+    return [=](Document& document) { return rename_node(document.file, node, name); };
+}
+
+std::string name_of(const Editor& editor, uint32_t node) {
+    return editor.file().json["nodes"][node]["name"].get<std::string>();
+}
+
+const Editor::Operation kRefused = [](Document&) -> std::string { throw InputError("stage", "", "no"); };
+
+TEST(Editor, ADragIsOneStepFromWhereItBegan) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    const std::string before = name_of(editor, 0);
+    for (const char* name : {"x", "xy", "xyz"}) ASSERT_TRUE(editor.drag(named(0, name)));
+    EXPECT_FALSE(editor.modified()) << "while it goes on";
+    editor.end_drag();
+    EXPECT_EQ(name_of(editor, 0), "xyz");
+    EXPECT_TRUE(editor.modified());
+    editor.undo();
+    EXPECT_EQ(name_of(editor, 0), before);
+    EXPECT_FALSE(editor.modified());
+}
+
+TEST(Editor, WhatIsRefusedLeavesNoStep) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    EXPECT_FALSE(editor.edit(kRefused));
+    EXPECT_FALSE(editor.drag(kRefused));
+    EXPECT_FALSE(editor.dragging());
+    editor.end_drag();
+    EXPECT_EQ(editor.history().next_undo(), nullptr);
+    EXPECT_EQ(editor.take_notices().size(), 1u) << "the same is told once";
+}
+
+TEST(Editor, WhatCannotBeDrawnIsTakenBack) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    const std::string before = name_of(editor, 0);
+    ASSERT_TRUE(editor.edit(named(0, "wrong")));
+    editor.take_back("it cannot be drawn");
+    EXPECT_EQ(name_of(editor, 0), before);
+    ASSERT_TRUE(editor.drag(named(0, "wrong")));
+    editor.take_back("it cannot be drawn");
+    EXPECT_FALSE(editor.dragging());
+    EXPECT_EQ(name_of(editor, 0), before);
+}
+
+TEST(Editor, ASaveKeepsWhatWasEditedMeanwhile) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    ASSERT_TRUE(editor.edit(named(0, "first")));
+    Document saved = editor.document();
+    const uint64_t id = editor.id();
+    ASSERT_TRUE(editor.edit(named(0, "second")));
+    ASSERT_TRUE(editor.drag(named(1, "held")));
+    save_document(saved, in_temp("b.gltf"));
+    editor.saved(saved, editor.opened(), id);
+    EXPECT_EQ(editor.file().path, in_temp("b.gltf"));
+    ASSERT_TRUE(editor.drag(named(1, "held longer")));
+    editor.end_drag();
+    EXPECT_EQ(editor.file().path, in_temp("b.gltf")) << "the drag began before the save";
+    EXPECT_EQ(name_of(editor, 0), "second");
+    EXPECT_TRUE(editor.modified());
+}
+
+TEST(Editor, ASaveOfAnotherDocumentIsNotThisOnes) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    Document saved = editor.document();
+    const uint64_t number = editor.opened(), id = editor.id();
+    editor.open(stage_named("new.gltf"), true);
+    save_document(saved, in_temp("a.gltf"));
+    editor.saved(saved, number, id);
+    EXPECT_EQ(editor.file().path, in_temp("new.gltf"));
+    EXPECT_FALSE(editor.file().saved->on_disk);
+    EXPECT_TRUE(editor.modified());
+}
+
+TEST(Editor, NumbersOfNodesThatMayMeanOthersAreNotSelected) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    ASSERT_GE(editor.node_count(), 3u);
+    ASSERT_TRUE(editor.edit([](Document& document) { return remove_node(document.file, 0); }));
+    editor.select(1);
+    editor.undo();
+    EXPECT_FALSE(editor.selected().has_value());
+    ASSERT_TRUE(editor.edit(named(0, "same nodes")));
+    editor.select(1);
+    editor.undo();
+    EXPECT_EQ(editor.selected(), 1u);
+}
+
+TEST(Editor, FrozenItTellsWhy) {
+    Editor editor;
+    editor.open(stage_named("a.gltf"), false);
+    editor.freeze("busy");
+    EXPECT_FALSE(editor.edit(named(0, "x")));
+    EXPECT_FALSE(editor.drag(named(0, "x")));
+    ASSERT_EQ(editor.take_notices().size(), 1u);
+    editor.freeze({});
+    EXPECT_TRUE(editor.edit(named(0, "x")));
+}
+
+}  // namespace
+}  // namespace neuvv

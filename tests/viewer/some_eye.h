@@ -1,0 +1,22 @@
+// An eye that stands askew to all axes, and its camera.
+#pragma once
+
+#include "tools/viewer/navigation.h"
+
+namespace neuvv::test {
+
+inline Eye some_eye() {
+    Eye eye;
+    eye.pivot = {0.2, 1, -0.3};
+    eye.yaw = 0.7;
+    eye.pitch = -0.4;
+    eye.distance = 4;
+    eye.angle_y = 0.8;
+    return eye;
+}
+
+inline Camera some_camera() {
+    return camera_of(some_eye(), 640, 480);
+}
+
+}  // namespace neuvv::test

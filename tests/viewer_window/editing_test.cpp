@@ -1,0 +1,124 @@
+// To edit: what hands do to the stage, what of it is seen, what of it is saved.
+#include "viewer_window/viewer_window.h"
+#include "voctree/nvpaint.h"
+
+namespace neuvv::test {
+namespace {
+
+using nlohmann::json;
+
+struct Editing : ViewerWindow {
+    void save(Hands& hands) const {
+        hands.key("ctrl+s");
+        hands.until("all to be saved", [](const json& now) { return now["modified"] == false; });
+        hands.until_rest();
+    }
+    json time_of_anna() const {
+        const json document = saved();
+        return document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"].value("time", json::array());
+    }
+};
+
+TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const Image forwards = hands->picture();
+    hands->click("timeline/anna/menu");
+    hands->click("timeline/anna/reverse");
+    hands->key("Escape");
+    hands->until("an edit", [](const json& now) { return now["modified"] == true; });
+    const Image backwards = hands->picture();
+    EXPECT_TRUE(other(forwards, backwards));
+    EXPECT_TRUE(time_of_anna().empty()) << "not saved yet";
+    save(*hands);
+    EXPECT_FALSE(time_of_anna().empty());
+    EXPECT_TRUE(same(backwards, rendered(backwards)));
+
+    hands->key("ctrl+z");
+    hands->until("the edit to be undone", [](const json& now) { return now["modified"] == true; });
+    EXPECT_TRUE(same(forwards, hands->picture()));
+    save(*hands);
+    EXPECT_TRUE(time_of_anna().empty());
+    hands->key("ctrl+shift+z");
+    hands->until("the edit to be done again", [](const json& now) { return now["modified"] == true; });
+    EXPECT_TRUE(same(backwards, hands->picture()));
+}
+
+TEST_F(Editing, DISABLED_TheEndOfAClipIsTrimmedByItsGrip) {
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const Spot end = hands->middle_of("timeline/anna/end"), start = hands->middle_of("timeline/anna/start");
+    hands->drag(end, {std::round((start.x + end.x) / 2), end.y});
+    hands->until("an edit", [](const json& now) { return now["modified"] == true; });
+    save(*hands);
+    const json half = time_of_anna();
+    EXPECT_FALSE(half.empty());
+    hands->key("ctrl+z");
+    save(*hands);
+    EXPECT_TRUE(time_of_anna().empty()) << "the whole drag is one step";
+    hands->key("ctrl+shift+z");
+    save(*hands);
+    EXPECT_EQ(time_of_anna(), half);
+}
+
+TEST_F(Editing, DISABLED_TheRulerScrubs) {
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const std::vector<double> ruler = hands->seen()["items"]["timeline/ruler"];
+    hands->click(Spot{std::round(ruler[0] + 0.4 * ruler[2]), std::round(ruler[1] + ruler[3] / 2)});
+    const double time_s = hands->until("another time", [](const json& now) { return now["time_s"] > 0.1; })["time_s"];
+    const Image then = hands->picture();
+    EXPECT_TRUE(same(then, rendered(then, {"--time", std::to_string(time_s)}))) << time_s;
+    EXPECT_EQ(hands->seen()["modified"], false);
+}
+
+TEST_F(Editing, DISABLED_AStrokeIsSeenSavedAndUndone) {
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const Image bare = hands->picture();
+    hands->click("paint/colour");
+    const Spot chest = hands->in_picture(0.5, 0.5);
+    hands->drag({chest.x - 4, chest.y}, {chest.x + 4, chest.y + 12});
+    hands->until("paint", [](const json& now) { return now["modified"] == true; });
+    hands->until_rest();
+    hands->point(hands->in_picture(0.02, 0.98));  // the brush's circle is away
+    const Image painted = hands->picture();
+    EXPECT_TRUE(other(bare, painted));
+    save(*hands);
+    EXPECT_TRUE(same(painted, rendered(painted)));
+
+    const json document = saved();
+    const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
+    ASSERT_EQ(layers.size(), 1u) << document;
+    const EditLayer layer =
+        read_paint(folder.path / layers[0]["uri"].get<std::string>(), painted_field(read_nvv(clip)));
+    EXPECT_GT(layer.edits.size(), 10u);
+
+    hands->key("ctrl+z");
+    hands->until("the stroke to be undone", [](const json& now) { return now["modified"] == true; });
+    EXPECT_TRUE(same(bare, hands->picture()));
+    hands->key("ctrl+shift+z");
+    EXPECT_TRUE(same(painted, hands->picture()));
+}
+
+TEST_F(Editing, DISABLED_WhatIsSavedOpensAsItWas) {
+    Image before;
+    {
+        const auto hands = open(stage, "960x540");
+        hands->until_rest();
+        hands->click("timeline/anna/menu");
+        hands->click("timeline/anna/reverse");
+        hands->key("Escape");
+        hands->until("an edit", [](const json& now) { return now["modified"] == true; });
+        save(*hands);
+        before = hands->picture();
+        hands->key("ctrl+q");
+        EXPECT_EQ(hands->wait_for_end(), 0);
+    }
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    EXPECT_TRUE(same(before, hands->picture()));
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,81 @@
+// What tests of the window share: a small stage, a screen, pictures that are compared.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/temporary_folder.h"
+#include "support/waver_tree.h"
+#include "tests/tools/run_neuvv.h"
+#include "viewer_window/hands.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+
+// Share of pixels that differ by more than `steps` of 255 in a channel; 1 where sizes differ.
+inline double share_that_differs(const Image& a, const Image& b, int steps) {
+    if (a.width != b.width || a.height != b.height) return 1;
+    size_t differ = 0;
+    for (size_t i = 0; i < a.rgba.size(); i += 4) {
+        int most = 0;
+        for (size_t c = 0; c < 3; c++) most = std::max(most, std::abs(a.rgba[i + c] - b.rgba[i + c]));
+        differ += most > steps;
+    }
+    return 4.0 * static_cast<double>(differ) / static_cast<double>(a.rgba.size());
+}
+
+// The same rays from the same place: what is left is the rounding of cameras that are cut into blocks, which moves an
+// edge of a leaf or of a shadow over the middle of a few pixels.
+constexpr double kSamePicture = 0.002;
+// What moves, is added or lit otherwise is seen by more.
+constexpr double kOtherPicture = 0.005;
+constexpr int kSteps = 8;
+
+inline bool same(const Image& a, const Image& b) {
+    return share_that_differs(a, b, kSteps) <= kSamePicture;
+}
+inline bool other(const Image& a, const Image& b) {
+    return a.width == b.width && a.height == b.height && share_that_differs(a, b, kSteps) > kOtherPicture;
+}
+
+// A stage with a person of two seconds, `anna`, and what `neuvv stage new` puts on it.
+struct ViewerWindow : testing::Test {
+    TemporaryFolder folder;
+    std::string clip = file("waver.nvv"), stage = file("show.gltf");
+    std::optional<VirtualScreen> screen;
+
+    void SetUp() override {
+        if (const std::string why = why_no_hands(); !why.empty()) GTEST_SKIP() << why;
+        write_nvv(clip, waver_tree());
+        done({"stage", "new", stage});
+        done({"stage", "add", stage, clip, "--name", "anna"});
+        screen.emplace(folder.path);
+    }
+    std::string file(const char* name) const { return (folder.path / name).string(); }
+    static void done(const std::vector<std::string>& arguments) {
+        const ProgramResult result = run_neuvv(arguments);
+        ASSERT_EQ(result.code, 0) << result.err;
+    }
+    std::unique_ptr<Hands> open(const std::string& what, const std::string& size = "640x400") const {
+        return std::make_unique<Hands>(*screen, folder.path, std::vector<std::string>{what, "--size", size});
+    }
+    // What `neuvv render` makes of the stage through its camera, as large as the picture.
+    Image rendered(const Image& as, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> words{"render", stage,
+                                       "-o",     file("rendered.png"),
+                                       "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
+        words.insert(words.end(), more.begin(), more.end());
+        done(words);
+        return read_png(file("rendered.png"));
+    }
+    nlohmann::json saved() const { return nlohmann::json::parse(read_text(stage)); }
+    // The node's number in the file; that of no node where there is none.
+    static size_t node(const nlohmann::json& document, const std::string& name) {
+        size_t i = 0;
+        while (i < document["nodes"].size() && document["nodes"][i].value("name", "") != name) i++;
+        return i;
+    }
+};
+
+}  // namespace neuvv::test

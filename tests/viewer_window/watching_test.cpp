@@ -1,0 +1,205 @@
+// To watch: opening, playing, looking around, the window itself.
+#include "viewer_window/viewer_window.h"
+
+namespace neuvv::test {
+namespace {
+
+using nlohmann::json;
+using Watching = ViewerWindow;
+constexpr double kFps = 4;  // of the waver
+
+TEST(ViewerWindowComparison, TellsPicturesApart) {
+    Image plain(40, 30), marked = plain;
+    std::fill(plain.rgba.begin(), plain.rgba.end(), uint8_t{100});
+    marked = plain;
+    EXPECT_TRUE(same(plain, marked));
+    for (uint32_t x = 0; x < 7; x++) marked.at(x, 5)[1] = 120;
+    EXPECT_TRUE(other(plain, marked));
+    EXPECT_FALSE(same(plain, marked));
+    EXPECT_FALSE(same(plain, Image(30, 40)));
+    EXPECT_FALSE(other(plain, Image(30, 40)));
+}
+
+TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    const Image shown = hands->picture();
+    hands->until_notice("saved " + folder.path.string());
+    EXPECT_TRUE(same(shown, rendered(shown)));
+    EXPECT_TRUE(other(shown, rendered(shown, {"--time", "1.5"}))) << "another instant would be seen";
+
+    const Image window = hands->window();
+    EXPECT_EQ(window.width, 640u);
+    EXPECT_EQ(window.height, 400u);
+    const std::vector<double> at = hands->seen()["items"]["picture"];
+    const uint32_t tools = 64;                          // their width
+    Image part(shown.width - tools, shown.height / 2);  // above the notices
+    Image above(part.width, part.height);
+    for (uint32_t y = 0; y < part.height; y++)
+        for (uint32_t x = 0; x < part.width; x++) {
+            const auto left = static_cast<uint32_t>(at[0]), top = static_cast<uint32_t>(at[1]);
+            std::copy_n(window.at(left + tools + x, top + y), 4, part.at(x, y));
+            std::copy_n(shown.at(tools + x, y), 4, above.at(x, y));
+        }
+    EXPECT_LE(share_that_differs(part, above, 0), 0.05) << "the same pixels, but for handles and signs";
+}
+
+TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
+    const auto hands = open(clip);
+    const json report = hands->until_rest();
+    EXPECT_EQ(report["open"], file("waver.gltf"));
+    EXPECT_EQ(report["modified"], false);
+    const Image person = hands->picture();
+    const uint8_t* corner = person.at(2, 2);
+    size_t seen = 0;
+    for (size_t i = 0; i < person.rgba.size(); i += 4) seen += std::abs(person.rgba[i] - corner[0]) > kSteps;
+    EXPECT_GT(seen, person.rgba.size() / 4 / 50) << "somebody stands there";
+}
+
+TEST_F(Watching, PlaysAndPauses) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    const Image first = hands->picture();
+    hands->key("space");
+    hands->until("time to go on", [](const json& now) { return now["playing"] == true && now["time_s"] > 0.3; });
+    hands->key("space");
+    const double paused_s = hands->until_rest()["time_s"];
+    const Image later = hands->picture();
+    const json still = hands->until_rest();
+    EXPECT_EQ(still["playing"], false);
+    EXPECT_EQ(still["time_s"], paused_s);
+    EXPECT_TRUE(same(later, rendered(later, {"--time", std::to_string(paused_s)}))) << paused_s;
+    EXPECT_TRUE(other(first, rendered(first, {"--time", "1.5"}))) << "time is seen";
+
+    hands->key("period");
+    const double stepped_s = hands->until_rest()["time_s"];
+    EXPECT_NEAR(stepped_s * kFps, std::round(stepped_s * kFps), 1e-6) << "on a picture";
+    EXPECT_NE(stepped_s, paused_s);
+}
+
+TEST_F(Watching, LooksAroundAndComesToRest) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    Image before = hands->picture();
+    const auto changes_by = [&](const char* what, const std::function<void()>& act) {
+        const uint64_t view = hands->seen()["view"];
+        act();
+        EXPECT_GT(hands->until_rest()["view"], view) << what;
+        Image after = hands->picture();
+        EXPECT_TRUE(other(before, after)) << what;
+        before = std::move(after);
+    };
+    changes_by("orbit", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.8, 0.25)); });
+    changes_by("pan", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.6, 0.3), 2); });
+    changes_by("turn", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.55, 0.2), 3); });
+    changes_by("closer", [&] { hands->wheel(hands->in_picture(0.5, 0.2), 3); });
+    changes_by("fly", [&] {
+        for (int i = 0; i < 3; i++) hands->key("d");
+    });
+    EXPECT_EQ(hands->seen()["modified"], false) << "nothing of it is an edit";
+}
+
+// A person's clicks are short, and pictures may take long: none is lost.
+TEST_F(Watching, ShortPressesAreNotLost) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    for (int i = 0; i < 6; i++) hands->key("period");
+    EXPECT_NEAR(hands->until_rest()["time_s"].get<double>() * kFps, 6, 1e-6);
+    for (int i = 0; i < 4; i++) hands->key("comma");
+    EXPECT_NEAR(hands->until_rest()["time_s"].get<double>() * kFps, 2, 1e-6);
+}
+
+TEST_F(Watching, TheWindowTakesAnySize) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    const auto picture_width = [&](const json& now) { return now["items"]["picture"][2].get<double>(); };
+    const double width = picture_width(hands->seen());
+    hands->resize(840, 460);
+    hands->until("a wider picture", [&](const json& now) { return picture_width(now) == width + 200; });
+    hands->until_rest();
+    const Image large = hands->picture();
+    EXPECT_EQ(large.width, std::lround(width + 200));
+    EXPECT_TRUE(same(large, rendered(large)));
+
+    for (const auto& [w, h] : {std::pair(200, 100), std::pair(41, 33), std::pair(1280, 30), std::pair(640, 400)}) {
+        hands->resize(w, h);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    hands->until("the first size", [&](const json& now) { return picture_width(now) == width; });
+    hands->until_rest();
+    const Image again = hands->picture();
+    EXPECT_TRUE(same(again, rendered(again)));
+}
+
+TEST_F(Watching, AWindowThatIsAwayComesBack) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    const Image before = hands->picture();
+    hands->minimise();
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    hands->show_again();
+    hands->key("period");
+    hands->key("comma");
+    hands->until_rest();
+    EXPECT_TRUE(same(before, hands->picture()));
+
+    hands->key("F11");
+    const json full = hands->until("the whole screen", [](const json& now) {
+        const std::vector<double> at = now["items"]["picture"];
+        return at[2] > 900 && at[3] > 500;
+    });
+    hands->until_rest();
+    hands->key("F11");
+    hands->until("the window again", [&](const json& now) {
+        const std::vector<double> at = now["items"]["picture"];
+        return at[2] == before.width && at[3] == before.height;
+    });
+    hands->until_rest();
+    EXPECT_TRUE(same(before, hands->picture()));
+}
+
+TEST_F(Watching, PanelsGoAwayAndHelpComes) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    const double width = hands->seen()["items"]["picture"][2];
+    hands->key("Tab");
+    hands->until("no panels", [&](const json& now) { return now["items"]["picture"][2] == 640.0; });
+    const Image wide = hands->picture();
+    EXPECT_TRUE(same(wide, rendered(wide)));
+    hands->key("Tab");
+    hands->until("panels", [&](const json& now) { return now["items"]["picture"][2] == width; });
+    hands->until_rest();
+    const Image without = hands->window();
+    hands->key("shift+slash");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_TRUE(other(without, hands->window()));
+}
+
+TEST_F(Watching, WhatCannotBeOpenedIsSaid) {
+    write_text(file("broken.gltf"), R"({"asset":{"version":"2.0"},"nodes":[{"extensions":)");
+    const auto hands = open(file("broken.gltf"));
+    hands->until_notice("broken.gltf");
+    EXPECT_EQ(hands->seen()["open"], "");
+    hands->key("ctrl+q");
+    EXPECT_EQ(hands->wait_for_end(), 0);
+}
+
+TEST_F(Watching, QuitsWithCodeZero) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    hands->click("menu/File");
+    hands->click("menu/Quit");
+    EXPECT_EQ(hands->wait_for_end(), 0);
+}
+
+TEST(ViewerWithoutDisplay, SaysSoInOneLine) {
+    for (const char* display : {"", ":987"}) {
+        const ProgramResult result = run_neuvv({"view"}, std::string("env -u WAYLAND_DISPLAY DISPLAY=") + display);
+        EXPECT_EQ(result.code, 1) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_NE(result.err.find("neuvv render"), std::string::npos) << result.err;
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test

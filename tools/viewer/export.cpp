@@ -1,0 +1,86 @@
+#include "tools/viewer/export.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/error.h"
+#include "tools/viewer/blocks.h"
+
+namespace neuvv {
+
+namespace {
+
+// A block's rays, at most: some tens of milliseconds on a software device.
+constexpr uint32_t kBlockPixels = 512;
+
+}  // namespace
+
+Export::Export(ExportSettings settings)
+    : settings_(std::move(settings)), picture_(settings_.size.width, settings_.size.height) {
+    prepare_output_file("export", settings_.output.path);
+    if (settings_.output.exr)
+        throw InputError("export", settings_.output.path.string(), "the viewer writes no linear pictures",
+                         "choose .png or .mp4, or `neuvv render`");
+    if (settings_.output.kind == PictureOutput::Kind::kPicture && settings_.pictures > 1)
+        throw InputError("export", settings_.output.path.string(), "is one picture",
+                         "choose an .mp4, or a number as in out_%04d.png");
+}
+
+std::optional<Export::End> Export::end() const {
+    const std::lock_guard lock(mutex_);
+    return end_;
+}
+
+bool Export::stop(std::string text, bool error) {
+    sink_.reset();
+    const std::lock_guard lock(mutex_);
+    end_ = End{std::move(text), error};
+    return false;
+}
+
+bool Export::step(OnDevice& on_device) {
+    if (cancelled_) return stop(fmt::format("export cancelled after {} pictures", finished_pictures()), false);
+    try {
+        if (!sink_)
+            sink_ =
+                std::make_unique<PictureSink>(settings_.output, settings_.size, settings_.fps, RenderFacts{}, false);
+        draw_block(on_device);
+        if (block_ < side_ * side_) return true;
+        finish_picture();
+        if (finished_ < settings_.pictures) return true;
+        sink_->finish(settings_.pictures);
+    } catch (const InputError& problem) {
+        return stop(problem.what(), true);
+    } catch (const RuntimeFailure& problem) {
+        return stop(problem.what(), true);
+    }
+    return stop(fmt::format("exported {}", settings_.output.path.string()), false);
+}
+
+void Export::draw_block(OnDevice& on_device) {
+    const StageInstant instant = stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
+    const Camera camera = settings_.camera(on_device.stage, instant);
+    on_device.renderer.show(instant, settings_.with_background);
+    FrameSettings settings = on_device.renderer.settings_at(instant);
+    if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
+        side_ = blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
+                              std::min(settings.height, kBlockPixels) / settings_.samples);
+    const Block block = block_of(camera, block_++, side_);
+    if (block.camera.width == 0 || block.camera.height == 0) return;
+    settings.width = block.camera.width;
+    settings.height = block.camera.height;
+    settings.samples = settings_.samples;
+    if (!settings_.with_background) settings.resolve.background = glm::vec4(0);
+    const Image drawn = on_device.renderer.frames().render(block.camera, settings);
+    for (uint32_t y = 0; y < drawn.height; y++)
+        std::memcpy(picture_.at(block.left, block.top + y), drawn.at(0, y), size_t{4} * drawn.width);
+}
+
+void Export::finish_picture() {
+    sink_->add(finished_, picture_);
+    block_ = 0;
+    finished_++;
+}
+
+}  // namespace neuvv

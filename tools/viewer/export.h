@@ -1,0 +1,60 @@
+// Pictures and videos of the stage, drawn between the pictures of the window and written as they come.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "tools/picture_sink.h"
+#include "tools/viewer/drawer.h"
+
+namespace neuvv {
+
+struct ExportSettings {
+    PictureOutput output;  // no .exr
+    PictureSize size{1920, 1080};
+    double fps = 25, first_s = 0;
+    uint32_t pictures = 1, samples = 2;
+    // At an instant of the stage, of the export's size.
+    std::function<Camera(const Stage& stage, const StageInstant& instant)> camera;
+    bool with_background = true;  // else pictures keep their alpha
+};
+
+// One export. The window's thread makes it, asks it and cancels it; the drawer's does its steps.
+class Export {
+  public:
+    // Throws InputError where the settings do not fit together, or the file cannot be written.
+    explicit Export(ExportSettings settings);
+
+    // A step: a block of a picture, in about the time of a moving picture. False: it is over.
+    bool step(OnDevice& on_device);
+
+    void cancel() { cancelled_ = true; }
+    uint32_t finished_pictures() const { return finished_; }
+    const ExportSettings& settings() const { return settings_; }
+    // What there is to say when it is over, and whether that is an error.
+    struct End {
+        std::string text;
+        bool error = false;
+    };
+    std::optional<End> end() const;
+
+  private:
+    void draw_block(OnDevice& on_device);
+    void finish_picture();
+    bool stop(std::string text, bool error);
+
+    ExportSettings settings_;
+    std::atomic<bool> cancelled_ = false;
+    std::atomic<uint32_t> finished_ = 0;
+    mutable std::mutex mutex_;
+    std::optional<End> end_;
+    // The drawer's.
+    std::unique_ptr<PictureSink> sink_;
+    uint32_t block_ = 0, side_ = 1;  // of side × side in the picture that is drawn
+    Image picture_;
+};
+
+}  // namespace neuvv

@@ -1,0 +1,172 @@
+// What the viewer asks about files.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+
+#include "base/error.h"
+#include "tools/options.h"
+
+#include "tools/viewer/files.h"
+#include "tools/viewer/signs.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+namespace {
+
+bool button(Viewer& viewer, const char* name, bool enabled = true) {
+    ImGui::BeginDisabled(!enabled);
+    const bool pressed = ImGui::Button(name, {viewer.ui(110), 0});
+    ImGui::EndDisabled();
+    viewer.report.item(std::string("question/") + name);
+    ImGui::SameLine();
+    return pressed;
+}
+
+// Of numbered pictures the first, else the file itself.
+std::filesystem::path first_of(const std::filesystem::path& path) {
+    try {
+        return parse_output(path.string()).file(0);
+    } catch (const InputError&) {
+        return path;
+    }
+}
+
+}  // namespace
+
+void Files::panel() {
+    constexpr const char* kName = "###question";
+    if (!question_) return;
+    const char* titles[] = {"Unsaved edits", "Recover edits", question_->title.c_str()};
+    const std::string title = std::string(titles[static_cast<size_t>(question_->kind)]) + kName;
+    if (!ImGui::IsPopupOpen(title.c_str())) ImGui::OpenPopup(title.c_str());
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+    if (!ImGui::BeginPopupModal(
+            title.c_str(), nullptr,
+            ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove))
+        return;
+    switch (question_->kind) {
+        case FileQuestion::Kind::kUnsaved:
+            unsaved_panel();
+            break;
+        case FileQuestion::Kind::kRecover:
+            recover_panel();
+            break;
+        case FileQuestion::Kind::kPath:
+            path_panel();
+            break;
+    }
+    if (!question_) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+}
+
+void Files::unsaved_panel() {
+    ImGui::Text("%s has edits that are not saved.", viewer_.editor.file().path.filename().string().c_str());
+    ImGui::Spacing();
+    const auto afterwards = question_->afterwards;
+    if (button(viewer_, "Save")) {
+        const bool on_disk = viewer_.editor.file().saved->on_disk;
+        close_question();
+        if (on_disk)
+            save_to(viewer_.editor.file().path, afterwards);
+        else
+            ask_path("Save stage as", {".gltf"}, true, viewer_.editor.file().path.filename().string(),
+                     [this, afterwards](const std::filesystem::path& path) { save_to(path, afterwards); });
+        return;
+    }
+    if (button(viewer_, "Discard")) {
+        close_question();
+        forget_stored();
+        afterwards();
+        return;
+    }
+    if (button(viewer_, "Cancel") || viewer_.escape) close_question();
+}
+
+void Files::recover_panel() {
+    const RecoveryEntry& entry = question_->entries.front();
+    const auto when = static_cast<std::time_t>(entry.when_s);
+    ImGui::TextUnformatted(fmt::format("{} was edited until {:%F %H:%M:%S} and not saved.",
+                                       entry.stage.filename().string(), fmt::localtime(when))
+                               .c_str());
+    if (entry.changed) ImGui::TextUnformatted("Its file has changed since; recovered edits go over it when you save.");
+    ImGui::Spacing();
+    if (button(viewer_, "Recover")) {
+        const RecoveryEntry chosen = entry;
+        close_question();
+        return recover(chosen);
+    }
+    const auto then = question_->then;
+    const std::filesystem::path path = question_->folder;
+    if (button(viewer_, "Discard")) {
+        for (const RecoveryEntry& one : question_->entries) discard(one);
+        close_question();
+        return then(path);
+    }
+    if (button(viewer_, "Decide later") || viewer_.escape) {
+        close_question();
+        then(path);
+    }
+}
+
+void Files::path_panel() {
+    FileQuestion& question = *question_;
+    const ImVec2 window = ImGui::GetIO().DisplaySize;
+    const ImVec2 list{std::min(viewer_.ui(560), window.x - viewer_.ui(60)),
+                      std::min(viewer_.ui(320), window.y - viewer_.ui(190))};
+    if (ImGui::Button(SIGN_LEVEL_UP)) return list_folder(question.folder.parent_path());
+    viewer_.report.item("question/up");
+    ImGui::SameLine();
+    std::string folder = question.folder.string();
+    ImGui::SetNextItemWidth(list.x - ImGui::GetItemRectSize().x - ImGui::GetStyle().ItemSpacing.x);
+    if (ImGui::InputText("##folder", &folder, ImGuiInputTextFlags_EnterReturnsTrue)) return list_folder(folder);
+    viewer_.report.item("question/folder");
+    ImGui::BeginChild("files", list, true);
+    for (const Listed& one : listed_) {
+        const std::string text = fmt::format("{}  {}", one.folder ? SIGN_FOLDER : SIGN_FILE, one.name);
+        const bool clicked = ImGui::Selectable(text.c_str(), !one.folder && one.name == question.name,
+                                               ImGuiSelectableFlags_AllowDoubleClick);
+        viewer_.report.item("question/file/" + one.name);
+        if (!clicked) continue;
+        if (one.folder) {
+            list_folder(question.folder / one.name);
+            break;
+        }
+        question.name = one.name;
+        if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+            ImGui::EndChild();
+            return choose(question.folder / question.name);
+        }
+    }
+    ImGui::EndChild();
+    ImGui::SetNextItemWidth(list.x);
+    const bool entered = ImGui::InputText("##name", &question.name, ImGuiInputTextFlags_EnterReturnsTrue);
+    viewer_.report.item("question/name");
+    if (!confirmed_.empty() && confirmed_ == question.folder / question.name)
+        ImGui::TextUnformatted("There is a file of this name. Save again to replace it.");
+    if (button(viewer_, question.to_save ? "Save" : "Open", !question.name.empty()) || entered)
+        return choose(question.folder / question.name);
+    if (button(viewer_, "Cancel") || viewer_.escape) close_question();
+}
+
+void Files::choose(const std::filesystem::path& chosen) {
+    std::filesystem::path path = chosen;
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) return list_folder(path);
+    if (question_->to_save && !question_->endings.empty() && path.extension().empty()) path += question_->endings[0];
+    if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
+        question_->name = path.filename().string();
+        confirmed_ = path;
+        return;
+    }
+    const auto then = question_->then;
+    close_question();
+    then(path);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,276 @@
+#include "tools/viewer/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "edit/operations.h"
+#include "tools/options.h"
+#include "tools/viewer/open_file.h"
+#include "tools/viewer/viewer.h"
+#include "voctree/clip.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kWatchEvery_s = 1;
+
+std::filesystem::path recovery_folder() {
+    const std::filesystem::path folder = state_folder();
+    return folder.empty() ? folder : folder / "recovery";
+}
+
+bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
+    return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return path.extension() == e; });
+}
+
+}  // namespace
+
+Files::Files(Viewer& viewer) : viewer_(viewer) {}
+
+// An export's pictures are all of one stage.
+bool Files::refused_by_export() {
+    if (!viewer_.exporting) return false;
+    viewer_.editor.tell("an export goes on: cancel it first", true);
+    return true;
+}
+
+void Files::open(const std::filesystem::path& path) {
+    when_saved_or_given_up([this, path] { open_now(path); });
+}
+
+// Edits of a process that is gone are offered before the stage is read.
+void Files::open_now(const std::filesystem::path& path) {
+    viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
+        std::vector<RecoveryEntry> entries;
+        if (!recovery_folder().empty())
+            for (RecoveryEntry& entry : find_recovery(recovery_folder(), stage_of_file(path)))
+                if (!entry.alive) entries.push_back(std::move(entry));
+        return [this, path, entries] {
+            if (entries.empty() || question_) return read(path);
+            question_ = FileQuestion{};
+            question_->kind = FileQuestion::Kind::kRecover;
+            question_->entries = entries;
+            question_->then = [this](const std::filesystem::path& of) { read(of); };
+            question_->folder = path;
+            viewer_.redraw();
+        };
+    });
+}
+
+void Files::read(const std::filesystem::path& path) {
+    viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path, number = viewer_.editor.id()] {
+        auto document = std::make_shared<Document>(open_document(path));
+        return [this, document, path, number] {
+            // Edits that were made while it was read are asked about again.
+            if (viewer_.editor.modified() && viewer_.editor.id() != number) return open(path);
+            opened(std::move(*document), false);
+            remember_file(viewer_.preferences, std::filesystem::absolute(path));
+        };
+    });
+}
+
+void Files::recover(const RecoveryEntry& entry) {
+    viewer_.work.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
+        auto document = std::make_shared<Document>(restore(entry));
+        return [this, document, entry] {
+            opened(std::move(*document), true);
+            recovered_ = entry;
+            viewer_.editor.tell("recovered unsaved edits; save to keep them");
+        };
+    });
+}
+
+void Files::opened(Document document, bool modified) {
+    recovery_ = recovery_folder().empty() ? nullptr : std::make_shared<RecoveryWriter>(recovery_folder());
+    recovered_.reset();
+    viewer_.gizmo.reset();
+    viewer_.held_light.reset();
+    stored_id_ = 0;
+    clips_.clear();
+    viewer_.editor.open(std::move(document), modified);
+    viewer_.redraw();
+}
+
+void Files::new_stage() {
+    when_saved_or_given_up([this] {
+        const std::filesystem::path path = absolute_path("stage.gltf");
+        opened({neuvv::new_stage(path), {}, {}}, true);
+    });
+}
+
+void Files::save() {
+    if (!viewer_.editor.is_open()) return;
+    if (viewer_.editor.file().saved->on_disk)
+        save_to(viewer_.editor.file().path, {});
+    else
+        save_as();
+}
+
+void Files::save_as() {
+    if (!viewer_.editor.is_open()) return;
+    const bool binary = viewer_.editor.file().saved->binary;
+    ask_path("Save stage as", {binary ? ".glb" : ".gltf"}, true, viewer_.editor.file().path.filename().string(),
+             [this](const std::filesystem::path& path) { save_to(path, {}); });
+}
+
+void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
+    viewer_.editor.end_drag();
+    auto document = std::make_shared<Document>(viewer_.editor.document());
+    const uint64_t id = viewer_.editor.id(), number = viewer_.editor.opened();
+    viewer_.work.start(fmt::format("Saving {}", path.filename().string()), [this, document, path, id, number, then] {
+        save_document(*document, path);
+        return [this, document, path, id, number, then] {
+            viewer_.editor.saved(*document, number, id);
+            if (!viewer_.editor.modified()) forget_stored();
+            viewer_.editor.tell(fmt::format("saved {}", path.string()));
+            remember_file(viewer_.preferences, std::filesystem::absolute(path));
+            if (then) then();
+        };
+    });
+}
+
+void Files::take(const std::filesystem::path& dropped) {
+    Editor& editor = viewer_.editor;
+    std::error_code error;
+    if (!editor.is_open() || is_stage(dropped.string()) || std::filesystem::is_directory(dropped, error))
+        return open(dropped);
+    if (has_clip_ending(dropped)) {
+        PerformerEdit performer;
+        performer.clip = dropped;
+        editor.edit([&](Document& d) { return add_performer(d.file, dropped.stem().string(), performer, {}); });
+    } else if (is_one_of(dropped, {".nvpaint"})) {
+        if (!editor.selected()) return editor.tell("select the performer that shall wear this paint first", true);
+        editor.edit([&](Document& d) { return add_paint_layer(d.file, *editor.selected(), dropped, {}); });
+    } else if (is_one_of(dropped, {".png"})) {
+        StageEdit stage;
+        stage.environment = dropped;
+        editor.edit([&](Document& d) { return set_stage(d.file, stage); });
+    } else {
+        editor.tell(fmt::format("{}: is no stage, clip, paint or picture (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
+                                dropped.filename().string()),
+                    true);
+    }
+}
+
+void Files::ask_path(std::string title, std::vector<std::string> endings, bool to_save, const std::string& name,
+                     std::function<void(const std::filesystem::path&)> then) {
+    if (question_) return;
+    question_ = FileQuestion{};
+    question_->kind = FileQuestion::Kind::kPath;
+    question_->title = std::move(title);
+    question_->endings = std::move(endings);
+    question_->to_save = to_save;
+    question_->name = name;
+    question_->then = std::move(then);
+    list_folder(viewer_.editor.is_open() ? viewer_.editor.file().path.parent_path() : ".");
+}
+
+void Files::list_folder(const std::filesystem::path& folder) {
+    question_->folder = absolute_path(folder.empty() ? "." : folder);
+    viewer_.work.start("", [this, of = question_->folder, endings = question_->endings] {
+        std::vector<Listed> listed;
+        std::error_code error;
+        for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
+            const std::string name = entry.path().filename().string();
+            const bool is_folder = entry.is_directory(error);
+            const bool fits =
+                is_folder || std::find(endings.begin(), endings.end(), entry.path().extension()) != endings.end();
+            if (!name.starts_with('.') && fits) listed.push_back({name, is_folder});
+        }
+        std::sort(listed.begin(), listed.end(), [](const Listed& a, const Listed& b) {
+            return std::pair(!a.folder, a.name) < std::pair(!b.folder, b.name);
+        });
+        return [this, of, listed] {
+            if (question_ && question_->folder == of) listed_ = listed;
+            viewer_.redraw();
+        };
+    });
+}
+
+void Files::when_saved_or_given_up(std::function<void()> then) {
+    if (question_ || refused_by_export()) return;
+    viewer_.editor.end_drag();
+    if (!viewer_.editor.modified()) {
+        forget_stored();
+        return then();
+    }
+    question_ = FileQuestion{};
+    question_->afterwards = std::move(then);
+    viewer_.redraw();
+}
+
+void Files::close_question() {
+    question_.reset();
+    confirmed_.clear();
+    listed_.clear();
+}
+
+void Files::tick() {
+    if (viewer_.now_s - stored_s_ >= kStoreEvery_s) store();
+    if (viewer_.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
+}
+
+// One at a time, of a copy.
+void Files::store() {
+    const Editor& editor = viewer_.editor;
+    if (!recovery_ || storing_ || !editor.is_open() || editor.id() == stored_id_) return;
+    stored_s_ = viewer_.now_s;
+    storing_ = true;
+    const bool modified = editor.modified() || editor.dragging();
+    viewer_.work.start("", [this, modified, id = editor.id(), document = std::make_shared<Document>(editor.document()),
+                            writer = recovery_, from = recovered_] {
+        std::string problem;
+        try {
+            if (modified)
+                writer->store(*document);
+            else
+                writer->discard();
+            if (from) discard(*from);
+        } catch (const std::exception& error) {
+            problem = error.what();
+        }
+        return [this, modified, id, problem] {
+            storing_ = false;
+            recovered_.reset();
+            stored_id_ = id;
+            if (!problem.empty()) viewer_.editor.tell("unsaved edits cannot be kept for recovery: " + problem, true);
+        };
+    });
+}
+
+// Behind what is being stored.
+void Files::forget_stored() {
+    if (!recovery_) return;
+    viewer_.work.start("", [writer = recovery_, from = std::exchange(recovered_, std::nullopt)]() -> Work::Then {
+        writer->discard();
+        if (from) discard(*from);
+        return {};
+    });
+}
+
+// A training run writes its clip anew with each checkpoint.
+void Files::watch_clips() {
+    if (!viewer_.stage || !viewer_.work.idle() || viewer_.exporting) return;
+    watched_s_ = viewer_.now_s;
+    std::vector<std::filesystem::path> paths;
+    for (const StageClip& clip : viewer_.stage->clips) paths.push_back(clip.path);
+    viewer_.work.start("", [this, paths, before = clips_]() -> Work::Then {
+        auto now = before;
+        now.clear();
+        for (const std::filesystem::path& path : paths) {
+            std::error_code error;
+            now.emplace_back(path, std::filesystem::last_write_time(path, error));
+        }
+        if (now == before) return {};
+        return [this, now, first = before.empty()] {
+            clips_ = now;
+            if (!first) viewer_.show_again();
+        };
+    });
+}
+
+}  // namespace neuvv

@@ -1,0 +1,99 @@
+// Files of the viewer: what is open, what is saved, what is recovered, what was opened lately.
+//
+// All reading and writing is Work. What closes a document (opening another, quitting) asks first where there are
+// unsaved edits; a copy of those goes to the recovery folder every kStoreEvery_s.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edit/recovery.h"
+#include "tools/viewer/preferences.h"
+
+namespace neuvv {
+
+class Viewer;
+
+constexpr double kStoreEvery_s = 2;
+
+// What the user is asked: one at a time, each in a modal.
+struct FileQuestion {
+    enum class Kind { kUnsaved, kRecover, kPath } kind = Kind::kUnsaved;
+    // kPath:
+    std::string title;
+    std::vector<std::string> endings;  // ".nvv"; of files that can be chosen
+    bool to_save = false;
+    std::filesystem::path folder;
+    std::string name;  // typed
+    std::function<void(const std::filesystem::path&)> then;
+    // kRecover:
+    std::vector<RecoveryEntry> entries;
+    // kUnsaved:
+    std::function<void()> afterwards;
+};
+
+class Files {
+  public:
+    explicit Files(Viewer& viewer);
+
+    // A stage, a clip, a folder of clips. Asks about unsaved edits, then whether to recover lost ones.
+    void open(const std::filesystem::path& path);
+    void new_stage();
+    // Where it has a file, else asks for one.
+    void save();
+    void save_as();
+    // Dropped on the window: a stage is opened; clips, paint and pictures go onto the stage that is open.
+    void take(const std::filesystem::path& dropped);
+
+    // Asks for a path, then calls `then` on the window's thread. `to_save`: it need not exist; where it does,
+    // overwriting is confirmed.
+    void ask_path(std::string title, std::vector<std::string> endings, bool to_save, const std::string& name,
+                  std::function<void(const std::filesystem::path&)> then);
+    // Now where nothing would be lost, else after the user has decided; never, where the user cancels.
+    void when_saved_or_given_up(std::function<void()> then);
+
+    // Each frame: stores unsaved edits for recovery, looks whether clips were written anew.
+    void tick();
+    // Draws what is asked.
+    void panel();
+
+  private:
+    void open_now(const std::filesystem::path& path);
+    void read(const std::filesystem::path& path);
+    void opened(Document document, bool modified);
+    void recover(const RecoveryEntry& entry);
+    void save_to(const std::filesystem::path& path, std::function<void()> then);
+    void store();
+    void forget_stored();
+    bool refused_by_export();
+    void watch_clips();
+    void path_panel();
+    void unsaved_panel();
+    void recover_panel();
+    void close_question();
+
+    void list_folder(const std::filesystem::path& folder);
+    void choose(const std::filesystem::path& path);
+
+    Viewer& viewer_;
+    struct Listed {
+        std::string name;
+        bool folder = false;
+    };
+    std::vector<Listed> listed_;       // of the question's folder
+    std::filesystem::path confirmed_;  // the user was told that this file will be replaced
+    std::optional<FileQuestion> question_;
+    // Used by jobs alone, one after the other, until the last of them has gone.
+    std::shared_ptr<RecoveryWriter> recovery_;
+    std::optional<RecoveryEntry> recovered_;  // what the document came from; kept until it is stored anew
+    bool storing_ = false;
+    uint64_t stored_id_ = 0;
+    double stored_s_ = 0, watched_s_ = 0;
+    std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;
+};
+
+}  // namespace neuvv

@@ -1,0 +1,80 @@
+#include "tools/viewer/layer_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+const nlohmann::ordered_json* node_of(const StageFile& file, uint32_t node) {
+    const auto nodes = file.json.find("nodes");
+    return nodes != file.json.end() && node < nodes->size() ? &(*nodes)[node] : nullptr;
+}
+
+std::string node_name(const StageFile& file, uint32_t node) {
+    const nlohmann::ordered_json* json = node_of(file, node);
+    const std::string name = json ? json->value("name", "") : "";
+    return name.empty() ? fmt::format("node {}", node) : name;
+}
+
+}  // namespace
+
+std::optional<std::vector<ListedLayer>> layers_of(const StageFile& file, uint32_t node) {
+    const nlohmann::ordered_json* json = node_of(file, node);
+    if (!json || !json->contains("extensions") || !(*json)["extensions"].contains(kPerformerExtension)) return {};
+    const nlohmann::ordered_json& performer = (*json)["extensions"][kPerformerExtension];
+    std::vector<ListedLayer> layers;
+    const auto list = performer.find("paint");
+    if (list == performer.end()) return layers;
+    for (const nlohmann::ordered_json& layer : *list) {
+        PaintLayer entry = paint_layer_of(layer, file.path.string(), fmt::format("/nodes/{}", node));
+        layers.push_back({paint_path(file, entry.uri), std::move(entry)});
+    }
+    return layers;
+}
+
+std::string title_of(const ListedLayer& layer) {
+    return layer.entry.name.empty() ? layer.path.stem().string() : layer.entry.name;
+}
+
+std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
+    std::set<std::filesystem::path> taken;
+    const auto nodes = document.file.json.find("nodes");
+    const size_t count = nodes != document.file.json.end() ? nodes->size() : 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (const ListedLayer& layer : layers_of(document.file, i).value_or(std::vector<ListedLayer>{}))
+            taken.insert(layer.path);
+    std::string stem = node_name(document.file, node);
+    for (char& letter : stem)
+        if (!std::isalnum(static_cast<unsigned char>(letter)) && static_cast<unsigned char>(letter) < 0x80)
+            letter = '-';
+    const std::filesystem::path folder = absolute_path(document.file.path).parent_path();
+    for (uint32_t number = 1;; number++) {
+        const std::string name = number == 1 ? stem + ".nvpaint" : fmt::format("{}-{}.nvpaint", stem, number);
+        const std::filesystem::path path = paint_path(document.file, uri_of_file(document.file, folder / name));
+        std::error_code error;
+        if (!taken.contains(path) && !document.paint.contains(path) && !std::filesystem::exists(path, error))
+            return path;
+    }
+}
+
+std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+                      std::shared_ptr<const EditLayer> layer, const std::string& what) {
+    const auto worn = layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
+    if (std::none_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; })) {
+        PaintEdit entry;
+        entry.name = name;
+        add_paint_layer(document.file, node, path, entry);
+    }
+    document.paint[path] = std::move(layer);
+    return fmt::format("{}: {}", node_name(document.file, node), what);
+}
+
+}  // namespace neuvv

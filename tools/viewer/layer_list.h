@@ -1,0 +1,32 @@
+// The layers of paint that a performer of the document wears, and how a painted one gets into it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edit/edited_stage.h"
+#include "stage/performer_settings.h"
+
+namespace neuvv {
+
+struct ListedLayer {
+    std::filesystem::path path;  // paint_path
+    PaintLayer entry;
+};
+
+// The lowest first. Nothing where the node is no performer. Of a sound document.
+std::optional<std::vector<ListedLayer>> layers_of(const StageFile& file, uint32_t node);
+
+// What people call it: its name, else its file's.
+std::string title_of(const ListedLayer& layer);
+
+// A .nvpaint beside the stage that neither the disk nor the document has.
+std::filesystem::path free_paint_path(const Document& document, uint32_t node);
+
+// The layer becomes this; one that the performer does not wear yet becomes its uppermost, called `name`. An operation.
+std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+                      std::shared_ptr<const EditLayer> layer, const std::string& what);
+
+}  // namespace neuvv

@@ -1,0 +1,84 @@
+// Handles of the selected light: where it shines, how wide, how far.
+#include <imgui.h>
+
+#include "edit/operations.h"
+#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kReach_m = 3;  // of an aim that nothing stops
+
+// As far as the middle of the performers, so that the aim lies among them.
+std::optional<LightGizmo> gizmo_of_selected(const Viewer& viewer) {
+    const std::optional<uint32_t> node = viewer.editor.selected();
+    if (!node || !viewer.stage_of_document() || is_locked(viewer.editor.file(), *node)) return std::nullopt;
+    for (const InstantLight& light : viewer.instant.lights) {
+        if (light.node != *node) continue;
+        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        const double along = glm::dot((low + high) / 2.0 - light.position, light.direction);
+        return LightGizmo{viewer.camera, aimed_light(light, along > 0.1 ? along : kReach_m)};
+    }
+    return std::nullopt;
+}
+
+// What changed of the light, as one operation.
+std::string set_aimed(StageFile& file, const HeldLight& held, const AimedLight& light) {
+    LightEdit edit;
+    Placement placement;
+    std::string said;
+    if (held.handle == LightHandle::kAim) {
+        placement.aim = glm::dvec3(held.parent_from_world * glm::dvec4(light.aim, 1));
+        return place_node(file, held.node, placement);
+    }
+    if (held.handle == LightHandle::kRange) edit.range_m = light.range_m;
+    if (held.handle == LightHandle::kRim) {
+        edit.outer_cone_deg = glm::degrees(light.outer_cone_rad);
+        edit.inner_cone_deg = glm::degrees(light.inner_cone_rad);
+    }
+    return set_light(file, held.node, edit);
+}
+
+void drag(Viewer& viewer, const HeldLight& held) {
+    const bool snap = viewer.snap != ImGui::GetIO().KeyCtrl;
+    LightGizmo shown = held.grabbed;
+    shown.light = dragged(held.grabbed, held.handle, held.from, pointer_of(viewer), snap);
+    show_handles(viewer, light_shapes(shown), static_cast<int>(held.handle));
+    viewer.editor.drag([&](Document& d) { return set_aimed(d.file, held, shown.light); });
+}
+
+void grab(Viewer& viewer, const LightGizmo& gizmo, LightHandle handle) {
+    const uint32_t node = *viewer.editor.selected();
+    const int32_t parent = viewer.stage->scene.nodes[node].parent;
+    const glm::dmat4 world_from_parent =
+        parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];
+    viewer.held_light = HeldLight{gizmo, handle, pointer_of(viewer), glm::inverse(world_from_parent), node};
+}
+
+}  // namespace
+
+bool light_tool(Viewer& viewer, bool taken) {
+    if (viewer.held_light) {
+        if (viewer.escape) {
+            viewer.editor.cancel_drag();
+            viewer.held_light.reset();
+        } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+            drag(viewer, *viewer.held_light);
+        } else {
+            viewer.held_light.reset();
+        }
+        return true;
+    }
+    const std::optional<LightGizmo> gizmo = gizmo_of_selected(viewer);
+    if (!gizmo) return false;
+    const bool free = viewer.pointer_in_picture && !taken;
+    const LightHandle handle = free ? light_handle_at(*gizmo, pointer_of(viewer)) : LightHandle::kNone;
+    show_handles(viewer, light_shapes(*gizmo), static_cast<int>(handle));
+    if (handle == LightHandle::kNone) return false;
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) grab(viewer, *gizmo, handle);
+    return true;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,48 @@
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include "tools/viewer/look.h"
+#include "tools/viewer/panels.h"
+#include "tools/viewer/signs.h"
+
+namespace neuvv {
+
+namespace {
+
+void line(unsigned colour, const char* sign, const std::string& text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(sign);
+    ImGui::PopStyleColor();
+    ImGui::SameLine();
+    ImGui::TextWrapped("%s", text.c_str());
+}
+
+}  // namespace
+
+// At the bottom of the picture.
+void notices_panel(Viewer& viewer) {
+    const DrawerState& drawn = viewer.drawn;
+    const auto jobs = viewer.work.under_way();
+    const bool nothing = !viewer.editor.is_open() && jobs.empty();
+    if (viewer.notices().empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
+    const Area& area = viewer.picture_area;
+    ImGui::SetNextWindowPos({area.left + viewer.ui(12), area.top + area.height - viewer.ui(12)}, ImGuiCond_Always,
+                            {0, 1});
+    ImGui::SetNextWindowSize({std::min(viewer.ui(520), area.width - viewer.ui(24)), 0});
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::Begin("Notices", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
+    if (nothing) line(kAccent, SIGN_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv) here, or choose File > Open.");
+    for (const std::string& job : jobs) line(kAccent, SIGN_LOOP, job + "…");
+    if (!drawn.loading.empty())
+        line(kAccent, SIGN_LOOP,
+             fmt::format("Reading {}: clip {} of {}…", drawn.loading, drawn.files_read + 1, drawn.files));
+    if (!drawn.problem.empty()) line(kError, SIGN_WARNING, drawn.problem);
+    for (const Notice& notice : viewer.notices())
+        line(notice.error ? kError : kGood, notice.error ? SIGN_WARNING : SIGN_CHECK, notice.text);
+    ImGui::End();
+}
+
+}  // namespace neuvv

@@ -1,0 +1,395 @@
+#include "tools/viewer/paint_tool.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "render/trace.h"
+#include "tools/viewer/paint_task.h"
+#include "tools/viewer/pointer.h"
+#include "tools/viewer/viewer.h"
+#include "voctree/nvpaint.h"
+#include "voctree/nvv.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kRadiusStep = 1.15;
+
+constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restored", "picture projected"};
+
+glm::dvec2 pointer_in(const Viewer& viewer) {
+    const ImVec2 at = ImGui::GetIO().MousePos;
+    return {at.x - viewer.picture_area.left, at.y - viewer.picture_area.top};
+}
+
+}  // namespace
+
+// What goes on from the press of a button to its release, and until the last of it is painted.
+struct PaintTool::Active {
+    uint32_t node = 0;
+    std::filesystem::path path, clip_path;
+    std::string what;
+    uint64_t document = 0;  // as it was left by the stroke; another one: somebody else edits
+    glm::dmat4 world_from_performer{1};
+    std::vector<std::pair<Camera, std::vector<glm::dvec2>>> waiting;
+    glm::dvec2 last{-1e9};
+    bool under_way = false, released = false;
+    // Of the drawer's thread.
+    PaintSubject subject;
+    std::shared_ptr<const EditLayer> before;
+    PaintWork work;
+    float radius_m = 0, hardness = 0;
+    std::optional<Stroke> stroke;
+};
+
+std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
+    if (!viewer.stage || !viewer.editor.is_open()) return {};
+    const std::vector<StagePerformer>& all = viewer.stage->performers;
+    const auto selected = viewer.editor.selected();
+    size_t index = all.size() == 1 ? 0 : all.size();
+    for (size_t i = 0; i < all.size(); i++)
+        if (selected == all[i].node) index = i;
+    if (index >= all.size() || index >= viewer.instant.performers.size()) return {};
+    auto layers = layers_of(viewer.editor.file(), all[index].node);
+    if (!layers) return {};
+    const StageClip& clip = viewer.stage->clips[all[index].clip];
+    const InstantPerformer& stands = viewer.instant.performers[index];
+    return PaintedPerformer{all[index].node, all[index].name,   clip.path,
+                            clip.frames,     stands.frame,      stands.world_from_performer,
+                            stands.visible,  std::move(*layers)};
+}
+
+size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
+    for (size_t i = 0; i < performer.layers.size(); i++)
+        if (performer.layers[i].path == choice.layer) return i;
+    return performer.layers.empty() ? 0 : performer.layers.size() - 1;
+}
+
+EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
+    const auto last = static_cast<float>(performer.frames - 1);
+    EditFrames frames{performer.frame, performer.frame, choice.follow};
+    if (choice.frames == PaintChoice::Frames::kRange) {
+        const auto [first, end] = std::minmax(choice.first, choice.last);
+        frames.first = std::clamp(static_cast<float>(first), 0.0f, last);
+        frames.last = std::clamp(static_cast<float>(end), 0.0f, last);
+    }
+    if (choice.frames == PaintChoice::Frames::kAll) frames = {0, last, Follow::kNot};
+    return frames;
+}
+
+PaintWork PaintTool::work_of(const PaintedPerformer& performer, bool inverted) const {
+    PaintWork work;
+    if (choice.tool != PaintChoice::Tool::kStamp) work.kind = static_cast<PaintWork::Kind>(choice.tool);
+    if (inverted && work.kind == PaintWork::Kind::kColour) work.kind = PaintWork::Kind::kErase;
+    work.colour = glm::clamp(glm::vec3(choice.colour), 0.0f, 1.0f);
+    work.opacity = static_cast<float>(choice.opacity);
+    work.shift = {static_cast<float>(choice.hue_degrees), static_cast<float>(choice.saturation)};
+    work.frames = frames_of(performer);
+    return work;
+}
+
+std::shared_ptr<const EditLayer> PaintTool::layer_at(const Viewer& viewer, const std::filesystem::path& path) const {
+    const auto& edited = viewer.editor.document().paint;
+    if (const auto found = edited.find(path); found != edited.end()) return found->second;
+    const auto found = read_.find(path);
+    return found != read_.end() ? found->second : nullptr;
+}
+
+// The clip, and those of its layers that show or are painted.
+bool PaintTool::prepare(Viewer& viewer) {
+    const auto performer = this->performer(viewer);
+    if (!performer) return false;
+    std::vector<std::filesystem::path> missing;
+    const size_t painted = painted_layer(*performer);
+    for (size_t i = 0; i < performer->layers.size(); i++) {
+        const ListedLayer& layer = performer->layers[i];
+        const bool needed = i == painted || (layer.entry.visible && layer.entry.opacity > 0);
+        if (needed && !layer_at(viewer, layer.path)) missing.push_back(layer.path);
+    }
+    const bool has_clip = clip_ && clip_path_ == performer->clip;
+    if (has_clip && missing.empty()) return true;
+    if (reading_ || failed_ == viewer.editor.id()) return false;
+    reading_ = true;
+    viewer.work.start(fmt::format("Reading {}, to be painted", performer->name),
+                      [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
+                       id = viewer.editor.id()]() mutable -> Work::Then {
+                          std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read;
+                          try {
+                              if (!clip) clip = std::make_shared<const PaintClip>(read_nvv(path));
+                              for (const auto& layer : missing)
+                                  read[layer] = std::make_shared<const EditLayer>(read_paint(layer, clip->field));
+                          } catch (const std::exception& error) {
+                              return [this, &viewer, id, problem = std::string(error.what())] {
+                                  reading_ = false;
+                                  failed_ = id;
+                                  viewer.editor.tell(problem, true);
+                              };
+                          }
+                          return [this, path, clip, read] {
+                              reading_ = false;
+                              clip_path_ = path;
+                              clip_ = clip;
+                              for (const auto& [name, layer] : read) read_[name] = layer;
+                          };
+                      });
+    return false;
+}
+
+PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer& performer,
+                                   bool without_painted) const {
+    PaintSubject subject;
+    subject.clip = clip_;
+    subject.frame = performer.frame;
+    const size_t painted = painted_layer(performer);
+    for (size_t i = 0; i < performer.layers.size(); i++) {
+        const PaintLayer& entry = performer.layers[i].entry;
+        if (!entry.visible || entry.opacity <= 0 || (without_painted && i == painted)) continue;
+        if (auto layer = layer_at(viewer, performer.layers[i].path))
+            subject.paint.push_back({std::move(layer), entry.blend, static_cast<float>(entry.opacity)});
+    }
+    return subject;
+}
+
+std::shared_ptr<const EditLayer> PaintTool::open_target(Viewer& viewer, const PaintedPerformer& performer,
+                                                        std::filesystem::path& path) {
+    if (performer.layers.empty()) {
+        path = free_paint_path(viewer.editor.document(), performer.node);
+        return std::make_shared<const EditLayer>(EditLayer{clip_->field, {}});
+    }
+    const ListedLayer& target = performer.layers[painted_layer(performer)];
+    if (!target.entry.visible || target.entry.opacity <= 0) {
+        viewer.editor.tell(fmt::format("\"{}\" is not seen: show the layer to paint on it", title_of(target)), true);
+        return nullptr;
+    }
+    path = target.path;
+    auto layer = layer_at(viewer, path);
+    viewer.editor.open_layer(path, layer);
+    read_.erase(path);  // the editor's from now on
+    return layer;
+}
+
+void PaintTool::take_keys(Viewer& viewer) {
+    if (ImGui::GetIO().WantTextInput) return;
+    for (const KeyPress& press : viewer.window.presses())
+        if (!press.control && !press.alt && (press.key == GLFW_KEY_B || press.key == GLFW_KEY_4))
+            viewer.tool = Tool::kPaint;
+    if (viewer.tool != Tool::kPaint) return;
+    for (const char32_t letter : viewer.window.typed()) {
+        if (letter == U'[') choice.radius_m /= kRadiusStep;
+        if (letter == U']') choice.radius_m *= kRadiusStep;
+    }
+    choice.radius_m = std::clamp(choice.radius_m, kLeastRadius_m, kMostRadius_m);
+}
+
+PaintHands PaintTool::in_picture(Viewer& viewer) {
+    take_keys(viewer);
+    const auto performer = this->performer(viewer);
+    const bool active = viewer.tool == Tool::kPaint && performer && performer->seen;
+    const bool ready = active && prepare(viewer);
+    viewer.report.fact("paint", {{"ready", ready},
+                                 {"busy", busy()},
+                                 {"radius_m", choice.radius_m},
+                                 {"depth_m", hover_.world ? nlohmann::json(hover_.depth_m) : nullptr}});
+    if (stroke_) {
+        go_on(viewer);
+        if (performer) draw_brush(viewer, *performer);
+        return {true, true, true};
+    }
+    if (!ready) return {};
+    const ImGuiIO& io = ImGui::GetIO();
+    PaintHands hands;
+    const bool stamps = choice.tool == PaintChoice::Tool::kStamp;
+    const bool box = choice.in_box && !stamps, over = viewer.pointer_in_picture;
+    const bool clicked = over && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !io.KeyShift && !busy();
+    if (box) {
+        hands.left = drag_box(viewer, *performer);
+        return hands;
+    }
+    hands.left = over && !io.KeyShift;
+    if (over && !viewer.clock.playing) look_under(viewer, *performer);
+    if (clicked && io.KeyAlt) {
+        take_colour(viewer);
+    } else if (stamps) {
+        hands.left &= stamp_loaded();
+        hands.wheel = over && io.KeyCtrl;
+        if (hands.wheel && io.MouseWheel != 0)
+            choice.stamp_share =
+                std::clamp(choice.stamp_share * std::pow(1.1, double{io.MouseWheel}), kLeastStamp, kMostStamp);
+        if (clicked && stamp_loaded()) project_stamp(viewer, *performer);
+        if ((over || working_) && stamp_loaded()) draw_stamp(viewer);
+    } else {
+        if (clicked) begin_stroke(viewer, *performer);
+        if (over) draw_brush(viewer, *performer);
+    }
+    return hands;
+}
+
+void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) {
+    auto active = std::make_shared<Active>();
+    active->before = open_target(viewer, performer, active->path);
+    if (!active->before) return;
+    viewer.clock.playing = false;
+    active->work = work_of(performer, ImGui::GetIO().KeyCtrl);
+    active->what = kDone[static_cast<size_t>(active->work.kind)];
+    active->node = performer.node;
+    active->clip_path = performer.clip;
+    active->document = viewer.editor.id();
+    active->world_from_performer = performer.world_from_performer;
+    active->subject = subject_of(viewer, performer, active->work.kind == PaintWork::Kind::kRestore);
+    active->radius_m = static_cast<float>(choice.radius_m);
+    active->hardness = static_cast<float>(choice.hardness);
+    stroke_ = std::move(active);
+    viewer.holds_handle = true;
+    go_on(viewer);
+}
+
+// Each frame: takes the pointer's place, and sends what waits as soon as the last is back.
+void PaintTool::go_on(Viewer& viewer) {
+    Active& stroke = *stroke_;
+    viewer.holds_handle = true;
+    stroke.released |= !ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    const glm::dvec2 at = pointer_in(viewer);
+    if (!stroke.released && at != stroke.last) {
+        const Camera camera = in_performer(viewer.camera, glm::mat4(stroke.world_from_performer));
+        if (stroke.waiting.empty() || stroke.waiting.back().first.world_from_camera != camera.world_from_camera)
+            stroke.waiting.emplace_back(camera, std::vector<glm::dvec2>{});
+        stroke.waiting.back().second.push_back(at);
+        stroke.last = at;
+    }
+    viewer.redraw();
+    if (stroke.under_way) return;
+    if (stroke.waiting.empty()) {
+        if (!stroke.released) return;
+        viewer.holds_handle = false;
+        stroke_.reset();
+        return;
+    }
+    stroke.under_way = true;
+    post_paint_task(
+        viewer, desk_, stroke.clip_path, stroke.subject.clip,
+        [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
+            PaintDesk& desk, const std::shared_ptr<const Field>& field) -> Work::Then {
+            if (!active->stroke) {
+                active->subject.field = field;
+                active->stroke.emplace(active->subject, active->before, active->work, active->radius_m,
+                                       active->hardness);
+            }
+            std::shared_ptr<const EditLayer> layer;
+            for (const auto& [camera, places] : waiting) layer = active->stroke->add(desk, camera, places);
+            return [this, &viewer, active, layer] { took(viewer, active, layer); };
+        },
+        [this, &viewer, active = stroke_] {
+            clip_.reset();
+            if (stroke_ == active) stroke_.reset();
+            viewer.holds_handle = false;
+        });
+}
+
+void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std::shared_ptr<const EditLayer> layer) {
+    active->under_way = false;
+    if (stroke_ != active) return;
+    if (viewer.editor.id() != active->document) {  // undone, saved, opened: it ends here
+        stroke_.reset();
+        viewer.holds_handle = false;
+        return;
+    }
+    if (!layer) return;
+    viewer.editor.drag([&](Document& document) {
+        return put_paint(document, active->node, active->path, "paint", layer, active->what);
+    });
+    active->document = viewer.editor.id();
+}
+
+// Where the pointer meets the surface, for the cursor.
+void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
+    const glm::dvec2 pixel = pointer_in(viewer);
+    const bool same = pixel == hover_.pixel && performer.frame == hover_.frame &&
+                      viewer.camera.world_from_camera == hover_.camera.world_from_camera;
+    if (same || hover_.under_way || busy()) return;
+    hover_.under_way = true;
+    hover_.pixel = pixel;
+    hover_.frame = performer.frame;
+    hover_.camera = viewer.camera;
+    const bool restores = choice.tool == PaintChoice::Tool::kRestore;
+    post_paint_task(
+        viewer, desk_, performer.clip, clip_,
+        [this, &viewer, subject = subject_of(viewer, performer, restores), pixel, camera = viewer.camera,
+         world_from_performer = performer.world_from_performer](
+            PaintDesk& desk, const std::shared_ptr<const Field>& field) mutable -> Work::Then {
+            subject.field = field;
+            desk.show(subject);
+            const auto place = desk.surface_at(in_performer(camera, glm::mat4(world_from_performer)), pixel);
+            return [this, &viewer, place, camera, world_from_performer] {
+                hover_.under_way = false;
+                hover_.world.reset();
+                if (!place) return;
+                hover_.world = glm::dvec3(world_from_performer * glm::dvec4(*place, 1));
+                hover_.depth_m = depth_of(camera, *hover_.world);
+                viewer.redraw(1);
+            };
+        },
+        [this] {
+            clip_.reset();
+            hover_.under_way = false;
+        });
+}
+
+void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
+                    const std::shared_ptr<const EditLayer>& before, const std::shared_ptr<const EditLayer>& layer,
+                    const std::string& what) {
+    working_ = false;
+    if (worked_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
+        viewer.editor.tell("the stage is another now: nothing was painted", true);
+        return;
+    }
+    if (!layer) {
+        viewer.editor.tell("nothing is there: nothing was painted", true);
+        return;
+    }
+    const auto now = layer_at(viewer, path);
+    if (now && now != before) {
+        viewer.editor.tell("the layer was painted meanwhile: it stays as it is", true);
+        return;
+    }
+    viewer.editor.edit(
+        [&](Document& document) { return put_paint(document, performer.node, path, "paint", layer, what); });
+}
+
+// No device is asked: on the working thread.
+void PaintTool::work_in_box(Viewer& viewer) {
+    const auto performer = this->performer(viewer);
+    std::filesystem::path path;
+    if (!performer || busy() || !prepare(viewer)) return;
+    const auto before = open_target(viewer, *performer, path);
+    if (!before) return;
+    working_ = true;
+    worked_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
+    const PaintWork work = work_of(*performer, false);
+    const Region box = box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
+    viewer.work.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> Work::Then {
+        auto layer = worked_on(clip->canvas, *before, chosen_in(clip->canvas, *before, box, work), work);
+        return [=, this, &viewer] {
+            put(viewer, who, path, before, layer, fmt::format("{} in a box", kDone[static_cast<size_t>(work.kind)]));
+        };
+    });
+}
+
+void PaintTool::add_layer(Viewer& viewer) {
+    const auto performer = this->performer(viewer);
+    if (!performer || busy() || !prepare(viewer)) return;
+    const auto path = free_paint_path(viewer.editor.document(), performer->node);
+    const auto empty = std::make_shared<const EditLayer>(EditLayer{clip_->field, {}});
+    const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
+    if (viewer.editor.edit([&](Document& document) {
+            return put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
+        }))
+        choice.layer = path;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,107 @@
+#include "tools/viewer/picking.h"
+
+#include <cmath>
+
+#include "tools/viewer/pointer.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr float kSeenAlpha = 0.5f;
+
+// Metres along the ray to where it enters a box that stands on `world_from_box`; infinite where it misses.
+double distance_to_box(const ViewRay& ray, const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high) {
+    const glm::dmat4 box_from_world = glm::inverse(world_from_box);
+    const glm::dvec3 origin(box_from_world * glm::dvec4(ray.origin, 1)),
+        way(box_from_world * glm::dvec4(ray.direction, 0));
+    double enter = 0, leave = INFINITY;
+    for (int axis = 0; axis < 3; axis++) {
+        const double a = (low[axis] - origin[axis]) / way[axis], b = (high[axis] - origin[axis]) / way[axis];
+        if (std::isnan(a) || std::isnan(b)) continue;  // in a face's plane
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave ? enter : INFINITY;
+}
+
+// Möller and Trumbore 1997; both sides.
+double distance_to_triangle(const ViewRay& ray, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+    const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.direction, ac);
+    const double volume = glm::dot(ab, across);
+    if (volume == 0) return INFINITY;
+    const glm::dvec3 from_a = ray.origin - a, turned = glm::cross(from_a, ab);
+    const double u = glm::dot(from_a, across) / volume, v = glm::dot(ray.direction, turned) / volume;
+    const double t = glm::dot(ac, turned) / volume;
+    return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : INFINITY;
+}
+
+// The view of one pixel.
+Camera pixel_of_camera(Camera camera, glm::dvec2 pixel) {
+    camera.cx -= std::floor(pixel.x);
+    camera.cy -= std::floor(pixel.y);
+    camera.width = camera.height = 1;
+    return camera;
+}
+
+struct Nearest {
+    double metres = INFINITY;
+    std::optional<uint32_t> node;
+    void take(double at, uint32_t of) {
+        if (!(at < metres)) return;
+        metres = at;
+        node = of;
+    }
+};
+
+void see_performers(OnDevice& on_device, const StageInstant& instant, const Camera& camera, glm::dvec2 pixel,
+                    Nearest& nearest) {
+    const ViewRay ray = ray_through(camera, pixel);
+    const Camera one_pixel = pixel_of_camera(camera, pixel);
+    FrameSettings settings = on_device.renderer.settings_at(instant);
+    const std::vector<Instance> instances = settings.instances;
+    settings.width = settings.height = settings.samples = 1;
+    size_t shown = 0;
+    for (const InstantPerformer& performer : instant.performers) {
+        if (!performer.visible) continue;
+        const Instance& instance = instances[shown++];
+        const StageClip& clip = on_device.stage.clips[performer.clip];
+        if (std::isinf(
+                distance_to_box(ray, performer.world_from_performer, clip.box_min, clip.box_min + clip.box_size)))
+            continue;
+        settings.instances = {instance};
+        on_device.renderer.frames().draw({&one_pixel, 1}, settings);
+        if (on_device.renderer.frames().radiance()[0].a < kSeenAlpha * performer.opacity) continue;
+        nearest.take(on_device.renderer.frames().depth()[0], on_device.stage.performers[performer.performer].node);
+    }
+}
+
+void see_set(const Stage& stage, const StageInstant& instant, const ViewRay& ray, Nearest& nearest) {
+    PosedVertices vertices;
+    for (uint32_t node = 0; node < stage.scene.nodes.size(); node++) {
+        const GltfNode& one = stage.scene.nodes[node];
+        if (!one.draws_mesh()) continue;
+        for (const GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(one.mesh)].primitives) {
+            pose_vertices(stage.scene, instant.pose, node, primitive, vertices);
+            for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
+                nearest.take(distance_to_triangle(ray, vertices.positions[primitive.indices[i]],
+                                                  vertices.positions[primitive.indices[i + 1]],
+                                                  vertices.positions[primitive.indices[i + 2]]),
+                             node);
+        }
+    }
+}
+
+}  // namespace
+
+Seen seen_at(OnDevice& on_device, const StageInstant& instant, const Camera& camera, glm::dvec2 pixel) {
+    const ViewRay ray = ray_through(camera, pixel);
+    Nearest nearest;
+    on_device.renderer.show(instant);
+    see_performers(on_device, instant, camera, pixel, nearest);
+    if (!nearest.node) see_set(on_device.stage, instant, ray, nearest);
+    if (!nearest.node) return {};
+    return {nearest.node, ray.origin + nearest.metres * ray.direction};
+}
+
+}  // namespace neuvv

@@ -1,0 +1,60 @@
+// What is held in the picture: handles of the selected node, and what is drawn over the picture.
+#pragma once
+
+#include <optional>
+
+#include "tools/viewer/gizmo.h"
+#include "tools/viewer/light_gizmo.h"
+
+namespace neuvv {
+
+class Viewer;
+struct Area;
+
+// The selected node's handles, as they were when one was grabbed.
+struct HeldGizmo {
+    Gizmo grabbed;
+    GizmoHandle handle = GizmoHandle::kNone;
+    glm::dvec2 from{0};
+    glm::dmat4 world_from_parent{1};
+    uint32_t node = 0;
+};
+
+// Likewise of a light.
+struct HeldLight {
+    LightGizmo grabbed;
+    LightHandle handle = LightHandle::kNone;
+    glm::dvec2 from{0};
+    glm::dmat4 parent_from_world{1};
+    uint32_t node = 0;
+};
+
+// Before the picture's own navigation, each frame. True: a handle is held or under the pointer, which then does nothing
+// else. `taken`: the pointer is on something already.
+bool gizmo_tool(Viewer& viewer, bool taken);
+bool light_tool(Viewer& viewer, bool taken);
+// Handles to be drawn over the picture in this frame, `hot` the one that is held or under the pointer.
+void show_handles(Viewer& viewer, std::span<const HandleShape> shapes, int hot);
+// The pointer's place in the picture.
+glm::dvec2 pointer_of(const Viewer& viewer);
+
+// A floor of lines, lights, cameras, the box of what is selected.
+void draw_overlay(Viewer& viewer);
+// The node of a light's or camera's sign under a place of the window; none.
+std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y);
+
+// 1 2 3 tools, F focus, G grid, the number pad's views.
+void take_picture_key(Viewer& viewer, const struct KeyPress& press);
+
+// Shows the selection, else all performers.
+void focus(Viewer& viewer);
+// As a camera of the stage.
+void remember_view(Viewer& viewer);
+
+// Buttons of the tools, at the picture's left.
+void toolbar(Viewer& viewer);
+
+// The box of a node and what hangs on it, world, low and high: its performers, its meshes; its place where it has none.
+std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t node);
+
+}  // namespace neuvv

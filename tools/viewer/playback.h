@@ -1,0 +1,54 @@
+// The clock of the stage: what instant it shows while it plays, is stepped through, or scrubbed.
+//
+// Seconds of the stage. Its pictures are at k / fps for whole k, from 0 to before its duration. What loops is a range
+// from `in` up to, not including, `out`.
+#pragma once
+
+#include <cstdint>
+
+namespace neuvv {
+
+class StageClock {
+  public:
+    // Anyone may change these at any time.
+    bool playing = false;
+    bool loops = true;
+    double speed = 1;  // stage seconds a second; negative: backwards
+
+    // Of another stage, or of this one after an edit: a range that was the whole stays the whole, another is cut to
+    // what there is, and the instant is kept if it can be. A duration may be 0: then nothing moves. fps > 0.
+    void set_stage(double duration_s, double fps);
+
+    double time_s() const { return time_s_; }
+    double duration_s() const { return duration_s_; }
+    double fps() const { return fps_; }
+    double in_s() const { return in_s_; }
+    double out_s() const { return out_s_; }
+    // The picture that is shown, the one before where the instant lies between two.
+    int64_t picture() const;
+    int64_t pictures() const;  // at least 1
+
+    // The range, cut to the stage, at least one picture long; ends in the wrong order are exchanged. The instant stays.
+    void set_range(double in_s, double out_s);
+
+    // Plays, or stops. From where it would stop at once it begins anew, at the range's other end.
+    void play_or_pause();
+    // So much real time has passed. From outside of the range it plays into it; at the range's end it goes on at its
+    // other end, with what was left of the step, so that nothing drifts; or, where it does not loop, stops at the last
+    // picture of that side. Steps that are negative or not finite are none.
+    void tick(double real_s);
+    // Stops, and goes to the n-th picture from here: from between two, 1 is the next and −1 the one before. Inside of
+    // the range it stays there, by loops or by its ends; outside, the stage's own ends hold.
+    void step(int32_t pictures);
+    // Goes to an instant of the stage, in the range or not. Not finite: stays.
+    void scrub(double time_s);
+
+  private:
+    int64_t first_in_range() const, last_in_range() const;
+
+    double duration_s_ = 0, fps_ = 25;
+    double in_s_ = 0, out_s_ = 0;
+    double time_s_ = 0;
+};
+
+}  // namespace neuvv

@@ -1,0 +1,167 @@
+// The tab of rendering: how the picture is drawn here, and pictures and videos to take away.
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "edit/operations.h"
+#include "tools/viewer/export.h"
+#include "tools/viewer/fields.h"
+#include "tools/viewer/panels.h"
+#include "tools/viewer/signs.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr const char* kSamples[] = {"1 ray a pixel", "4 rays", "9 rays", "16 rays"};
+constexpr const char* kKinds[] = {"video", "pictures", "one picture"};
+constexpr const char* kRanges[] = {"whole stage", "loop range"};
+constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
+
+void look_fields(Viewer& viewer) {
+    FieldGroup fields(viewer, "look");
+    size_t layer = static_cast<size_t>(viewer.picture.show);
+    if (fields.choice("Layer", layer, kLayerNames)) viewer.picture.show = static_cast<Show>(layer);
+    if (viewer.picture.show == Show::kCost) {
+        double most = viewer.picture.cost_max;
+        if (fields.number("Brightest", most, {1, 100000, 4, "%.0f steps"}))
+            viewer.picture.cost_max = static_cast<float>(most);
+    }
+    size_t samples = static_cast<size_t>(viewer.picture.samples - 1);
+    if (fields.choice("When still", samples, kSamples)) viewer.picture.samples = static_cast<int>(samples + 1);
+    double scale = 100.0 * static_cast<double>(viewer.picture.most_scale);
+    if (fields.slider("While moving", scale, 20, 100, "at most %.0f %%"))
+        viewer.picture.most_scale = static_cast<float>(scale / 100);
+    fields.toggle("Own background", viewer.picture.own_background);
+    if (viewer.picture.own_background) {
+        glm::dvec3 colour = linear_of_srgb(viewer.picture.background);
+        if (fields.colour("Background", colour)) viewer.picture.background = srgb_of_linear(colour);
+    }
+    if (viewer.stage) {
+        size_t blend = static_cast<size_t>(viewer.stage->settings.blend);
+        if (fields.choice("Performers", blend, kStageBlendNames)) {
+            StageEdit edit;
+            edit.blend = static_cast<StageBlend>(blend);
+            viewer.editor.edit([&](Document& d) { return set_stage(d.file, edit); });
+        }
+    }
+    fields.toggle("Speed", viewer.panels.speed);
+}
+
+// What a camera of the export is called: the view of the window, the path, those of the stage.
+std::vector<std::string> camera_names(const Viewer& viewer) {
+    std::vector<std::string> names{"as seen here"};
+    for (const InstantCamera& camera : viewer.instant.cameras)
+        if (!camera.orthographic) names.push_back(camera.name);
+    return names;
+}
+
+void size_fields(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
+    double width = choice.size.width, height = choice.size.height;
+    if (fields.number("Width", width, {16, 8192, 2, "%.0f px"})) choice.size.width = static_cast<uint32_t>(width);
+    if (fields.number("Height", height, {16, 8192, 2, "%.0f px"})) choice.size.height = static_cast<uint32_t>(height);
+    for (const auto& [name, size] : {std::pair{"720p", PictureSize{1280, 720}},
+                                     {"1080p", PictureSize{1920, 1080}},
+                                     {"2160p", PictureSize{3840, 2160}}}) {
+        if (ImGui::SmallButton(name)) choice.size = size;
+        viewer.report.item(std::string("export/") + name);
+        ImGui::SameLine();
+    }
+    ImGui::NewLine();
+}
+
+// All but where it goes.
+ExportSettings chosen_export(Viewer& viewer) {
+    const ExportChoice& choice = viewer.export_choice;
+    ExportSettings settings;
+    settings.size = choice.size;
+    settings.samples = static_cast<uint32_t>(choice.samples + 1);
+    settings.fps = choice.fps > 0 ? choice.fps : viewer.stage->fps;
+    settings.with_background = !choice.transparent;
+    settings.first_s = viewer.clock.time_s();
+    if (choice.kind != 2) {
+        settings.first_s = choice.range == 0 ? 0 : viewer.clock.in_s();
+        const double last_s = choice.range == 0 ? viewer.clock.duration_s() : viewer.clock.out_s();
+        settings.pictures =
+            static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
+    }
+    if (choice.camera == 0) {
+        settings.camera = [eye = viewer.eye, size = choice.size](const Stage&, const StageInstant&) {
+            return camera_of(eye, size.width, size.height);
+        };
+    } else {
+        const std::string name = camera_names(viewer)[choice.camera];
+        settings.camera = [name, size = choice.size](const Stage& stage, const StageInstant& instant) {
+            return camera_of(stage, name, instant, size.width, size.height);
+        };
+    }
+    return settings;
+}
+
+void begin_export(Viewer& viewer, ExportSettings settings, const std::filesystem::path& file) {
+    try {
+        settings.output = parse_output(file.string());
+        viewer.begin_export(std::make_shared<Export>(std::move(settings)));
+    } catch (const InputError& problem) {
+        viewer.editor.tell(problem.what(), true);
+    }
+}
+
+void export_fields(Viewer& viewer) {
+    ExportChoice& choice = viewer.export_choice;
+    FieldGroup fields(viewer, "export");
+    fields.choice("Kind", choice.kind, kKinds);
+    size_fields(viewer, fields, choice);
+    const std::vector<std::string> names = camera_names(viewer);
+    std::vector<const char*> texts;
+    for (const std::string& name : names) texts.push_back(name.c_str());
+    choice.camera = std::min(choice.camera, names.size() - 1);
+    fields.choice("Camera", choice.camera, texts);
+    if (choice.kind != 2) {
+        fields.choice("Time", choice.range, kRanges);
+        double fps = choice.fps > 0 ? choice.fps : viewer.stage->fps;
+        if (fields.number("Pictures a second", fps, {1, 240, 0.1, "%.2f"})) choice.fps = fps;
+    }
+    fields.choice("Rays", choice.samples, kSamples);
+    if (choice.kind != 0) fields.toggle("Transparent", choice.transparent);
+    if (ImGui::Button(SIGN_FILM "  Export…", {-FLT_MIN, 0})) {
+        const std::string stem = viewer.editor.file().path.stem().string();
+        viewer.files.ask_path("Export", {choice.kind == 0 ? ".mp4" : ".png"}, true, stem + kEndings[choice.kind],
+                              [&viewer, settings = chosen_export(viewer)](const std::filesystem::path& file) {
+                                  begin_export(viewer, settings, file);
+                              });
+    }
+    viewer.report.item("export/start");
+}
+
+void export_progress(Viewer& viewer) {
+    Export& job = *viewer.exporting;
+    const uint32_t done = job.finished_pictures(), all = job.settings().pictures;
+    const double seconds = viewer.now_s - viewer.export_begin_s;
+    const std::string left = done > 0 ? fmt::format("{:.0f} s left", seconds / done * (all - done)) : "…";
+    ImGui::TextWrapped("%s", job.settings().output.path.string().c_str());
+    ImGui::ProgressBar(static_cast<float>(done) / static_cast<float>(all), {-FLT_MIN, 0},
+                       fmt::format("{} of {}, {}", done, all, left).c_str());
+    viewer.report.item("export/progress");
+    if (ImGui::Button(SIGN_STOP "  Cancel", {-FLT_MIN, 0})) job.cancel();
+    viewer.report.item("export/cancel");
+}
+
+}  // namespace
+
+void render_tab(Viewer& viewer) {
+    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) look_fields(viewer);
+    viewer.report.item("render/Picture");
+    const bool open = ImGui::CollapsingHeader("Export", ImGuiTreeNodeFlags_DefaultOpen);
+    viewer.report.item("render/Export");
+    if (!open) return;
+    if (viewer.exporting)
+        export_progress(viewer);
+    else if (viewer.stage)
+        export_fields(viewer);
+}
+
+}  // namespace neuvv

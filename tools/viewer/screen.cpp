@@ -1,0 +1,266 @@
+#include "tools/viewer/screen.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_vulkan.h>
+
+#include "tools/viewer/look.h"
+
+namespace neuvv {
+
+struct Screen::Frame {
+    explicit Frame(const Device& device) : commands(device, "window", 4) {}
+    Commands commands;
+    std::shared_ptr<const DeviceImage> picture;  // lives until its copy is done
+};
+
+namespace {
+
+void check_imgui(VkResult result) {
+    if (result < 0) check(result, "Vulkan", "panels");
+}
+
+void move_image(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+int32_t edge(int32_t offset, uint32_t extent) {
+    return offset + static_cast<int32_t>(extent);
+}
+
+// The window may have become smaller since the picture's place was laid out.
+bool is_shown(const ScreenPicture& picture, VkExtent2D window) {
+    return picture.image && picture.at.extent.width > 0 && picture.at.extent.height > 0 && picture.at.offset.x >= 0 &&
+           picture.at.offset.y >= 0 && picture.at.offset.x < edge(0, window.width) &&
+           picture.at.offset.y < edge(0, window.height);
+}
+
+VkExtent2D shown_part(const ScreenPicture& picture, VkExtent2D window) {
+    return {std::min(picture.at.extent.width, window.width - static_cast<uint32_t>(picture.at.offset.x)),
+            std::min(picture.at.extent.height, window.height - static_cast<uint32_t>(picture.at.offset.y))};
+}
+
+uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
+    return std::max(1u, static_cast<uint32_t>(uint64_t{whole} * part / of));
+}
+
+}  // namespace
+
+Screen::Screen(const Device& device, Window& window, float scale)
+    : device_(device), window_(window), scale_(scale), swapchain_(device, window.make_surface(device)) {
+    for (auto& frame : frames_) frame = std::make_unique<Frame>(device);
+    swapchain_.resize(window.framebuffer());
+    make_render_pass();
+    make_framebuffers();
+    start_imgui();
+}
+
+Screen::~Screen() {
+    device_.wait_idle();
+    ImGui_ImplVulkan_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
+    vkDestroyRenderPass(device_.handle(), render_pass_, nullptr);
+    vkDestroyDescriptorPool(device_.handle(), descriptors_, nullptr);
+}
+
+// ImGui's backend knows no dynamic rendering.
+void Screen::make_render_pass() {
+    VkAttachmentDescription colour{};
+    colour.format = swapchain_.format();
+    colour.samples = VK_SAMPLE_COUNT_1_BIT;
+    colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+    colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    colour.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    colour.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    colour.initialLayout = colour.finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+    VkSubpassDescription subpass{};
+    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    subpass.colorAttachmentCount = 1;
+    subpass.pColorAttachments = &reference;
+    VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+    info.attachmentCount = 1;
+    info.pAttachments = &colour;
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+    check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "vkCreateRenderPass", "panels");
+}
+
+void Screen::make_framebuffers() {
+    for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
+    framebuffers_.clear();
+    for (uint32_t i = 0; i < swapchain_.image_count(); i++) {
+        const VkImageView view = swapchain_.view(i);
+        VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+        info.renderPass = render_pass_;
+        info.attachmentCount = 1;
+        info.pAttachments = &view;
+        info.width = swapchain_.extent().width;
+        info.height = swapchain_.extent().height;
+        info.layers = 1;
+        check(vkCreateFramebuffer(device_.handle(), &info, nullptr, &framebuffers_.emplace_back()),
+              "vkCreateFramebuffer", "panels");
+    }
+}
+
+void Screen::start_imgui() {
+    constexpr VkDescriptorPoolSize kSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
+    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+    pool.maxSets = 4;
+    pool.poolSizeCount = 1;
+    pool.pPoolSizes = &kSize;
+    check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &descriptors_), "vkCreateDescriptorPool", "panels");
+
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;  // preferences keep what is to be kept
+    ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
+    start_drawing();
+}
+
+void Screen::start_drawing() {
+    ImGui_ImplVulkan_InitInfo info{};
+    info.Instance = device_.instance();
+    info.PhysicalDevice = device_.physical();
+    info.Device = device_.handle();
+    info.QueueFamily = device_.queue_family();
+    info.Queue = device_.queue();
+    info.PipelineCache = device_.pipeline_cache();
+    info.DescriptorPool = descriptors_;
+    info.MinImageCount = 2;
+    info.ImageCount = std::max<uint32_t>(2, swapchain_.image_count()) + 1;  // its vertex buffers go round by frames
+    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+    info.CheckVkResultFn = check_imgui;
+    ImGui_ImplVulkan_Init(&info, render_pass_);
+    make_letters();
+}
+
+void Screen::make_letters() {
+    apply_look(scale_);
+    run_once(device_, "letters", [](Commands& commands) { ImGui_ImplVulkan_CreateFontsTexture(commands.handle()); });
+    ImGui_ImplVulkan_DestroyFontUploadObjects();
+}
+
+// The backend frees a texture of letters only together with all the rest.
+void Screen::set_scale(float scale) {
+    if (scale == scale_) return;
+    scale_ = scale;
+    device_.wait_idle();
+    ImGui_ImplVulkan_Shutdown();
+    start_drawing();
+}
+
+void Screen::begin() {
+    ImGui_ImplVulkan_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    window_.feed_imgui();
+    ImGui::NewFrame();
+}
+
+bool Screen::end(const ScreenPicture& picture) {
+    ImGui::Render();
+    const VkExtent2D framebuffer = window_.framebuffer();
+    if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
+    const VkExtent2D extent = swapchain_.extent();
+    if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height) {
+        swapchain_.resize(framebuffer);
+        make_framebuffers();
+    }
+    Frame& frame = *frames_[turn_];
+    frame.commands.wait();
+    CommandSemaphores semaphores;
+    const std::optional<PresentTarget> target = swapchain_.acquire(semaphores);
+    if (!target) return false;
+    if (capture_) captured_in_ = turn_;
+    turn_ = 1 - turn_;
+    frame.picture = picture.image;
+    frame.commands.begin();
+    record(frame.commands, picture, *target);
+    frame.commands.submit(semaphores);
+    swapchain_.present(*target);
+    return true;
+}
+
+// The picture, scaled to its place, on a plain ground; panels over it.
+void Screen::record(Commands& commands, const ScreenPicture& picture, const PresentTarget& target) {
+    move_image(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const VkClearColorValue ground = ground_colour();
+    const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
+    if (is_shown(picture, target.extent)) {
+        full_barrier(commands);
+        const VkExtent2D at = shown_part(picture, target.extent);
+        VkImageBlit blit{};
+        blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        blit.srcOffsets[1] = {edge(0, share(picture.size.width, at.width, picture.at.extent.width)),
+                              edge(0, share(picture.size.height, at.height, picture.at.extent.height)), 1};
+        blit.dstOffsets[0] = {picture.at.offset.x, picture.at.offset.y, 0};
+        blit.dstOffsets[1] = {edge(picture.at.offset.x, at.width), edge(picture.at.offset.y, at.height), 1};
+        const bool same =
+            picture.size.width == picture.at.extent.width && picture.size.height == picture.at.extent.height;
+        vkCmdBlitImage(commands.handle(), picture.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
+                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+    }
+    move_image(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+    begin.renderPass = render_pass_;
+    begin.framebuffer = framebuffers_[target.index];
+    begin.renderArea.extent = target.extent;
+    vkCmdBeginRenderPass(commands.handle(), &begin, VK_SUBPASS_CONTENTS_INLINE);
+    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands.handle());
+    vkCmdEndRenderPass(commands.handle());
+    VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    if (capture_) {
+        move_image(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        record_capture(commands, target);
+        drawn = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    }
+    move_image(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+void Screen::record_capture(Commands& commands, const PresentTarget& target) {
+    capture_ = false;
+    captured_size_ = target.extent;
+    captured_ = Buffer(device_, "window capture", uint64_t{4} * target.extent.width * target.extent.height,
+                       MemoryKind::kReadback);
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageExtent = {target.extent.width, target.extent.height, 1};
+    vkCmdCopyImageToBuffer(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, captured_.buffer, 1,
+                           &region);
+    host_barrier(commands);
+}
+
+std::optional<Image> Screen::take_capture() {
+    if (!captured_.mapped) return std::nullopt;
+    frames_[captured_in_]->commands.wait();
+    Image image(captured_size_.width, captured_size_.height);
+    const uint8_t* from = captured_.as<uint8_t>();
+    const bool swapped = swapchain_.format() == VK_FORMAT_B8G8R8A8_UNORM;
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        image.rgba[i] = from[i + (swapped ? 2 : 0)];
+        image.rgba[i + 1] = from[i + 1];
+        image.rgba[i + 2] = from[i + (swapped ? 0 : 2)];
+        image.rgba[i + 3] = 255;
+    }
+    captured_ = Buffer();
+    return image;
+}
+
+}  // namespace neuvv

@@ -1,0 +1,81 @@
+#include "tools/viewer/screenshot.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "media/image.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+namespace {
+
+// Named by the time; a second one of the same second has a number.
+std::filesystem::path free_name(const std::filesystem::path& folder) {
+    const std::string time = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
+    std::filesystem::path path = folder / fmt::format("neuvv_{}.png", time);
+    for (int i = 2; std::filesystem::exists(path); i++) path = folder / fmt::format("neuvv_{}_{}.png", time, i);
+    return path;
+}
+
+// From any thread.
+void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<const Image> image) {
+    viewer.work.start("Saving a screenshot", [&viewer, folder, image] {
+        std::filesystem::create_directories(folder);
+        const std::filesystem::path path = free_name(folder);
+        write_png(path, *image);
+        return [&viewer, path] { viewer.editor.tell(fmt::format("saved {}", path.string())); };
+    });
+}
+
+// The upper left of an image (RGBA8, layout TRANSFER_SRC), opaque.
+Image read_back(const Device& device, const DeviceImage& image, VkExtent2D size) {
+    const Buffer pixels(device, "screenshot", uint64_t{4} * size.width * size.height, MemoryKind::kReadback);
+    run_once(device, "screenshot", [&](Commands& commands) {
+        copy(commands, image, {{0, 0}, size}, pixels);
+        host_barrier(commands);
+    });
+    Image read(size.width, size.height);
+    std::copy_n(pixels.as<uint8_t>(), read.rgba.size(), read.rgba.begin());
+    for (size_t i = 3; i < read.rgba.size(); i += 4) read.rgba[i] = 255;
+    return read;
+}
+
+}  // namespace
+
+std::filesystem::path pictures_folder() {
+    if (const char* folder = std::getenv("XDG_PICTURES_DIR"); folder && *folder) return folder;
+    std::error_code none;
+    if (const char* home = std::getenv("HOME"); home && *home)
+        if (const auto pictures = std::filesystem::path(home) / "Pictures";
+            std::filesystem::is_directory(pictures, none))
+            return pictures;
+    return std::filesystem::current_path();
+}
+
+void Screenshots::take(Viewer& viewer) {
+    if (!picture_ && !window_ && !window_asked_) return;
+    if (folder_.empty()) folder_ = pictures_folder();
+    if (window_asked_)
+        if (std::optional<Image> image = viewer.screen.take_capture()) {
+            window_asked_ = false;
+            write(viewer, folder_, std::make_shared<const Image>(std::move(*image)));
+        }
+    if (window_ && !window_asked_) {
+        window_ = false;
+        window_asked_ = true;
+        viewer.screen.capture_next();
+    }
+    if (picture_ && viewer.picture_is_sharp()) {
+        picture_ = false;
+        viewer.drawer.post([&viewer, folder = folder_, shown = viewer.drawn.shown](OnDevice& on) {
+            write(viewer, folder, std::make_shared<const Image>(read_back(on.device, *shown.image, shown.size)));
+        });
+    }
+    viewer.redraw(1);
+}
+
+}  // namespace neuvv

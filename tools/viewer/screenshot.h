@@ -1,0 +1,31 @@
+// Screenshots: what is seen, as PNG files.
+#pragma once
+
+#include <filesystem>
+
+namespace neuvv {
+
+class Viewer;
+
+class Screenshots {
+  public:
+    // Empty: pictures_folder(). It is made with the first.
+    explicit Screenshots(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    // The picture without panels, as soon as it is sharp.
+    void want_picture() { picture_ = true; }
+    // All of the window, as it is.
+    void want_window() { window_ = true; }
+
+    // Each frame: takes what is wanted and there. Files are written off the window's thread; a notice names them.
+    void take(Viewer& viewer);
+
+  private:
+    std::filesystem::path folder_;
+    bool picture_ = false, window_ = false, window_asked_ = false;
+};
+
+// $XDG_PICTURES_DIR, or Pictures in the home folder where there is one, or the working folder.
+std::filesystem::path pictures_folder();
+
+}  // namespace neuvv

@@ -1,0 +1,48 @@
+// Inside of the timeline panel: its layout, and its rows, each kind in a file of its own.
+#pragma once
+
+#include <imgui.h>
+
+#include <optional>
+
+#include "stage/camera_path.h"
+#include "tools/viewer/time_axis.h"
+#include "tools/viewer/timeline_tracks.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+// Names left, time right; pixels of the framebuffer.
+struct TimelineView {
+    TimeAxis axis;
+    TimeLimits limits;
+    float names_left = 0, names_width = 0, row_height = 0;
+    float left() const { return static_cast<float>(axis.left); }
+    float right() const { return static_cast<float>(axis.left + axis.width); }
+    float x_at(double s) const { return static_cast<float>(axis.x_at(s)); }
+};
+
+// The instant under a pointer there: at a picture's beginning, or the clock's where that is near.
+double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s);
+
+// Whether the pointer has gone far enough from where its button went down; also in the frame in which it is let go,
+// whose last piece of the way counts.
+bool is_dragged(const Viewer& viewer);
+// A popup that Escape closes; ImGui::EndPopup() where it is open.
+bool begin_menu(const Viewer& viewer, const char* name);
+// A button as high as a row, without a ground until it is `on`.
+bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& name, const char* sign,
+                const char* explained, bool on = false, bool enabled = true);
+
+void transport_row(Viewer& viewer);
+void ruler_row(Viewer& viewer, const TimelineView& view);
+void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<CameraPath>& path);
+void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrack& track);
+
+// What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's instant is a line.
+void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top, float bottom);
+
+// "1.25 s".
+std::string text_of_time(double seconds);
+
+}  // namespace neuvv

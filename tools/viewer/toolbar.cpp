@@ -1,0 +1,69 @@
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include "edit/operations.h"
+#include "tools/viewer/fields.h"
+#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/signs.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+void focus(Viewer& viewer) {
+    if (!viewer.stage) return;
+    const bool selected = viewer.editor.selected() && viewer.stage_of_document();
+    const auto [low, high] =
+        selected ? box_of_node(viewer, *viewer.editor.selected()) : performers_box(*viewer.stage, viewer.instant);
+    viewer.go_to(framed(viewer.eye, low, high, viewer.picture_area.width / viewer.picture_area.height));
+}
+
+void remember_view(Viewer& viewer) {
+    if (!viewer.editor.is_open()) return;
+    viewer.editor.edit(
+        [&](Document& d) { return add_camera(d.file, "view", viewer.eye.angle_y, world_from_eye(viewer.eye)); });
+}
+
+void take_picture_key(Viewer& viewer, const KeyPress& press) {
+    const auto side = [&](EyeSide one, EyeSide other) {
+        viewer.go_to(seen_from(viewer.eye, press.control ? other : one));
+    };
+    if (press.key == GLFW_KEY_KP_1) side(EyeSide::kFront, EyeSide::kBack);
+    if (press.key == GLFW_KEY_KP_3) side(EyeSide::kRight, EyeSide::kLeft);
+    if (press.key == GLFW_KEY_KP_7) side(EyeSide::kTop, EyeSide::kBottom);
+    if (press.key == GLFW_KEY_B && press.control) remember_view(viewer);
+    if (press.control || press.alt) return;
+    if (press.key == GLFW_KEY_1) viewer.tool = Tool::kMove;
+    if (press.key == GLFW_KEY_2) viewer.tool = Tool::kRotate;
+    if (press.key == GLFW_KEY_3) viewer.tool = Tool::kScale;
+    if (press.key == GLFW_KEY_4) viewer.tool = Tool::kPaint;
+    if (press.key == GLFW_KEY_F) focus(viewer);
+    if (press.key == GLFW_KEY_G) viewer.grid = !viewer.grid;
+}
+
+void toolbar(Viewer& viewer) {
+    const Area& area = viewer.picture_area;
+    ImGui::SetNextWindowPos({area.left + viewer.ui(8), area.top + viewer.ui(8)});
+    ImGui::SetNextWindowBgAlpha(0.7f);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {viewer.ui(5), viewer.ui(5)});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, viewer.ui(5));
+    ImGui::Begin("Tools", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoMove);
+    const auto tool = [&](const char* name, const char* sign, const char* explained, Tool one) {
+        if (sign_button(viewer, name, sign, explained, viewer.tool == one)) viewer.tool = one;
+    };
+    tool("tool/move", SIGN_MOVE, "Move (1)", Tool::kMove);
+    tool("tool/rotate", SIGN_ROTATE, "Rotate (2)", Tool::kRotate);
+    tool("tool/scale", SIGN_SCALE, "Scale (3)", Tool::kScale);
+    tool("tool/paint", SIGN_BRUSH, "Paint (4)", Tool::kPaint);
+    ImGui::Separator();
+    if (sign_button(viewer, "tool/snap", SIGN_MAGNET, "Snap to 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
+        viewer.snap = !viewer.snap;
+    if (sign_button(viewer, "tool/local", SIGN_BOX, "Along the node's own axes", viewer.local_axes))
+        viewer.local_axes = !viewer.local_axes;
+    if (sign_button(viewer, "tool/grid", SIGN_GRID, "Lines on the floor (G)", viewer.grid)) viewer.grid = !viewer.grid;
+    ImGui::End();
+    ImGui::PopStyleVar(2);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,431 @@
+#include "tools/viewer/viewer.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/platform.h"
+#include "tools/viewer/camera_path_view.h"
+#include "tools/viewer/node_actions.h"
+#include "tools/viewer/panels.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kIdleWait_s = 0.5, kPlayingWait_s = 1.0 / 30, kMovingWait_s = 1.0 / 60, kFrame_s = 1.0 / 60;
+constexpr double kStillAfter_s = 0.12, kNotice_s = 6;
+constexpr size_t kMostMessages = 20;
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double aspect_of(const Area& area) {
+    return area.height > 0 ? area.width / area.height : 1;
+}
+
+// The eye at the first sight of a stage: through its first camera, else from the front, all in view.
+Eye first_eye(const Stage& stage, const StageInstant& instant, double aspect) {
+    const auto [low, high] = performers_box(stage, instant);
+    for (const InstantCamera& camera : instant.cameras)
+        if (!camera.orthographic)
+            return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
+                                   distance_to(camera.world_from_camera, low, high));
+    return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
+}
+
+bool same_picture(const Sight& a, const Sight& b) {
+    return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
+           a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
+           a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
+           a.resolve == b.resolve && a.own_background == b.own_background && a.moving == b.moving &&
+           a.most_scale == b.most_scale && a.samples == b.samples;
+}
+
+std::filesystem::path preferences_file() {
+    const std::filesystem::path folder = config_folder();
+    return folder.empty() ? folder : folder / "viewer.json";
+}
+
+Preferences preferences_for(const Viewer::Options& options, std::string& message) {
+    LoadedPreferences loaded = load_preferences(preferences_file());
+    message = loaded.message;
+    if (options.size) {
+        loaded.preferences.window.width = static_cast<int>(options.size->width);
+        loaded.preferences.window.height = static_cast<int>(options.size->height);
+        loaded.preferences.window.maximised = false;
+    }
+    return loaded.preferences;
+}
+
+}  // namespace
+
+Viewer::Viewer(const Options& options, const std::string& device_choice)
+    : preferences(preferences_for(options, preferences_message_)),
+      window("NeuVV", preferences.window),
+      device(device_choice, options.validate ? Validation::kOn : Validation::kOff, window.extensions()),
+      screen(device, window,
+             options.ui_scale.value_or(static_cast<float>(preferences.ui_scale) * window.content_scale())),
+      work([this](const std::string& problem) { editor.tell(problem, true); }, Window::wake),
+      drawer(device, Window::wake),
+      files(*this),
+      report(options.report),
+      screenshots(options.screenshots),
+      paint(device),
+      begin_(std::chrono::steady_clock::now()) {
+    picture.most_scale = static_cast<float>(preferences.preview.resolution);
+    picture.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences.preview.samples))), 1, 4);
+    if (const auto side = preferences.panels.find("side"); side != preferences.panels.end()) {
+        panels.all = side->second.open;
+        panels.side_width = static_cast<float>(side->second.width);
+    }
+    for (size_t i = 0; i < std::size(kLayerNames); i++)
+        if (preferences.layer == kLayerNames[i]) picture.show = static_cast<Show>(i);
+    if (!preferences_message_.empty()) editor.tell(preferences_message_, true);
+    if (!options.file.empty()) files.open(options.file);
+}
+
+// Jobs and tasks use the other parts.
+Viewer::~Viewer() {
+    work.stop();
+    if (exporting) exporting->cancel();
+    drawer.stop();
+}
+
+void Viewer::name_window() {
+    std::string title = "NeuVV";
+    if (editor.is_open())
+        title = fmt::format("{}{} – NeuVV", editor.modified() ? "• " : "", editor.file().path.filename().string());
+    if (title == title_) return;
+    title_ = title;
+    window.set_title(title);
+}
+
+void Viewer::keep_preferences() {
+    const std::filesystem::path file = preferences_file();
+    if (file.empty()) return;
+    preferences.window = window.place();
+    preferences.preview = {picture.most_scale, static_cast<uint32_t>(picture.samples * picture.samples)};
+    preferences.layer = kLayerNames[static_cast<size_t>(picture.show)];
+    preferences.panels["side"] = {panels.all, panels.side_width};
+    save_preferences(file, preferences);
+}
+
+void Viewer::run() {
+    while (!window.asked_to_close()) {
+        const uint64_t shown_before = drawn.shown.number;
+        wait();
+        const bool event = window.poll();
+        const double now = seconds_since(begin_);
+        came_s_.reset();
+        if (event) came_s_ = std::chrono::duration<double>(window.came() - begin_).count();
+        dt_s = now - now_s;
+        now_s = now;
+        drawn = drawer.state();
+        count_pictures();
+        if (event) redraw();
+        if (drawn.shown.number != shown_before) redraw(1);
+        frame();
+        frame_ms_ = 1000 * (seconds_since(begin_) - now_s);
+        if (drawn.shown.view > 0) worst_frame_ms_ = std::max(worst_frame_ms_, frame_ms_);
+        note_latency();
+        frames_left_ = std::max(0, frames_left_ - 1);
+        if (window.asked_to_close() && !may_close_) {
+            window.keep_open();
+            redraw();
+            files.when_saved_or_given_up([this] {
+                may_close_ = true;
+                window.close();
+            });
+        }
+    }
+    keep_preferences();
+}
+
+// The mean over the last pictures; nothing while nothing changes.
+void Viewer::count_pictures() {
+    constexpr double kOld_s = 1;
+    if (drawn.shown.view != counted_view_) shown_s_.push_back(now_s);
+    counted_view_ = drawn.shown.view;
+    while (!shown_s_.empty() && now_s - shown_s_.front() > kOld_s) shown_s_.pop_front();
+    const double seconds = shown_s_.empty() ? 0 : shown_s_.back() - shown_s_.front();
+    pictures_a_second_ = seconds > 0 ? static_cast<double>(shown_s_.size() - 1) / seconds : 0;
+}
+
+// Until there is something to show: at once what the drawer has drawn, the rest as often as screens show pictures, so
+// that panels take little of the time of pictures where both are drawn by the same cores.
+void Viewer::wait() {
+    double seconds = kIdleWait_s;
+    if (clock.playing) seconds = kPlayingWait_s;
+    if (something_goes_on()) seconds = kMovingWait_s;
+    if (frames_left_ > 0 || window.has_more()) seconds = 0;
+    if (seconds > 0) window.wait(seconds);
+    for (double left; (left = now_s + kFrame_s - seconds_since(begin_)) > 0;) {
+        if (drawer.state().shown.number != drawn.shown.number) return;
+        window.wait(left);
+    }
+}
+
+bool Viewer::something_goes_on() const {
+    return flight_ || now_s - last_move_s_ < kStillAfter_s;
+}
+
+void Viewer::frame() {
+    work.run_told();
+    for (Notice& notice : editor.take_notices()) {
+        notice.until_s = now_s + kNotice_s;
+        notices_.push_back(std::move(notice));
+        redraw();
+    }
+    std::erase_if(notices_, [&](const Notice& notice) { return notice.until_s < now_s; });
+    if (drawn.stage && drawn.stage != stage) {
+        const bool first = !stage || stage->file.path != drawn.stage->file.path;
+        stage = drawn.stage;
+        clock.set_stage(stage->duration_s, stage->fps);
+        instant = stage_at(*stage, clock.time_s());
+        if (first) eye = first_eye(*stage, stage_at(*stage, 0), aspect_of(picture_area));
+    }
+    const bool can_be_taken_back = editor.dragging() || editor.history().next_undo();
+    if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
+    name_window();
+    files.tick();
+    end_export();
+    for (const std::filesystem::path& path : window.dropped()) files.take(path);
+    if (wanted_scale) {
+        preferences.ui_scale =
+            std::clamp(static_cast<double>(*wanted_scale) / static_cast<double>(window.content_scale()), 0.5, 4.0);
+        screen.set_scale(*std::exchange(wanted_scale, std::nullopt));
+        redraw();
+    }
+    report.begin_frame();
+    screen.begin();
+    clock.tick(dt_s);  // before keys: what begins to play now has not played since the last frame
+    take_keys();
+    screenshots.take(*this);
+    if (flight_) {
+        eye = between(flight_->from, flight_->to, now_s - flight_->begin_s);
+        if (now_s - flight_->begin_s > kEyeMove_s) flight_.reset();
+        moves();
+    }
+    if (stage) instant = stage_at(*stage, clock.time_s());
+    const uint64_t view_before = looked_ ? looked_->id : 0, stage_before = shown_document_;
+    go_along_path();
+    place_panels();
+    if (editor.dragging() && !ImGui::IsAnyItemActive() && !holds_handle) editor.end_drag();
+    if (editor.is_open() && editor.id() != shown_document_) {
+        shown_document_ = editor.id();
+        drawer.show(std::make_shared<const Document>(editor.document()), shown_document_);
+        if (editor.dragging()) moves();
+    }
+    look();
+    ask_latency(view_before, stage_before);
+    tell_report();
+    const VkRect2D at{{static_cast<int32_t>(picture_area.left), static_cast<int32_t>(picture_area.top)},
+                      {static_cast<uint32_t>(picture_area.width), static_cast<uint32_t>(picture_area.height)}};
+    if (!screen.end({drawn.shown.image, drawn.shown.size, at})) redraw();
+    drawer.taken(drawn.shown.number);
+}
+
+// The picture left, the stage and what is selected right, time below.
+void Viewer::place_panels() {
+    menu_bar(*this);
+    const ImVec2 window_size = ImGui::GetIO().DisplaySize;
+    const float top = ImGui::GetFrameHeight();
+    Area side, timeline;
+    if (panels.all) {
+        side.width = std::round(std::min(std::max(ui(panels.side_width), ui(180)), 0.5f * window_size.x));
+        side.left = window_size.x - side.width;
+        side.top = top;
+        side.height = window_size.y - top;
+        timeline.height =
+            std::round(std::min(std::max(ui(panels.timeline_height), ui(80)), 0.5f * (window_size.y - top)));
+        timeline.width = window_size.x - side.width;
+        timeline.top = window_size.y - timeline.height;
+    }
+    picture_area = {0, top, window_size.x - side.width, window_size.y - top - timeline.height};
+    camera = camera_of(eye, std::max(1u, static_cast<uint32_t>(picture_area.width)),
+                       std::max(1u, static_cast<uint32_t>(picture_area.height)));
+    picture_panel(*this);
+    if (panels.all) {
+        const float tree = std::round(panels.tree_share * side.height);
+        stage_panel(*this, {side.left, side.top, side.width, tree});
+        properties_panel(*this, {side.left, side.top + tree, side.width, side.height - tree});
+        timeline_panel(*this, timeline);
+    }
+    if (panels.speed) speed_panel(*this);
+    if (panels.help) help_panel(*this);
+    notices_panel(*this);
+    files.panel();
+}
+
+void Viewer::look() {
+    if (!stage || camera.width < 2 || camera.height < 2) return;
+    Sight view;
+    view.camera = camera;
+    view.time_s = clock.time_s();
+    view.resolve.show = picture.show;
+    view.resolve.cost_max = picture.cost_max;
+    view.own_background = picture.own_background;
+    view.resolve.background = glm::vec4(glm::pow(picture.background, glm::vec3(2.2f)), 1);
+    view.moving = clock.playing || something_goes_on() || editor.dragging();
+    view.most_scale = picture.most_scale;
+    view.samples = static_cast<uint32_t>(picture.samples);
+    const auto [low, high] = performers_box(*stage, instant);
+    const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
+    view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
+    view.resolve.depth_far_m = static_cast<float>(distance + size);
+    if (clock.playing)
+        for (int i = 1; i <= 2; i++) view.next_s.push_back(clock.time_s() + i * clock.speed / clock.fps());
+    if (looked_ && same_picture(*looked_, view)) return;
+    view.id = looked_ ? looked_->id + 1 : 1;
+    looked_ = view;
+    drawer.look(std::move(view));
+}
+
+// This frame's event is answered by a view or a stage that was asked for since.
+void Viewer::ask_latency(uint64_t view_before, uint64_t stage_before) {
+    const uint64_t view = looked_ ? looked_->id : 0;
+    if (came_s_ && drawn.shown.view > 0 && (view != view_before || shown_document_ != stage_before))
+        asked_.push_back({view, shown_document_, *came_s_});
+}
+
+// How long it took from an event to the end of the frame that shows the picture which answers it. What waits for files
+// that are read does not count.
+void Viewer::note_latency() {
+    if (!drawn.loading.empty() || !drawn.problem.empty()) asked_.clear();
+    while (!asked_.empty() && asked_.front().view <= drawn.shown.view && asked_.front().stage <= drawn.shown.stage) {
+        latency_ms_ = 1000 * (seconds_since(begin_) - asked_.front().came_s);
+        worst_latency_ms_ = std::max(worst_latency_ms_, latency_ms_);
+        asked_.pop_front();
+    }
+}
+
+const Stage* Viewer::stage_of_document() const {
+    if (!stage || !editor.is_open()) return nullptr;
+    return stage->scene.nodes.size() == editor.node_count() ? stage.get() : nullptr;
+}
+
+void Viewer::begin_export(std::shared_ptr<Export> job) {
+    exporting = std::move(job);
+    export_begin_s = now_s;
+    clock.playing = false;
+    editor.freeze("an export goes on: cancel it to edit");
+    drawer.post_idle([job = exporting](OnDevice& on_device) {
+        const bool more = job->step(on_device);
+        Window::wake();
+        return more;
+    });
+}
+
+void Viewer::end_export() {
+    const std::optional<Export::End> end = exporting ? exporting->end() : std::nullopt;
+    if (!end) return;
+    editor.freeze({});
+    editor.tell(end->text, end->error);
+    exporting.reset();
+}
+
+bool Viewer::picture_is_sharp() const {
+    return drawn.shown.finished && looked_ && drawn.shown.view == looked_->id && drawn.shown.stage == shown_document_;
+}
+
+void Viewer::go_to(const Eye& target) {
+    flight_ = Flight{eye, target, now_s};
+}
+
+// Whatever else moved the eye since ends it.
+void Viewer::go_along_path() {
+    const bool moved = along_eye_ && eye != *along_eye_;
+    if (!stage || !stage->settings.camera_path || moved) along_path = false;
+    along_eye_.reset();
+    if (along_path) eye = *(along_eye_ = eye_at(*stage->settings.camera_path, clock.time_s(), *this));
+}
+
+void Viewer::take_keys() {
+    escape = false;
+    const bool typing = ImGui::GetIO().WantTextInput, asked = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+    for (const KeyPress& press : window.presses()) {
+        if (press.key == GLFW_KEY_ESCAPE) escape = true;
+        if (typing || asked || holds_handle) continue;
+        if (press.control) take_control_key(press);
+        take_picture_key(*this, press);
+        if (press.control || press.alt) continue;
+        if (press.key == GLFW_KEY_COMMA) clock.step(-1);
+        if (press.key == GLFW_KEY_PERIOD) clock.step(1);
+        if (press.repeat) continue;
+        if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
+        if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
+        if (press.key == GLFW_KEY_END) clock.scrub(static_cast<double>(clock.pictures() - 1) / clock.fps());
+        if (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER)
+            press.shift ? remove_key_near(*this) : add_key_here(*this);
+        if (press.key == GLFW_KEY_TAB) panels.all = !panels.all;
+        if (press.key == GLFW_KEY_F11) window.toggle_full_screen();
+        if (press.key == GLFW_KEY_F12) press.shift ? screenshots.want_window() : screenshots.want_picture();
+    }
+    if (!typing && !asked) take_node_keys(*this);
+    if (!typing && window.typed().find(U'?') != std::u32string::npos) panels.help = !panels.help;
+}
+
+void Viewer::take_control_key(const KeyPress& press) {
+    switch (press.key) {
+        case GLFW_KEY_Z:
+            return press.shift ? editor.redo() : editor.undo();
+        case GLFW_KEY_Y:
+            return editor.redo();
+        case GLFW_KEY_S:
+            return press.shift ? files.save_as() : files.save();
+        case GLFW_KEY_N:
+            return files.new_stage();
+        case GLFW_KEY_O:
+            return files.ask_path("Open", {".gltf", ".glb", ".nvv", ".npz"}, false, "",
+                                  [this](const std::filesystem::path& path) { files.open(path); });
+        case GLFW_KEY_Q:
+            return window.close();
+        default:
+            return;
+    }
+}
+
+void Viewer::tell_report() {
+    if (!report.on()) return;
+    for (std::string& message : device.drain_validation_messages())
+        if (validation_.size() < kMostMessages) validation_.push_back(std::move(message));
+    report.place("picture", picture_area.left, picture_area.top, picture_area.width, picture_area.height);
+    report.fact("open", editor.is_open() ? editor.file().path.string() : "");
+    report.fact("modified", editor.modified());
+    report.fact("ready", stage && drawn.stage_id == editor.id() && drawn.shown.view > 0);
+    report.fact("view", drawn.shown.view);
+    report.fact("finished", looked_ && !looked_->moving && picture_is_sharp());
+    report.fact("scale", drawn.shown.scale);
+    report.fact("picture_ms", drawn.shown.milliseconds);
+    report.fact("time_s", clock.time_s());
+    report.fact("playing", clock.playing);
+    report.fact("along_path", along_path);
+    report.fact("latency_ms", latency_ms_);
+    report.fact("worst_latency_ms", worst_latency_ms_);
+    report.fact("frame_ms", frame_ms_);
+    report.fact("worst_frame_ms", worst_frame_ms_);
+    const HandledInput handled = window.handled();
+    report.fact("handled", {{"x", handled.x},
+                            {"y", handled.y},
+                            {"releases", handled.releases},
+                            {"scrolls", handled.scrolls},
+                            {"all", !window.has_more()}});
+    report.fact("busy", work.under_way());
+    report.fact("problem", drawn.problem);
+    report.fact("validation", validation_);
+    nlohmann::json selected = nullptr;
+    if (editor.selected()) selected = *editor.selected();
+    report.fact("selected", selected);
+    nlohmann::json told = nlohmann::json::array();
+    for (const Notice& notice : notices_) told.push_back(notice.text);
+    report.fact("notices", told);
+    if (!report.end_frame()) redraw(1);
+}
+
+}  // namespace neuvv
