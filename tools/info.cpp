@@ -34,16 +34,7 @@ NvvSummary summary_of_plenoctree(const std::string& file) {
     const VOctree tree = read_clip(file);
     NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);
-    summary.head = {tree.node_levels,
-                    static_cast<uint32_t>(tree.nodes.size()),
-                    static_cast<uint32_t>(tree.children.size()),
-                    tree.leaf_count,
-                    tree.bases,
-                    tree.hh_degree,
-                    tree.frames,
-                    tree.fps,
-                    tree.box_min,
-                    tree.box_size};
+    summary.head = head_of(tree);
     return summary;
 }
 

@@ -7,10 +7,10 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/npy.h"
 #include "media/video.h"
 #include "training/calibration.h"
 #include "training/camera_folders.h"
-#include "base/npy.h"
 
 namespace neuvv {
 

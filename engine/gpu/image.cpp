@@ -106,7 +106,10 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
     return *this;
 }
 
-void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to) {
+namespace {
+
+void move_levels(Commands& commands, VkImage image, const VkImageSubresourceRange& levels, VkImageLayout from,
+                 VkImageLayout to) {
     // The stages and accesses of whole frames: images change their layout a few times a picture.
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -115,12 +118,22 @@ void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout fro
     barrier.oldLayout = from;
     barrier.newLayout = to;
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = image.image;
-    barrier.subresourceRange = {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1};
+    barrier.image = image;
+    barrier.subresourceRange = levels;
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+}  // namespace
+
+void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to) {
+    move_levels(commands, image.image, {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1}, from, to);
+}
+
+void move_layout(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    move_levels(commands, image, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}, from, to);
 }
 
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels) {

@@ -58,6 +58,8 @@ struct Sampler {
 // What was done with the image before, in layout `from` (UNDEFINED drops its contents), is seen by all that comes
 // after.
 void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to);
+// Of a colour image of one level that is somebody else's.
+void move_layout(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to);
 
 // One tightly packed array of bytes a mip level, the largest first. The layout becomes SHADER_READ_ONLY; set-up only.
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);

@@ -31,19 +31,6 @@ bool is_one_of(const ChunkNames& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-NvvHead head_of(const VOctree& tree) {
-    return {tree.node_levels,
-            static_cast<uint32_t>(tree.nodes.size()),
-            static_cast<uint32_t>(tree.children.size()),
-            tree.leaf_count,
-            tree.bases,
-            tree.hh_degree,
-            tree.frames,
-            tree.fps,
-            tree.box_min,
-            tree.box_size};
-}
-
 std::vector<uint8_t> pack_nodes(const VOctree& tree) {
     std::vector<uint8_t> bytes(kStoredNodeBytes * tree.nodes.size());
     for (size_t i = 0; i < tree.nodes.size(); ++i)
@@ -212,6 +199,19 @@ void expect_no_paint(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+NvvHead head_of(const VOctree& tree) {
+    return {tree.node_levels,
+            static_cast<uint32_t>(tree.nodes.size()),
+            static_cast<uint32_t>(tree.children.size()),
+            tree.leaf_count,
+            tree.bases,
+            tree.hh_degree,
+            tree.frames,
+            tree.fps,
+            tree.box_min,
+            tree.box_size};
+}
 
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra,
                int compression, const std::optional<VOctree>& coarse) {

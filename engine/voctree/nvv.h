@@ -39,6 +39,7 @@ struct NvvHead {
     float fps;
     glm::vec3 box_min, box_size;
 };
+NvvHead head_of(const VOctree& tree);
 
 struct NvvSummary {
     struct Chunk {

@@ -5,7 +5,7 @@
 #include "stage/camera_path_json.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
-#include "tests/stage/stage_files.h"
+#include "tests/edit/foreign_stage.h"
 
 namespace neuvv {
 namespace {
@@ -23,15 +23,7 @@ CameraPathKey key(double time_s, double x = 0) {
     return made;
 }
 
-struct Paths : testing::Test {
-    TemporaryFolder folder;
-    StageFile file;
-    ordered_json before;
-
-    void SetUp() override {
-        file = read_stage_file(test::put_foreign_stage(folder.path));
-        before = file.json;
-    }
+struct Paths : test::ForeignStage {
     // As it would be read back.
     CameraPath path() const {
         expect_sound_document(file);

@@ -5,7 +5,7 @@
 #include "edit/operations.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
-#include "tests/stage/stage_files.h"
+#include "tests/edit/foreign_stage.h"
 #include "voctree/nvpaint.h"
 
 namespace neuvv {
@@ -13,16 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Histories : testing::Test {
-    TemporaryFolder folder;
-    Document document;
-    PaintedField field;
-
-    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
-    void SetUp() override {
-        document.file = read_stage_file(test::put_foreign_stage(folder.path));
-        field = painted_field(read_nvv(at("anna.nvv")));
-    }
+struct Histories : test::ForeignDocument {
     // A layer in which so many leaves have this red.
     std::shared_ptr<const EditLayer> layer(float red, uint32_t leaves = 1) const {
         auto made = std::make_shared<EditLayer>(EditLayer{field, {}});

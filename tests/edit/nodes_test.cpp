@@ -7,28 +7,54 @@
 #include "stage/stage.h"
 #include "stage/stage_instant.h"
 #include "support/input_error.h"
-#include "tests/stage/stage_files.h"
+#include "tests/edit/foreign_stage.h"
 
 namespace neuvv {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct Nodes : testing::Test {
-    TemporaryFolder folder;
-    StageFile file;
-    ordered_json before;
-
-    void SetUp() override {
-        file = read_stage_file(test::put_foreign_stage(folder.path));
-        before = file.json;
-    }
+struct Nodes : test::ForeignStage {
     Stage stage() const {
         expect_sound_document(file);
         return make_stage(file);
     }
     uint32_t node(const std::string& name) const { return find_node(file, name); }
 };
+
+TEST_F(Nodes, DraggedOnesKeepTheirPartsUnlessTheyAreSheared) {
+    const uint32_t anna = node("Anna");
+    const auto json = [&] { return file.json["nodes"][anna]; };
+    Placement turned;
+    turned.at = glm::dvec3(1, 2, 3);
+    turned.turn_deg = glm::dvec3(0, 30, 0);
+    turned.scale = glm::dvec3(2, 2, 2);
+    place_node(file, anna, turned);
+    const ordered_json parts_before = json();
+    const GltfNode there = stage().scene.nodes[anna];
+    glm::dmat4 matrix = glm::mat4_cast(there.rotation) * glm::scale(glm::dmat4(1), there.scale);
+    matrix[3] = glm::dvec4(4, 2, 3, 1);
+    Placement moved;
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_EQ(json()["rotation"], parts_before["rotation"]);
+    EXPECT_EQ(json()["scale"], parts_before["scale"]);
+    EXPECT_EQ(json()["translation"], ordered_json({4.0, 2.0, 3.0}));
+
+    matrix[0] *= -1.5;  // mirrored, and wider
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_FALSE(json().contains("matrix"));
+    const GltfNode mirrored = stage().scene.nodes[anna];
+    const glm::dmat4 parts = glm::mat4_cast(mirrored.rotation) * glm::scale(glm::dmat4(1), mirrored.scale);
+    for (int axis = 0; axis < 3; axis++)
+        EXPECT_LT(glm::distance(glm::dvec3(parts[axis]), glm::dvec3(matrix[axis])), 1e-9) << axis;
+
+    matrix[1][0] += 0.5;
+    moved.to = matrix;
+    place_node(file, anna, moved);
+    EXPECT_TRUE(json().contains("matrix"));
+}
 
 TEST_F(Nodes, ACameraSeesWhatItWasMadeFor) {
     glm::dmat4 world_from_camera = glm::translate(glm::dmat4(1), {1, 2, 3});

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <glm/gtc/matrix_transform.hpp>
-
 #include <cmath>
 #include <set>
 
@@ -111,37 +109,6 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
 }
 
 // A matrix takes the same moves as translation, rotation and scale.
-TEST_F(Edits, DraggedNodesKeepTheirPartsUnlessTheyAreSheared) {
-    const uint32_t anna = find_node(file, "Anna");
-    Placement turned;
-    turned.at = glm::dvec3(1, 2, 3);
-    turned.turn_deg = glm::dvec3(0, 30, 0);
-    turned.scale = glm::dvec3(2, 2, 2);
-    place_node(file, anna, turned);
-    const auto before = node("Anna");
-    Placement moved;
-    const GltfNode there = stage().scene.nodes[anna];
-    glm::dmat4 matrix = glm::mat4_cast(there.rotation) * glm::scale(glm::dmat4(1), there.scale);
-    matrix[3] = glm::dvec4(4, 2, 3, 1);
-    moved.to = matrix;
-    place_node(file, anna, moved);
-    EXPECT_EQ(node("Anna")["rotation"], before["rotation"]);
-    EXPECT_EQ(node("Anna")["scale"], before["scale"]);
-    EXPECT_EQ(node("Anna")["translation"], nlohmann::ordered_json({4.0, 2.0, 3.0}));
-    matrix[0] *= -1.5;  // mirrored, and wider
-    moved.to = matrix;
-    place_node(file, anna, moved);
-    EXPECT_FALSE(node("Anna").contains("matrix"));
-    const GltfNode mirrored = stage().scene.nodes[anna];
-    const glm::dmat4 parts = glm::translate(glm::dmat4(1), mirrored.translation) * glm::mat4_cast(mirrored.rotation) *
-                             glm::scale(glm::dmat4(1), mirrored.scale);
-    for (int axis = 0; axis < 3; axis++) expect_near(glm::dvec3(parts[axis]), glm::dvec3(matrix[axis]));
-    matrix[1][0] += 0.5;
-    moved.to = matrix;
-    place_node(file, anna, moved);
-    EXPECT_TRUE(node("Anna").contains("matrix"));
-}
-
 TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     Placement placement;
     placement.matrix = glm::dmat4(1);

@@ -7,23 +7,15 @@
 #include "edit/operations.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
-#include "tests/stage/stage_files.h"
+#include "tests/edit/foreign_stage.h"
 #include "voctree/nvpaint.h"
 
 namespace neuvv {
 namespace {
 
-struct Recovery : testing::Test {
-    TemporaryFolder folder;
+struct Recovery : test::ForeignDocument {
     std::filesystem::path entries = at("state/recovery");
-    Document document;
-    PaintedField field;
 
-    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
-    void SetUp() override {
-        document.file = read_stage_file(test::put_foreign_stage(folder.path));
-        field = painted_field(read_nvv(at("anna.nvv")));
-    }
     std::shared_ptr<const EditLayer> layer(float red) const {
         return std::make_shared<EditLayer>(EditLayer{field, {{3, 0, 1, {red, 0, 0}, 1}}});
     }

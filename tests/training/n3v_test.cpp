@@ -5,12 +5,12 @@
 
 #include <cstring>
 
+#include "base/npy.h"
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "training/dataset.h"
 #include "training/formats.h"
-#include "base/npy.h"
 
 namespace neuvv {
 namespace {

@@ -79,7 +79,7 @@ TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     EXPECT_TRUE(same(before, hands->picture()));
 }
 
-TEST_F(Arranging, DISABLED_ACopyIsSeenSavedAndDeleted) {
+TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
     const Image before = hands->picture();
@@ -99,7 +99,7 @@ TEST_F(Arranging, DISABLED_ACopyIsSeenSavedAndDeleted) {
     EXPECT_TRUE(same(before, hands->picture()));
 }
 
-TEST_F(Arranging, DISABLED_MoreLightIsSeenAndSaved) {
+TEST_F(Arranging, MoreLightIsSeenAndSaved) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
     const Image before = hands->picture();
@@ -117,7 +117,7 @@ TEST_F(Arranging, DISABLED_MoreLightIsSeenAndSaved) {
     EXPECT_NE(dim["intensity"].get<double>(), 400);
 }
 
-TEST_F(Arranging, DISABLED_UnsavedEditsAreAskedAboutAndDiscarded) {
+TEST_F(Arranging, UnsavedEditsAreAskedAboutAndDiscarded) {
     const json before = saved();
     const auto hands = open(stage, "960x540");
     hands->until_rest();
@@ -136,7 +136,7 @@ TEST_F(Arranging, DISABLED_UnsavedEditsAreAskedAboutAndDiscarded) {
     EXPECT_EQ(again->seen()["modified"], false) << "nothing is left to be recovered";
 }
 
-TEST_F(Arranging, DISABLED_UnsavedEditsAreSavedOnTheWayOut) {
+TEST_F(Arranging, UnsavedEditsAreSavedOnTheWayOut) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
     const size_t nodes = saved()["nodes"].size();
@@ -152,7 +152,7 @@ TEST_F(Arranging, DISABLED_UnsavedEditsAreSavedOnTheWayOut) {
     EXPECT_EQ(again->seen()["modified"], false) << "nothing is left to be recovered";
 }
 
-TEST_F(Arranging, DISABLED_AKilledViewerLosesNothingThatIsFiveSecondsOld) {
+TEST_F(Arranging, AKilledViewerLosesNothingThatIsFiveSecondsOld) {
     const size_t nodes = saved()["nodes"].size();
     {
         const auto hands = open(stage, "960x540");

@@ -24,10 +24,7 @@ std::optional<Gizmo> gizmo_of_selected(const Viewer& viewer) {
 
 void grab(Viewer& viewer, const Gizmo& gizmo, GizmoHandle handle) {
     const uint32_t node = *viewer.editor.selected();
-    const int32_t parent = viewer.stage->scene.nodes[node].parent;
-    const glm::dmat4 world_from_parent =
-        parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];
-    viewer.gizmo = HeldGizmo{gizmo, handle, pointer_of(viewer), world_from_parent, node};
+    viewer.gizmo = HeldGizmo{gizmo, handle, pointer_of(viewer), node, world_from_parent(viewer, node)};
 }
 
 void drag(Viewer& viewer, const HeldGizmo& held) {

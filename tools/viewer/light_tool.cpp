@@ -30,7 +30,7 @@ std::string set_aimed(StageFile& file, const HeldLight& held, const AimedLight& 
     Placement placement;
     std::string said;
     if (held.handle == LightHandle::kAim) {
-        placement.aim = glm::dvec3(held.parent_from_world * glm::dvec4(light.aim, 1));
+        placement.aim = glm::dvec3(glm::inverse(held.world_from_parent) * glm::dvec4(light.aim, 1));
         return place_node(file, held.node, placement);
     }
     if (held.handle == LightHandle::kRange) edit.range_m = light.range_m;
@@ -51,10 +51,7 @@ void drag(Viewer& viewer, const HeldLight& held) {
 
 void grab(Viewer& viewer, const LightGizmo& gizmo, LightHandle handle) {
     const uint32_t node = *viewer.editor.selected();
-    const int32_t parent = viewer.stage->scene.nodes[node].parent;
-    const glm::dmat4 world_from_parent =
-        parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];
-    viewer.held_light = HeldLight{gizmo, handle, pointer_of(viewer), glm::inverse(world_from_parent), node};
+    viewer.held_light = HeldLight{gizmo, handle, pointer_of(viewer), node, world_from_parent(viewer, node)};
 }
 
 }  // namespace

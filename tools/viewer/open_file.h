@@ -7,8 +7,8 @@
 
 namespace neuvv {
 
-// A stage as it is; a clip (.nvv, .npz), or the newest .nvv in a folder, alone on a stage of its own beside it, not on the disk yet.
-// Throws InputError.
+// A stage as it is; a clip (.nvv, .npz), or the newest .nvv in a folder, alone on a stage of its own beside it, not on
+// the disk yet. Throws InputError.
 Document open_document(const std::filesystem::path& path);
 
 // The path of the stage that open_document gives.

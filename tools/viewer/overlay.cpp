@@ -141,6 +141,11 @@ void show_handles(Viewer& viewer, std::span<const HandleShape> shapes, int hot) 
     }
 }
 
+glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node) {
+    const int32_t parent = viewer.stage->scene.nodes[node].parent;
+    return parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];
+}
+
 glm::dvec2 pointer_of(const Viewer& viewer) {
     const ImVec2 at = ImGui::GetIO().MousePos;
     return {at.x - viewer.picture_area.left, at.y - viewer.picture_area.top};

@@ -23,11 +23,6 @@ constexpr double kRadiusStep = 1.15;
 
 constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restored", "picture projected"};
 
-glm::dvec2 pointer_in(const Viewer& viewer) {
-    const ImVec2 at = ImGui::GetIO().MousePos;
-    return {at.x - viewer.picture_area.left, at.y - viewer.picture_area.top};
-}
-
 }  // namespace
 
 // What goes on from the press of a button to its release, and until the last of it is painted.
@@ -254,7 +249,7 @@ void PaintTool::go_on(Viewer& viewer) {
     Active& stroke = *stroke_;
     viewer.holds_handle = true;
     stroke.released |= !ImGui::IsMouseDown(ImGuiMouseButton_Left);
-    const glm::dvec2 at = pointer_in(viewer);
+    const glm::dvec2 at = pointer_of(viewer);
     if (!stroke.released && at != stroke.last) {
         const Camera camera = in_performer(viewer.camera, glm::mat4(stroke.world_from_performer));
         if (stroke.waiting.empty() || stroke.waiting.back().first.world_from_camera != camera.world_from_camera)
@@ -308,7 +303,7 @@ void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std:
 
 // Where the pointer meets the surface, for the cursor.
 void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
-    const glm::dvec2 pixel = pointer_in(viewer);
+    const glm::dvec2 pixel = pointer_of(viewer);
     const bool same = pixel == hover_.pixel && performer.frame == hover_.frame &&
                       viewer.camera.world_from_camera == hover_.camera.world_from_camera;
     if (same || hover_.under_way || busy()) return;

@@ -71,8 +71,10 @@ void try_time(Viewer& viewer, uint32_t node, const StageClip* clip, const std::s
     } catch (const InputError& problem) {
         error = problem.what();
     }
-    // Without the file and place that are not there.
+    // Without a file, which it has none, and which operator, which its text says.
     error.erase(0, error.find_first_not_of(": "));
+    if (const size_t end = error.find(": "); error.starts_with('/') && end != std::string::npos)
+        error.erase(0, end + 2);
     time = {node, viewer.editor.id(), typed, error};
 }
 

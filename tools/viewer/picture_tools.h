@@ -11,23 +11,20 @@ namespace neuvv {
 class Viewer;
 struct Area;
 
-// The selected node's handles, as they were when one was grabbed.
-struct HeldGizmo {
-    Gizmo grabbed;
-    GizmoHandle handle = GizmoHandle::kNone;
-    glm::dvec2 from{0};
+// A handle that is held, and its gizmo as it was when it was grabbed.
+template <typename OfWhat, typename Handle>
+struct Held {
+    OfWhat grabbed;
+    Handle handle;
+    glm::dvec2 from{0};  // in the picture
+    uint32_t node = 0;
     glm::dmat4 world_from_parent{1};
-    uint32_t node = 0;
 };
+using HeldGizmo = Held<Gizmo, GizmoHandle>;
+using HeldLight = Held<LightGizmo, LightHandle>;
 
-// Likewise of a light.
-struct HeldLight {
-    LightGizmo grabbed;
-    LightHandle handle = LightHandle::kNone;
-    glm::dvec2 from{0};
-    glm::dmat4 parent_from_world{1};
-    uint32_t node = 0;
-};
+// Of the drawn stage's node.
+glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node);
 
 // Before the picture's own navigation, each frame. True: a handle is held or under the pointer, which then does nothing
 // else. `taken`: the pointer is on something already.

@@ -22,22 +22,6 @@ void check_imgui(VkResult result) {
     if (result < 0) check(result, "Vulkan", "panels");
 }
 
-void move_image(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.oldLayout = from;
-    barrier.newLayout = to;
-    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = image;
-    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.imageMemoryBarrierCount = 1;
-    info.pImageMemoryBarriers = &barrier;
-    vkCmdPipelineBarrier2(commands.handle(), &info);
-}
-
 int32_t edge(int32_t offset, uint32_t extent) {
     return offset + static_cast<int32_t>(extent);
 }
@@ -199,7 +183,7 @@ bool Screen::end(const ScreenPicture& picture) {
 
 // The picture, scaled to its place, on a plain ground; panels over it.
 void Screen::record(Commands& commands, const ScreenPicture& picture, const PresentTarget& target) {
-    move_image(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue ground = ground_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
@@ -217,7 +201,7 @@ void Screen::record(Commands& commands, const ScreenPicture& picture, const Pres
         vkCmdBlitImage(commands.handle(), picture.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     }
-    move_image(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
     begin.renderPass = render_pass_;
     begin.framebuffer = framebuffers_[target.index];
@@ -227,11 +211,11 @@ void Screen::record(Commands& commands, const ScreenPicture& picture, const Pres
     vkCmdEndRenderPass(commands.handle());
     VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     if (capture_) {
-        move_image(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         record_capture(commands, target);
         drawn = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
-    move_image(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
 void Screen::record_capture(Commands& commands, const PresentTarget& target) {

@@ -75,7 +75,7 @@ struct Panels {
     bool all = true;  // Tab
     bool speed = false, help = false;
     float side_width = 320, timeline_height = 170;  // at scale 1
-    float tree_share = 0.33f;                        // of the side's height
+    float tree_share = 0.33f;                       // of the side's height
 };
 
 // The tree of nodes.

@@ -1,0 +1,37 @@
+// A stage written by another program, in a folder of its own: what tests of edits begin with.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "edit/edited_stage.h"
+#include "support/temporary_folder.h"
+#include "tests/stage/stage_files.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+
+struct ForeignStage : testing::Test {
+    TemporaryFolder folder;
+    StageFile file;
+    nlohmann::ordered_json before;
+
+    void SetUp() override {
+        file = read_stage_file(put_foreign_stage(folder.path));
+        before = file.json;
+    }
+};
+
+// The same with its paint, to be edited.
+struct ForeignDocument : testing::Test {
+    TemporaryFolder folder;
+    Document document;
+    PaintedField field;  // anna's
+
+    std::filesystem::path at(const std::string& name) const { return folder.path / name; }
+    void SetUp() override {
+        document.file = read_stage_file(put_foreign_stage(folder.path));
+        field = painted_field(read_nvv(at("anna.nvv")));
+    }
+};
+
+}  // namespace neuvv::test
