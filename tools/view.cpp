@@ -8,7 +8,7 @@ namespace neuvv {
 namespace {
 
 struct ViewOptions {
-    std::string file, size, report, screenshots;
+    std::string file, size, report, screenshots, shaders;
     double ui_scale = 0;
     bool validate = false;
 };
@@ -28,6 +28,11 @@ void add_view(CLI::App& app, CommonOptions& common) {
                      "Keep this JSON file up to date with what the window shows and where, for programs that drive it");
     verb->add_option("--screenshots", options->screenshots,
                      "The folder for F12; otherwise the one for pictures ($XDG_PICTURES_DIR, ~/Pictures)");
+    verb->add_option(
+            "--shaders", options->shaders,
+            "For who writes shaders: this folder of their sources is watched, and what changes is seen at once; a "
+            "debug build watches the one that it was built from")
+        ->check(CLI::ExistingDirectory);
     verb->add_flag("--validate", options->validate,
                    "With Vulkan's validation layers, whose messages are in the report");
     verb->footer(
@@ -40,6 +45,7 @@ void add_view(CLI::App& app, CommonOptions& common) {
         viewer.file = options->file;
         viewer.report = options->report;
         viewer.screenshots = options->screenshots;
+        viewer.shaders = options->shaders.empty() ? shaders_of_debug_build() : std::filesystem::path(options->shaders);
         viewer.validate = options->validate;
         if (options->ui_scale > 0) viewer.ui_scale = static_cast<float>(options->ui_scale);
         if (!options->size.empty()) {

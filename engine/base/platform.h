@@ -46,6 +46,13 @@ bool stop_requested();
 
 bool stderr_is_terminal();
 
+// Runs a program of PATH to its end; no shell reads the words. Throws RuntimeFailure where it cannot be started.
+struct ProgramEnd {
+    int code = 0;      // 128 and the signal's number where one ended it
+    std::string said;  // on stdout and stderr
+};
+ProgramEnd run_program(std::vector<std::string> words);
+
 // Folder for caches of this program (XDG_CACHE_HOME or ~/.cache, plus "neuvv"); created; empty if there is none.
 std::filesystem::path cache_folder();
 // Likewise for what a user chose (XDG_CONFIG_HOME or ~/.config), and for what shall outlive a crash (XDG_STATE_HOME or

@@ -169,8 +169,8 @@ struct Projector {
         const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.middles[index], 1));
         if (!(at.z < 0)) return glm::vec4(0);
         const Shown leaf = shown(index, at);
-        const glm::dvec2 middle = leaf.pixel * double{map.dense} - 0.5;
-        const glm::dvec2 half = 0.5 * std::sqrt(3.0) * leaf.edge * leaf.reach * double{map.dense} + 0.5;
+        const glm::dvec2 middle = leaf.pixel * static_cast<double>(map.dense) - 0.5;
+        const glm::dvec2 half = 0.5 * std::sqrt(3.0) * leaf.edge * leaf.reach * static_cast<double>(map.dense) + 0.5;
         const glm::dvec2 low = glm::max(glm::ceil(middle - half), 0.0);
         const glm::dvec2 high = glm::min(glm::floor(middle + half), glm::dvec2(map.width, map.height) - 1.0);
         const bool narrow = leaf.edge * std::max(leaf.reach.x, leaf.reach.y) < 1;  // than a pixel: its place counts

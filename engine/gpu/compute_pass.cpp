@@ -90,16 +90,19 @@ void require_bindings(const Device& device, const ShaderInterface& interface, co
 
 }  // namespace
 
+// Delegates, so that the destructor frees what was made before something failed.
 ComputePass::ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                          const std::vector<uint32_t>& constants)
-    : device_(device), name_(std::move(name)), interface_(reflect(spirv, name_)) {
+    : ComputePass(device, std::move(name)) {
+    const std::vector<uint32_t> newest = device.shaders().newest(spirv);
+    interface_ = reflect(newest, name_);
     if (interface_.push_bytes > device.limits().maxPushConstantsSize)
         throw RuntimeFailure(fmt::format("pass \"{}\": {} bytes of push constants, the device takes {}", name_,
                                          interface_.push_bytes, device.limits().maxPushConstantsSize));
     require_bindings(device, interface_, name_);
     set_layout_ = make_set_layout(device, interface_, name_);
     layout_ = make_pipeline_layout(device, set_layout_, interface_.push_bytes, name_);
-    pipeline_ = make_pipeline(device, layout_, spirv, constants, name_);
+    pipeline_ = make_pipeline(device, layout_, newest, constants, name_);
 }
 
 ComputePass::~ComputePass() {

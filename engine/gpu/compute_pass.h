@@ -26,7 +26,7 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
 class ComputePass {
   public:
     // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the
-    // device's pipeline cache.
+    // device's pipeline cache, what its table of shaders has for `spirv`.
     ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                 const std::vector<uint32_t>& constants = {});
     ~ComputePass();
@@ -41,6 +41,7 @@ class ComputePass {
     const Device& device() const { return device_; }
 
   private:
+    ComputePass(const Device& device, std::string name) : device_(device), name_(std::move(name)) {}
     const Device& device_;
     std::string name_;
     ShaderInterface interface_;

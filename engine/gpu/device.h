@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "gpu/shader_table.h"
+
 namespace neuvv {
 
 // Throws RuntimeFailure naming the call, its object and the result unless it is VK_SUCCESS.
@@ -55,6 +57,7 @@ class Device {
     std::mutex& queue_mutex() const { return queue_mutex_; }
     uint32_t queue_family() const { return queue_family_; }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+    ShaderTable& shaders() const { return shaders_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
     const DeviceSummary& summary() const { return summary_; }
@@ -94,6 +97,7 @@ class Device {
     mutable std::mutex queue_mutex_;
     uint32_t queue_family_ = 0;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+    mutable ShaderTable shaders_;
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;
     DeviceSummary summary_;

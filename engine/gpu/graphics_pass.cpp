@@ -139,15 +139,20 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, const Gr
 
 }  // namespace
 
+// Delegates, so that the destructor frees what was made before something failed.
 GraphicsPass::GraphicsPass(const Device& device, std::string name, const GraphicsShape& shape)
-    : device_(device),
-      name_(std::move(name)),
-      interface_(merge(reflect(shape.vertex_spirv, name_), reflect(shape.fragment_spirv, name_))) {
+    : GraphicsPass(device, std::move(name)) {
+    const std::vector<uint32_t> vertex = device.shaders().newest(shape.vertex_spirv),
+                                fragment = device.shaders().newest(shape.fragment_spirv);
+    interface_ = merge(reflect(vertex, name_), reflect(fragment, name_));
     set_layout_ = make_set_layout(device, interface_, name_);
     layout_ = make_pipeline_layout(device, set_layout_, interface_.push_bytes, name_);
     device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT, reinterpret_cast<uint64_t>(set_layout_), name_);
     device.name_object(VK_OBJECT_TYPE_PIPELINE_LAYOUT, reinterpret_cast<uint64_t>(layout_), name_);
-    pipeline_ = make_pipeline(device, layout_, shape, name_);
+    GraphicsShape newest = shape;
+    newest.vertex_spirv = vertex;
+    newest.fragment_spirv = fragment;
+    pipeline_ = make_pipeline(device, layout_, newest, name_);
 }
 
 GraphicsPass::~GraphicsPass() {

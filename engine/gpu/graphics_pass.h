@@ -40,6 +40,7 @@ class GraphicsPass {
     const Device& device() const { return device_; }
 
   private:
+    GraphicsPass(const Device& device, std::string name) : device_(device), name_(std::move(name)) {}
     const Device& device_;
     std::string name_;
     ShaderInterface interface_;

@@ -77,6 +77,21 @@ TEST_F(DeviceTest, ValidationIsHeard) {
     EXPECT_TRUE(device().drain_validation_messages().empty());
 }
 
+TEST_F(DeviceTest, PassesTakeTheNewestShaders) {
+    const std::vector<uint32_t> rows(std::begin(rows_comp), std::end(rows_comp)),
+        resolve(std::begin(resolve_comp), std::end(resolve_comp));
+    const auto bindings = [&] { return ComputePass(device(), "rows", rows_comp).interface().bindings.size(); };
+    const size_t of_rows = reflect(rows, "rows").bindings.size(),
+                 of_resolve = reflect(resolve, "resolve").bindings.size();
+    ASSERT_NE(of_rows, of_resolve);
+    EXPECT_EQ(bindings(), of_rows);
+    device().shaders().set({{rows, resolve}});
+    EXPECT_EQ(bindings(), of_resolve);
+    EXPECT_EQ(ComputePass(device(), "resolve", resolve_comp).interface().bindings.size(), of_resolve);
+    device().shaders().set({});
+    EXPECT_EQ(bindings(), of_rows);
+}
+
 using BufferTest = GpuTest;
 
 TEST_F(BufferTest, LimitsAreNamed) {

@@ -1,4 +1,6 @@
 // To watch: opening, playing, looking around, the window itself.
+#include <fstream>
+
 #include "viewer_window/viewer_window.h"
 
 namespace neuvv::test {
@@ -182,6 +184,38 @@ TEST_F(Watching, WhatCannotBeOpenedIsSaid) {
     EXPECT_EQ(hands->seen()["open"], "");
     hands->key("ctrl+q");
     EXPECT_EQ(hands->wait_for_end(), 0);
+}
+
+TEST_F(Watching, ShadersThatChangeAreSeen) {
+    const std::filesystem::path shaders = folder.path / "shaders", changed = shaders / "show.glsl";
+    std::filesystem::copy(NEUVV_SHADERS, shaders, std::filesystem::copy_options::recursive);
+    const std::string text = read_text(changed), stored = "packUnorm4x8(shown)";
+    const size_t at = text.find(stored);
+    ASSERT_NE(at, std::string::npos);
+    auto write = [&, later = 0](const std::string& now) mutable {
+        const auto before = std::filesystem::last_write_time(changed);
+        std::ofstream(changed) << now;
+        std::filesystem::last_write_time(changed, before + std::chrono::seconds(++later));
+    };
+    Hands hands(*screen, folder.path, {stage, "--size", "640x400", "--shaders", shaders.string()});
+    hands.until_rest();
+    const Image before = hands.picture();
+    write(std::string(text).replace(at, stored.size(), "packUnorm4x8(shown.bgra)"));
+    hands.until_notice("shaders made anew");
+    hands.until_rest();
+    const Image swapped = hands.picture();
+    Image expected = before;
+    for (size_t i = 0; i < expected.rgba.size(); i += 4) std::swap(expected.rgba[i], expected.rgba[i + 2]);
+    EXPECT_TRUE(same(swapped, expected));
+    EXPECT_TRUE(other(swapped, before));
+
+    write(std::string(text).replace(at, stored.size(), "nonsense"));
+    hands.until_notice("'nonsense' : undeclared identifier");
+    EXPECT_TRUE(same(swapped, hands.picture())) << "the last ones stay";
+    write(text);
+    hands.until_notice("shaders made anew");
+    hands.until_rest();
+    EXPECT_TRUE(same(before, hands.picture()));
 }
 
 TEST_F(Watching, QuitsWithCodeZero) {

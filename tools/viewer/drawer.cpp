@@ -41,6 +41,7 @@ void add_passes(std::vector<PassTime>& to, const std::vector<PassTime>& passes) 
 struct Drawer::Job {
     std::shared_ptr<const Document> stage;
     uint64_t stage_id = 0;
+    std::optional<Remake> remake;
     Task task;
     std::optional<Sight> view;
     bool refine = false;
@@ -110,6 +111,14 @@ void Drawer::post_idle(Idle idle) {
     changed_.notify_all();
 }
 
+void Drawer::remake(ShaderReplacements shaders, std::function<void(const std::string&)> done) {
+    {
+        const std::lock_guard lock(mutex_);
+        next_remake_ = Remake{std::move(shaders), std::move(done)};
+    }
+    changed_.notify_all();
+}
+
 void Drawer::taken(uint64_t number) {
     {
         const std::lock_guard lock(mutex_);
@@ -129,7 +138,7 @@ bool Drawer::wait_for_job(Job& job) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, kTakenWithin, [&] { return stop_ || taken_ >= state_.shown.number; });
     const auto ready = [&] {
-        return stop_ || next_stage_ || (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
+        return stop_ || next_stage_ || next_remake_ || (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
     };
     if (refinement_ && stage_)
         changed_.wait_until(lock, refinement_->from, ready);
@@ -139,6 +148,8 @@ bool Drawer::wait_for_job(Job& job) {
     if (next_stage_) {
         job.stage = std::exchange(next_stage_, nullptr);
         job.stage_id = next_stage_id_;
+    } else if (next_remake_) {
+        job.remake = std::exchange(next_remake_, std::nullopt);
     } else if (!tasks_.empty()) {
         job.task = std::move(tasks_.front());
         tasks_.pop_front();
@@ -172,6 +183,8 @@ void Drawer::do_job(Job& job) {
     if (job.stage) {
         load(std::move(job.stage), job.stage_id);
         draw_newest();
+    } else if (job.remake) {
+        make_again(*job.remake);
     } else if (job.task) {
         OnDevice on_device{device_, *stage_, *renderer_};
         job.task(on_device);
@@ -208,16 +221,39 @@ bool Drawer::is_sound(const Document& document) {
     return true;
 }
 
+void Drawer::tell_progress(const std::string& file, size_t done, size_t of) {
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading = file;
+        state_.files_read = done;
+        state_.files = of;
+    }
+    wake_();
+}
+
+void Drawer::make_again(const Remake& remake) {
+    const ShaderReplacements before = device_.shaders().replacements();
+    device_.shaders().set(remake.shaders);
+    std::string problem;
+    try {
+        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
+    } catch (const std::runtime_error& error) {
+        device_.shaders().set(before);
+        problem = error.what();
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading.clear();
+        if (problem.empty()) state_.shown.finished = false;
+    }
+    remake.done(problem);
+    if (problem.empty()) draw_newest();
+}
+
 // Keeps the old one where the new one cannot be drawn.
 void Drawer::load(std::shared_ptr<const Document> document, uint64_t id) {
-    const auto progress = [&](size_t done, size_t of) {
-        {
-            const std::lock_guard lock(mutex_);
-            state_.loading = document->file.path.filename().string();
-            state_.files_read = done;
-            state_.files = of;
-        }
-        wake_();
+    const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
+        tell_progress(file, done, of);
     };
     const auto before = std::exchange(document_, document);
     try {
@@ -261,17 +297,18 @@ void Drawer::draw_newest() {
 }
 
 void Drawer::make_renderer(const Stage& stage, const StageRenderer::Loaded& progress) {
-    capacity_ = kFirstCapacity;
+    VkExtent2D capacity = kFirstCapacity;
     {
         const std::lock_guard lock(mutex_);
-        if (next_view_) capacity_ = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
+        if (next_view_) capacity = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
     }
     const PaintSource paint = [this](const std::filesystem::path& path, const PaintedField&) {
         const auto found = document_->paint.find(absolute_path(path));
         return found != document_->paint.end() ? found->second : nullptr;
     };
-    renderer_ = std::make_unique<StageRenderer>(device_, stage, FrameCapacity{capacity_.width, capacity_.height},
+    renderer_ = std::make_unique<StageRenderer>(device_, stage, FrameCapacity{capacity.width, capacity.height},
                                                 progress, paint);
+    capacity_ = capacity;
 }
 
 // A picture and a renderer of at least this size.

@@ -94,6 +94,10 @@ class Drawer {
     using Idle = std::function<bool(OnDevice&)>;
     void post_idle(Idle idle);
 
+    // Passes of other shaders, in a renderer that reads its clips again; `done` is told, on the drawer's thread, why
+    // they cannot be made, which leaves the last ones, or nothing.
+    void remake(ShaderReplacements shaders, std::function<void(const std::string& problem)> done);
+
     // What shows it was given to the device. The next picture waits for that, though not long: the queue would show
     // this one only after it.
     void taken(uint64_t number);
@@ -109,9 +113,15 @@ class Drawer {
         std::chrono::steady_clock::time_point from;
         Shown shown;
     };
+    struct Remake {
+        ShaderReplacements shaders;
+        std::function<void(const std::string&)> done;
+    };
     struct Job;
     void run();
     void do_job(Job& job);
+    void make_again(const Remake& remake);
+    void tell_progress(const std::string& file, size_t done, size_t of);
     void tell_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
     void load(std::shared_ptr<const Document> document, uint64_t id);
@@ -135,6 +145,7 @@ class Drawer {
     std::shared_ptr<const Document> next_stage_;
     uint64_t next_stage_id_ = 0;
     std::optional<Sight> next_view_;
+    std::optional<Remake> next_remake_;
     std::deque<Task> tasks_;
     std::deque<Idle> idle_;
     uint64_t taken_ = 0;

@@ -76,6 +76,7 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
       files(*this),
       report(options.report),
       screenshots(options.screenshots),
+      shader_watch(options.shaders),
       paint(device),
       begin_(std::chrono::steady_clock::now()) {
     picture.most_scale = static_cast<float>(preferences.preview.resolution);
@@ -194,6 +195,7 @@ void Viewer::frame() {
     if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
     name_window();
     files.tick();
+    shader_watch.tick(*this);
     end_export();
     for (const std::filesystem::path& path : window.dropped()) files.take(path);
     if (wanted_scale) {

@@ -26,6 +26,7 @@
 #include "tools/viewer/report.h"
 #include "tools/viewer/screen.h"
 #include "tools/viewer/screenshot.h"
+#include "tools/viewer/shader_watch.h"
 #include "tools/viewer/stage_rows.h"
 #include "tools/viewer/work.h"
 
@@ -120,6 +121,7 @@ class Viewer {
         std::optional<VkExtent2D> size;  // of the window; none: as it was last
         bool validate = false;
         std::filesystem::path screenshots;  // their folder; empty: where the user's pictures are
+        std::filesystem::path shaders;      // sources that are watched; empty: none
     };
     Viewer(const Options& options, const std::string& device);
     Viewer(const Viewer&) = delete;
@@ -144,6 +146,7 @@ class Viewer {
     Files files;
     Report report;
     Screenshots screenshots;
+    ShaderWatch shader_watch;
 
     // --- what hands change
     Eye eye;

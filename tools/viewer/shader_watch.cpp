@@ -1,0 +1,49 @@
+#include "tools/viewer/shader_watch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/viewer/viewer.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kLookEvery_s = 0.5;
+
+}  // namespace
+
+std::filesystem::path shaders_of_debug_build() {
+#ifdef NEUVV_SHADER_FOLDER
+    if (std::filesystem::is_directory(NEUVV_SHADER_FOLDER)) return NEUVV_SHADER_FOLDER;
+#endif
+    return {};
+}
+
+ShaderWatch::ShaderWatch(const std::filesystem::path& folder) {
+    if (!folder.empty()) sources_ = std::make_shared<ShaderSources>(folder);
+}
+
+// An export's pictures are all of the same shaders.
+void ShaderWatch::tick(Viewer& viewer) {
+    if (!sources_ || looking_ || viewer.exporting || viewer.now_s - looked_s_ < kLookEvery_s) return;
+    looked_s_ = viewer.now_s;
+    looking_ = true;
+    viewer.work.start("", [this, &viewer, sources = sources_]() -> Work::Then {
+        const ShaderSources::Change change = sources->look();
+        return [this, &viewer, change, replacements = sources->replacements()] {
+            looking_ = false;
+            if (!change.problem.empty()) viewer.editor.tell(change.problem, true);
+            if (change.compiled.empty()) return;
+            const std::string names = fmt::format("{}", fmt::join(change.compiled, ", "));
+            viewer.drawer.remake(replacements, [&viewer, names](const std::string& problem) {
+                viewer.work.tell([&viewer, names, problem] {
+                    const bool failed = !problem.empty();
+                    viewer.editor.tell(failed ? problem : fmt::format("shaders made anew: {}", names), failed);
+                });
+            });
+        };
+    });
+}
+
+}  // namespace neuvv
