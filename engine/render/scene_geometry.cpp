@@ -256,8 +256,8 @@ bool same_textures(const GltfScene& a, const GltfScene& b) {
                one.nearest_magnification == other.nearest_magnification &&
                one.nearest_minification == other.nearest_minification && one.mipmaps == other.mipmaps;
     };
-    const auto same_image = [](const Image& one, const Image& other) {
-        return one.width == other.width && one.height == other.height && same(one.rgba, other.rgba);
+    const auto same_image = [](const auto& one, const auto& other) {
+        return one == other || (one && other && same(one->encoded, other->encoded));
     };
     return std::equal(a.textures.begin(), a.textures.end(), b.textures.begin(), b.textures.end(), same_texture) &&
            std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(), same_image);
@@ -279,7 +279,7 @@ size_t add_texture(const Device& device, const GltfScene& scene, SceneTextures& 
         if (textures.entries[i].texture == texture && textures.entries[i].srgb == srgb) return i;
     const GltfTexture& from = scene.textures[static_cast<size_t>(texture)];
     const std::string name = fmt::format("texture {}{}", texture, srgb ? "" : " as numbers");
-    textures.entries.push_back({texture, srgb, make_texture(device, name, scene.images[from.image], srgb),
+    textures.entries.push_back({texture, srgb, make_texture(device, name, scene.images[from.image]->pixels, srgb),
                                 Sampler(device, name, sampler_shape(from))});
     return textures.entries.size() - 1;
 }

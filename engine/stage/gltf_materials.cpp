@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -162,33 +164,44 @@ std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf:
 
 namespace {
 
-Image load_image(const GltfScene& scene, const tinygltf::Model& model, uint32_t index) {
+std::span<const uint8_t> encoded_image(const GltfScene& scene, const tinygltf::Model& model, uint32_t index) {
     const tinygltf::Image& source = model.images[index];
-    const uint8_t* bytes = source.image.data();
-    size_t size = source.image.size();
+    std::span<const uint8_t> bytes = source.image;
     if (source.bufferView >= 0) {
         const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(source.bufferView));
-        bytes = model.buffers.at(static_cast<size_t>(view.buffer)).data.data() + view.byteOffset;
-        size = view.byteLength;
+        bytes = std::span(model.buffers.at(static_cast<size_t>(view.buffer)).data)
+                    .subspan(view.byteOffset, view.byteLength);
     }
-    if (size == 0)
+    if (bytes.empty())
         throw InputError(scene.file, fmt::format("/images/{}", index),
                          source.uri.empty() ? "has no bytes" : fmt::format("\"{}\" cannot be read", source.uri),
                          "put the image beside the model");
-    return decode_image(bytes, size, fmt::format("{}: /images/{}", scene.file, index));
+    return bytes;
+}
+
+std::shared_ptr<const GltfImage> load_image(const GltfScene& scene, const tinygltf::Model& model, uint32_t index,
+                                            const GltfScene* before) {
+    const std::span<const uint8_t> bytes = encoded_image(scene, model, index);
+    if (before && index < before->images.size() && before->images[index] &&
+        std::ranges::equal(before->images[index]->encoded, bytes))
+        return before->images[index];
+    return std::make_shared<const GltfImage>(
+        GltfImage{{bytes.begin(), bytes.end()},
+                  decode_image(bytes.data(), bytes.size(), fmt::format("{}: /images/{}", scene.file, index))});
 }
 
 }  // namespace
 
-void load_images(GltfScene& scene, const tinygltf::Model& model) {
+void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene* before) {
     scene.images.resize(model.images.size());
     uint64_t pixels = 0;
     const auto load = [&](int32_t texture) {
         if (texture < 0) return;
         const uint32_t index = scene.textures[static_cast<size_t>(texture)].image;
-        if (!scene.images[index].rgba.empty()) return;
-        scene.images[index] = load_image(scene, model, index);
-        pixels += uint64_t{scene.images[index].width} * scene.images[index].height;
+        if (scene.images[index]) return;
+        scene.images[index] = load_image(scene, model, index, before);
+        const Image& image = scene.images[index]->pixels;
+        pixels += uint64_t{image.width} * image.height;
         if (pixels > kMaxImagePixels)
             throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
                              fmt::format("stay below {} pixels", kMaxImagePixels));

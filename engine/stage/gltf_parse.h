@@ -56,7 +56,7 @@ struct MaterialTransforms {
     std::array<TextureTransform, kGltfMaps> maps;
 };
 std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf::Model& model);
-void load_images(GltfScene& scene, const tinygltf::Model& model);
+void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene* before);
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms);
 void load_skins(GltfScene& scene, AccessorReader& reader);
 void load_nodes(GltfScene& scene, const tinygltf::Model& model);

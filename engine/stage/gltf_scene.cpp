@@ -178,7 +178,7 @@ GltfScene load_gltf(const std::filesystem::path& path) {
     return load_gltf(path, read_file(path, kMaxStageBytes));
 }
 
-GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes) {
+GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes, const GltfScene* before) {
     GltfScene scene;
     scene.file = path.string();
     const tinygltf::Model model = parse_gltf(path, std::move(bytes));
@@ -190,7 +190,7 @@ GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> byte
     load_animations(scene, reader);
     load_cameras(scene, model);
     load_lights(scene, model);
-    load_images(scene, model);  // last: the costly part
+    load_images(scene, model, before);  // last: the costly part
     return scene;
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -148,6 +149,12 @@ struct GltfAnimation {
     std::vector<GltfChannel> channels;
 };
 
+// A picture as its file has it, and its pixels.
+struct GltfImage {
+    std::vector<uint8_t> encoded;
+    Image pixels;
+};
+
 struct GltfScene {
     std::string file;  // for error messages
     std::vector<GltfNode> nodes;
@@ -155,7 +162,7 @@ struct GltfScene {
     std::vector<GltfMesh> meshes;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;
-    std::vector<Image> images;  // empty where no material uses the image
+    std::vector<std::shared_ptr<const GltfImage>> images;  // null where no material uses the image
     std::vector<GltfSkin> skins;
     std::vector<GltfAnimation> animations;
     std::vector<GltfCamera> cameras;
@@ -167,8 +174,9 @@ struct GltfScene {
 // InputError with file, JSON place, problem and mend for whatever breaks the promises above, for a required extension
 // it does not know, and for URIs that leave the file's folder.
 GltfScene load_gltf(const std::filesystem::path& path);
-// The same for a file's bytes that are not on the disk; what they name is read from beside `path`.
-GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
+// The same for a file's bytes that are not on the disk; what they name is read from beside `path`. Images that `before`
+// has, too, are shared with it: to decode them is the costly part.
+GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes, const GltfScene* before = nullptr);
 
 // The animation of this name, or of this index in decimal. Throws InputError listing what there is.
 uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);

@@ -123,9 +123,9 @@ void read_settings(Stage& stage) {
     stage.ambient = stage.settings.ambient.value_or(glm::dvec3(stage.scene.lights.empty() ? 1 : 0));
 }
 
-Stage checked_stage(StageFile file, bool clips_needed) {
+Stage checked_stage(StageFile file, bool clips_needed, const Stage* before = nullptr) {
     Stage stage;
-    stage.scene = load_gltf(file.path, stage_bytes(file));
+    stage.scene = load_gltf(file.path, stage_bytes(file), before ? &before->scene : nullptr);
     stage.file = std::move(file);
     read_performers(stage, clips_needed);
     expect_placeable(stage);
@@ -159,8 +159,8 @@ Stage load_stage(const std::filesystem::path& path) {
     return make_stage(read_stage_file(path));
 }
 
-Stage make_stage(StageFile file) {
-    return checked_stage(std::move(file), true);
+Stage make_stage(StageFile file, const Stage* before) {
+    return checked_stage(std::move(file), true, before);
 }
 
 void expect_sound_document(const StageFile& file) {

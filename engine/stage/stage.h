@@ -45,8 +45,8 @@ struct Stage {
 // Any glTF scene is a stage. Throws InputError for what load_gltf refuses, for wrong members of our extensions, for a
 // .nvv that is missing or damaged (its header is read, no more), and for performers whose transform cannot be inverted.
 Stage load_stage(const std::filesystem::path& path);
-// The same of a file with edits that are not saved.
-Stage make_stage(StageFile file);
+// The same of a file with edits that are not saved; sooner where `before` has the same images.
+Stage make_stage(StageFile file, const Stage* before = nullptr);
 
 // Everything that make_stage checks, but a .nvv may be missing: whether a file may be saved.
 void expect_sound_document(const StageFile& file);

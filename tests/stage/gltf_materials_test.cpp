@@ -79,10 +79,24 @@ TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
     EXPECT_EQ(material.normal_scale, 0.5f);
     EXPECT_EQ(material.occlusion_strength, 0.25f);
     EXPECT_EQ(material.emissive, glm::vec3(2, 4, 1));
-    EXPECT_EQ(scene.images.at(1).at(0, 0)[0], 101) << "decoded, though no base colour uses it";
+    EXPECT_EQ(scene.images.at(1)->pixels.at(0, 0)[0], 101) << "decoded, though no base colour uses it";
     const GltfPrimitive& primitive = primitive_of(scene);
     EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(GltfMap::kEmissive)], primitive.uvs);
     EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(GltfMap::kOcclusion)].at(2), glm::vec2(0.5f, 0.25f));
+}
+
+TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
+    GlbBuilder glb = rectangle();
+    const GltfScene before = load(glb);
+    Image other(3, 2);
+    other.rgba.assign(24, 7);
+    const std::vector<uint8_t> png = encode_png(other);
+    glb.root["images"][1]["bufferView"] = glb.add_view(png.data(), png.size());
+    const TemporaryFolder folder;
+    const GltfScene after = load_gltf(folder.path / "after.glb", glb.bytes(), &before);
+    EXPECT_EQ(after.images.at(0), before.images.at(0));
+    EXPECT_NE(after.images.at(1), before.images.at(1));
+    EXPECT_EQ(after.images.at(1)->pixels.width, 3u);
 }
 
 TEST(GltfMaterials, MapsThatAreNotThereCostNothing) {
@@ -91,7 +105,7 @@ TEST(GltfMaterials, MapsThatAreNotThereCostNothing) {
     const GltfScene scene = load(glb);
     for (const auto& uvs : primitive_of(scene).map_uvs) EXPECT_TRUE(uvs.empty());
     EXPECT_TRUE(primitive_of(scene).tangents.empty());
-    EXPECT_TRUE(scene.images.at(1).rgba.empty()) << "no material uses it";
+    EXPECT_FALSE(scene.images.at(1)) << "no material uses it";
 }
 
 TEST(GltfMaterials, TangentsGoAlongU) {

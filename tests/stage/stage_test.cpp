@@ -56,7 +56,7 @@ TEST_F(Stages, AnotherProgramsStageIsRead) {
     EXPECT_EQ(stage.scene.lights[0].range_m, 10);
     EXPECT_EQ(stage.scene.lights[1].kind, GltfLightKind::kDirectional);
     EXPECT_EQ(stage.scene.meshes[0].primitives[0].uvs.size(), 3u);
-    EXPECT_EQ(stage.scene.images[0].width, 1u);
+    EXPECT_EQ(stage.scene.images[0]->pixels.width, 1u);
 }
 
 TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {

@@ -52,9 +52,9 @@ class ChildProcess {
         siginfo_t info{};
         return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
     }
-    // False where the process ends, or a minute passes, before the condition holds.
+    // False where the process ends, or four minutes pass, before the condition holds.
     bool until(const std::function<bool()>& condition) const {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+        const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(4);
         while (!condition()) {
             if (ended() || std::chrono::steady_clock::now() > end) return condition();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -171,5 +171,22 @@ TEST_F(Arranging, AKilledViewerLosesNothingThatIsFiveSecondsOld) {
     EXPECT_EQ(saved()["nodes"].size(), nodes + 1);
 }
 
+TEST_F(Arranging, AStageThatWasNeverSavedIsOfferedWithoutItsName) {
+    {
+        const auto hands = open(clip, "960x540");
+        hands->until_rest();
+        hands->click("stage/waver");
+        hands->key("ctrl+d");
+        hands->until("an edit", kModified);
+        std::this_thread::sleep_for(std::chrono::seconds(5));
+        hands->kill();
+    }
+    Hands hands(*screen, folder.path, {"--size", "960x540"});
+    hands.click("question/Recover");
+    hands.until("the edit to be back", kModified);
+    EXPECT_EQ(hands.seen()["open"], file("waver.gltf"));
+    hands.middle_of("stage/waver 2");
+}
+
 }  // namespace
 }  // namespace neuvv::test

@@ -257,7 +257,7 @@ void Drawer::load(std::shared_ptr<const Document> document, uint64_t id) {
     };
     const auto before = std::exchange(document_, document);
     try {
-        auto stage = std::make_shared<const Stage>(make_stage(document->file));
+        auto stage = std::make_shared<const Stage>(make_stage(document->file, stage_.get()));
         if (renderer_) {
             renderer_->change(*stage, progress);
         } else {

@@ -110,8 +110,7 @@ bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* c
 
 // ImGui edits one text at a time, and forgets what was typed when it is left by a click elsewhere: it is kept here.
 bool FieldGroup::text(const char* name, std::string& value) {
-    static ImGuiID typing = 0;
-    static std::string typed;
+    auto& [typing, typed] = viewer_.fields.text;
     label(name);
     ImGui::PushID(name);
     const ImGuiID id = ImGui::GetID("##");

@@ -94,6 +94,7 @@ void Files::recover_panel() {
     ImGui::TextUnformatted(fmt::format("{} was edited until {:%F %H:%M:%S} and not saved.",
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
+    ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
     if (entry.changed) ImGui::TextUnformatted("Its file has changed since; recovered edits go over it when you save.");
     ImGui::Spacing();
     if (button(viewer_, "Recover")) {

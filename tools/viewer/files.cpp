@@ -51,14 +51,32 @@ void Files::open_now(const std::filesystem::path& path) {
                 if (!entry.alive) entries.push_back(std::move(entry));
         return [this, path, entries] {
             if (entries.empty() || question_) return read(path);
-            question_ = FileQuestion{};
-            question_->kind = FileQuestion::Kind::kRecover;
-            question_->entries = entries;
-            question_->then = [this](const std::filesystem::path& of) { read(of); };
-            question_->folder = path;
-            viewer_.redraw();
+            ask_to_recover(entries, path, [this](const std::filesystem::path& of) { read(of); });
         };
     });
+}
+
+void Files::offer_lost() {
+    if (recovery_folder().empty()) return;
+    viewer_.work.start("", [this]() -> Work::Then {
+        std::vector<RecoveryEntry> entries = list_recovery(recovery_folder());
+        std::erase_if(entries, [](const RecoveryEntry& entry) { return entry.alive; });
+        if (entries.empty()) return {};
+        std::erase_if(entries, [stage = entries.front().stage](const auto& entry) { return entry.stage != stage; });
+        return [this, entries] {
+            if (!question_ && !viewer_.editor.is_open()) ask_to_recover(entries, {}, [](const auto&) {});
+        };
+    });
+}
+
+void Files::ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesystem::path& path,
+                           std::function<void(const std::filesystem::path&)> then) {
+    question_ = FileQuestion{};
+    question_->kind = FileQuestion::Kind::kRecover;
+    question_->entries = std::move(entries);
+    question_->then = std::move(then);
+    question_->folder = path;
+    viewer_.redraw();
 }
 
 void Files::read(const std::filesystem::path& path) {

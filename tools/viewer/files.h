@@ -43,6 +43,8 @@ class Files {
     // A stage, a clip, a folder of clips. Asks about unsaved edits, then whether to recover lost ones.
     void open(const std::filesystem::path& path);
     void new_stage();
+    // At a start without a file: edits of any stage that a process left behind are offered, the latest first.
+    void offer_lost();
     // Where it has a file, else asks for one.
     void save();
     void save_as();
@@ -66,6 +68,9 @@ class Files {
     void read(const std::filesystem::path& path);
     void opened(Document document, bool modified);
     void recover(const RecoveryEntry& entry);
+    // `then` is called with `path` unless they are recovered.
+    void ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesystem::path& path,
+                        std::function<void(const std::filesystem::path&)> then);
     void save_to(const std::filesystem::path& path, std::function<void()> then);
     void store();
     void forget_stored();

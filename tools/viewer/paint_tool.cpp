@@ -247,6 +247,12 @@ void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) 
 // Each frame: takes the pointer's place, and sends what waits as soon as the last is back.
 void PaintTool::go_on(Viewer& viewer) {
     Active& stroke = *stroke_;
+    if (viewer.escape) {
+        viewer.editor.cancel_drag();
+        viewer.holds_handle = false;
+        stroke_.reset();
+        return;
+    }
     viewer.holds_handle = true;
     stroke.released |= !ImGui::IsMouseDown(ImGuiMouseButton_Left);
     const glm::dvec2 at = pointer_of(viewer);

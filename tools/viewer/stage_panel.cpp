@@ -274,7 +274,7 @@ void stage_panel(Viewer& viewer, const Area& area) {
     ImGui::Separator();
     if (tree.rows.empty())
         ImGui::TextWrapped("%s", viewer.editor.is_open()
-                                     ? "An empty stage. Drop a clip (.nvv) onto the picture to begin."
+                                     ? "An empty stage. Drop a clip (.nvv, .npz) onto the picture to begin."
                                      : "Open or drop a stage or a clip to begin.");
     else
         tree_of(viewer);

@@ -16,19 +16,6 @@ namespace {
 constexpr float kKey = 6;  // half a diamond, at scale 1
 constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kWay = 0x60d8d2cb;
 
-// A key that is held by the mouse. Its number is that of before, as operations of a drag count.
-struct KeyDrag {
-    bool held = false;
-    size_t key = 0;
-    double grabbed_s = 0, to_s = 0;
-    CameraPath before;
-};
-
-KeyDrag& held_key() {
-    static KeyDrag drag;
-    return drag;
-}
-
 double frame_s(const Viewer& viewer) {
     return 1 / viewer.clock.fps();
 }
@@ -97,8 +84,13 @@ void path_items(Viewer& viewer, CameraPath path) {
 }
 
 void move_held(Viewer& viewer, const TimelineView& view) {
-    KeyDrag& drag = held_key();
-    if (!is_dragged(viewer)) return;
+    HeldKey& drag = *viewer.timeline.key;
+    if (ImGui::IsItemActive() && viewer.escape) {
+        viewer.editor.cancel_drag();
+        drag.cancelled = true;
+        drag.to_s = drag.before.keys[drag.key].time_s;
+    }
+    if (!is_dragged(viewer) || drag.cancelled) return;
     const double from_s = drag.before.keys[drag.key].time_s;
     const double pointer_s = view.axis.s_at(ImGui::GetIO().MousePos.x);
     const double to_s = std::max(0.0, snapped_time(viewer, view, from_s + pointer_s - drag.grabbed_s));
@@ -112,17 +104,17 @@ void move_held(Viewer& viewer, const TimelineView& view) {
 // Whether the pointer is over it.
 bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path, size_t key, double time_s,
                 float middle) {
-    KeyDrag& drag = held_key();
+    std::optional<HeldKey>& drag = viewer.timeline.key;
     const float x = std::round(view.x_at(time_s)), half = viewer.ui(kKey);
-    const bool held = drag.held && drag.key == key;
+    const bool held = drag && drag->key == key;
     if (!held && (x < view.left() - half || x > view.right() + half)) return false;
     ImGui::PushID(static_cast<int>(key));
     ImGui::SetCursorScreenPos({x - half, middle - half});
     ImGui::InvisibleButton("key", {2 * half, 2 * half});
     viewer.report.item(fmt::format("timeline/key/{}", key));
-    if (ImGui::IsItemActivated()) drag = {true, key, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
-    if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) move_held(viewer, view);
-    if (ImGui::IsItemDeactivated()) drag = {};
+    if (ImGui::IsItemActivated()) drag = HeldKey{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
+    if (drag && (ImGui::IsItemActive() || ImGui::IsItemDeactivated())) move_held(viewer, view);
+    if (ImGui::IsItemDeactivated()) drag.reset();
     const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
     if (lit)
         ImGui::SetTooltip("camera at %s%s", text_of_time(time_s).c_str(),
@@ -143,8 +135,8 @@ bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path
 
 // The way, from its first key to its end, and its keys; whether the pointer is over one.
 bool draw_keys(Viewer& viewer, const TimelineView& view, const CameraPath& now, float middle) {
-    const KeyDrag drag = held_key();
-    const CameraPath path = drag.held ? drag.before : now;
+    const std::optional<HeldKey> drag = viewer.timeline.key;
+    const CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
@@ -154,7 +146,7 @@ bool draw_keys(Viewer& viewer, const TimelineView& view, const CameraPath& now, 
     bool over_key = false;
     for (size_t i = 0; i < path.keys.size(); i++)
         over_key |=
-            key_button(viewer, view, path, i, drag.held && drag.key == i ? drag.to_s : path.keys[i].time_s, middle);
+            key_button(viewer, view, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, middle);
     ImGui::PopClipRect();
     return over_key;
 }

@@ -1,5 +1,3 @@
-#include <GLFW/glfw3.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -14,20 +12,6 @@ namespace {
 constexpr float kNamesWidth = 150, kNamesShare = 0.4f, kRowHeight = 22, kMargin = 10;  // at scale 1
 constexpr size_t kLineSteps = 24;
 constexpr double kWheelPixels = 60;
-
-// What the panel remembers from frame to frame.
-struct TimelineState {
-    TimelineView view;
-    bool fits = true;  // all is shown, and shall be when it becomes longer
-    bool panned = false;
-    float scroll_y = 0;  // of the rows, to be done in the next frame
-    std::vector<PerformerTrack> tracks;
-    uint64_t tracks_of = 0;  // the document's id
-    std::shared_ptr<const Stage> clips_of;
-    std::optional<CameraPath> path;
-    std::vector<glm::dvec3> path_line;
-    uint64_t path_of = 0;  // likewise
-};
 
 void read_path(TimelineState& state, const Viewer& viewer) {
     if (state.path_of == viewer.editor.id()) return;
@@ -118,8 +102,7 @@ double snapped_time(const Viewer& viewer, const TimelineView& view, double time_
 
 bool begin_menu(const Viewer& viewer, const char* name) {
     if (!ImGui::BeginPopup(name)) return false;
-    for (const KeyPress& press : viewer.window.presses())
-        if (press.key == GLFW_KEY_ESCAPE) ImGui::CloseCurrentPopup();
+    if (viewer.escape) ImGui::CloseCurrentPopup();
     return true;
 }
 
@@ -147,7 +130,7 @@ bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& nam
 }
 
 void timeline_panel(Viewer& viewer, const Area& area) {
-    static TimelineState state;
+    TimelineState& state = viewer.timeline;
     if (!begin_panel("timeline_panel", area)) return ImGui::End();
     read_tracks(state, viewer);
     read_path(state, viewer);

@@ -1,4 +1,3 @@
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,22 +15,6 @@ namespace {
 constexpr float kGrip = 7, kCurveStep = 2, kRowGap = 2;  // at scale 1
 constexpr unsigned kBar = 0xff6b4f2b, kBarSelected = 0xff9a6a2c, kHeld = 0xff3a322a, kCurve = 0xffe9d2b4,
                    kCurveHeld = 0x80e9d2b4;
-
-enum class Part { kBody, kStart, kEnd };
-
-// A bar that is held by the mouse: where, and how it was.
-struct BarDrag {
-    uint32_t node = 0;
-    Part part = Part::kBody;
-    bool stagger = false, cancelled = false;
-    double grabbed_s = 0, moved_s = 0;  // of the pointer; of the edge, so far
-    TimeBar before;
-};
-
-BarDrag& held_bar() {
-    static BarDrag drag;
-    return drag;
-}
 
 // In pixels, within the axis.
 struct BarPlace {
@@ -93,9 +76,9 @@ void tell_times(const Viewer& viewer, const TimelineView& view, const PerformerT
 
 // The edit that brings the edge that is held to where the pointer is.
 void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
-    BarDrag& drag = held_bar();
+    HeldBar& drag = viewer.timeline.bar;
     if (!is_dragged(viewer) || drag.cancelled) return;
-    const double edge_s = drag.part != Part::kEnd            ? drag.before.start_s
+    const double edge_s = drag.part != BarPart::kEnd         ? drag.before.start_s
                           : std::isfinite(drag.before.end_s) ? drag.before.end_s
                                                              : viewer.clock.duration_s();
     const double pointer_s = view.axis.s_at(ImGui::GetIO().MousePos.x);
@@ -103,7 +86,7 @@ void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& trac
     if (by_s == drag.moved_s) return;
     drag.moved_s = by_s;
     const uint32_t node = track.node;
-    if (drag.part == Part::kBody && drag.stagger) {
+    if (drag.part == BarPart::kBody && drag.stagger) {
         viewer.editor.drag([node, by_s, stage = viewer.stage](Document& d) {
             return stagger_together(d.file, stage->clips, node, by_s);
         });
@@ -111,28 +94,26 @@ void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& trac
     }
     viewer.editor.drag([node, by_s, to_s, rate = track.rate, part = drag.part](Document& d) {
         return edit_time(d.file, node, [&](const TimeMap& map) {
-            if (part == Part::kStart) return trimmed_start(map, rate, to_s);
-            return part == Part::kEnd ? trimmed_end(map, rate, to_s) : moved(map, rate, by_s);
+            if (part == BarPart::kStart) return trimmed_start(map, rate, to_s);
+            return part == BarPart::kEnd ? trimmed_end(map, rate, to_s) : moved(map, rate, by_s);
         });
     });
 }
 
 // Makes a part of the bar one that can be held; whether the pointer is over it.
-bool hold(Viewer& viewer, const TimelineView& view, const PerformerTrack& track, Part part) {
-    BarDrag& drag = held_bar();
+bool hold(Viewer& viewer, const TimelineView& view, const PerformerTrack& track, BarPart part) {
+    HeldBar& drag = viewer.timeline.bar;
     if (ImGui::IsItemActivated())
         drag = {track.node, part,     ImGui::GetIO().KeyAlt, false, view.axis.s_at(ImGui::GetIO().MousePos.x),
                 0,          track.bar};
-    if (ImGui::IsItemActive())
-        for (const KeyPress& press : viewer.window.presses())
-            if (press.key == GLFW_KEY_ESCAPE && viewer.editor.dragging()) {
-                viewer.editor.cancel_drag();
-                drag.cancelled = true;
-            }
+    if (ImGui::IsItemActive() && viewer.escape) {
+        viewer.editor.cancel_drag();
+        drag.cancelled = true;
+    }
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) follow(viewer, view, track);
     if (ImGui::IsItemDeactivated() && !is_dragged(viewer)) viewer.editor.select(track.node);
     const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
-    if (lit) ImGui::SetMouseCursor(part == Part::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
+    if (lit) ImGui::SetMouseCursor(part == BarPart::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
     if (lit) tell_times(viewer, view, track);
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("time");
     return lit;
@@ -229,16 +210,16 @@ void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrac
     const BarPlace bar = place_of(viewer, view, track, at.y);
     const float grip = viewer.ui(kGrip), height = bar.bottom - bar.top;
     bool lit = false;
-    const auto part = [&](const char* name, Part which, float left, float width) {
+    const auto part = [&](const char* name, BarPart which, float left, float width) {
         ImGui::SetCursorScreenPos({left, bar.top});
         ImGui::InvisibleButton(name, {std::max(width, 1.0f), height});
         const std::string row = "timeline/" + track.name;
-        viewer.report.item(which == Part::kBody ? row : row + "/" + name);
+        viewer.report.item(which == BarPart::kBody ? row : row + "/" + name);
         lit |= hold(viewer, view, track, which);
     };
-    part("start", Part::kStart, bar.left, grip);
-    part("end", Part::kEnd, bar.right - grip, grip);
-    part("body", Part::kBody, bar.left + grip, bar.right - bar.left - 2 * grip);
+    part("start", BarPart::kStart, bar.left, grip);
+    part("end", BarPart::kEnd, bar.right - grip, grip);
+    part("body", BarPart::kBody, bar.left + grip, bar.right - bar.left - 2 * grip);
     if (ImGui::IsRectVisible({view.left(), at.y}, {view.right(), at.y + view.row_height}))
         draw_bar(viewer, view, track, bar, lit);
     time_menu(viewer, track);

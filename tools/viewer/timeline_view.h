@@ -1,26 +1,14 @@
-// Inside of the timeline panel: its layout, and its rows, each kind in a file of its own.
+// Inside of the timeline panel: its rows, each kind in a file of its own.
 #pragma once
 
 #include <imgui.h>
 
 #include <optional>
 
-#include "stage/camera_path.h"
-#include "tools/viewer/time_axis.h"
-#include "tools/viewer/timeline_tracks.h"
+#include "tools/viewer/timeline_state.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv {
-
-// Names left, time right; pixels of the framebuffer.
-struct TimelineView {
-    TimeAxis axis;
-    TimeLimits limits;
-    float names_left = 0, names_width = 0, row_height = 0;
-    float left() const { return static_cast<float>(axis.left); }
-    float right() const { return static_cast<float>(axis.left + axis.width); }
-    float x_at(double s) const { return static_cast<float>(axis.x_at(s)); }
-};
 
 // The instant under a pointer there: at a picture's beginning, or the clock's where that is near.
 double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s);

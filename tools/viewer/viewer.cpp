@@ -88,7 +88,10 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
     for (size_t i = 0; i < std::size(kLayerNames); i++)
         if (preferences.layer == kLayerNames[i]) picture.show = static_cast<Show>(i);
     if (!preferences_message_.empty()) editor.tell(preferences_message_, true);
-    if (!options.file.empty()) files.open(options.file);
+    if (options.file.empty())
+        files.offer_lost();
+    else
+        files.open(options.file);
 }
 
 // Jobs and tasks use the other parts.

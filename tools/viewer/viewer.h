@@ -28,6 +28,7 @@
 #include "tools/viewer/screenshot.h"
 #include "tools/viewer/shader_watch.h"
 #include "tools/viewer/stage_rows.h"
+#include "tools/viewer/timeline_state.h"
 #include "tools/viewer/work.h"
 
 namespace neuvv {
@@ -101,6 +102,10 @@ struct PropertyFields {
         uint64_t id = 0;               // of the document it was typed for
         std::string typed, error;
     } time;
+    struct Text {
+        unsigned id = 0;  // of ImGui; 0: none is typed
+        std::string typed;
+    } text;
     bool evenly = true;  // scale all axes alike
 };
 
@@ -159,6 +164,7 @@ class Viewer {
     bool snap = false, local_axes = false, grid = false;
     StageTree stage_tree;
     PropertyFields fields;
+    TimelineState timeline;
     CopyQuestion copies;
     bool along_path = false, show_path = true;  // the eye goes along the stage's camera path; it is drawn
 
