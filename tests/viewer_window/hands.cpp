@@ -74,7 +74,7 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) {
 }
 
 Hands::Hands(const VirtualScreen& screen, const std::filesystem::path& folder,
-             const std::vector<std::string>& arguments)
+             const std::vector<std::string>& arguments, bool validate)
     : display_(screen.display()),
       folder_(folder),
       report_(folder / "report.json"),
@@ -88,10 +88,10 @@ Hands::Hands(const VirtualScreen& screen, const std::filesystem::path& folder,
                                    NEUVV_PROGRAM,
                                    "view"};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    for (const std::string& word :
-         {std::string("--report"), report_.string(), std::string("--screenshots"), screenshots_.string(),
-          std::string("--validate"), std::string("--ui-scale"), std::string("1")})
+    for (const std::string& word : {std::string("--report"), report_.string(), std::string("--screenshots"),
+                                    screenshots_.string(), std::string("--ui-scale"), std::string("1")})
         words.push_back(word);
+    if (validate) words.emplace_back("--validate");
     program_ = std::make_unique<ChildProcess>(words, log_);
     until("a window", [](const json&) { return true; });
     const std::filesystem::path found = folder / "window.txt";

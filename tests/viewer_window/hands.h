@@ -41,8 +41,9 @@ struct Spot {
 class Hands {
   public:
     // `neuvv view` with these arguments; its configuration, state and screenshots go into folders of `folder`, where
-    // another Hands finds them again. Waits for the window.
-    Hands(const VirtualScreen& screen, const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+    // another Hands finds them again. Waits for the window. `validate`: with the validation layers.
+    Hands(const VirtualScreen& screen, const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+          bool validate = true);
     // Ends the program, and expects that the validation layers had nothing to say.
     ~Hands();
     Hands(const Hands&) = delete;

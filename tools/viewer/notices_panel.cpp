@@ -34,7 +34,8 @@ void notices_panel(Viewer& viewer) {
     ImGui::Begin("Notices", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
-    if (nothing) line(kAccent, SIGN_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
+    if (nothing)
+        line(kAccent, SIGN_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
     for (const std::string& job : jobs) line(kAccent, SIGN_LOOP, job + "…");
     if (!drawn.loading.empty())
         line(kAccent, SIGN_LOOP,

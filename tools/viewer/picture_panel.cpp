@@ -44,8 +44,8 @@ void select_at(Viewer& viewer, float x, float y) {
     if (const auto node = sign_at(viewer, x, y)) return viewer.editor.select(node);
     if (!viewer.stage) return;
     const glm::dvec2 pixel(x - viewer.picture_area.left, y - viewer.picture_area.top);
-    viewer.drawer.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.time_s(), id = viewer.editor.id(),
-                        drawn = viewer.stage](OnDevice& on_device) {
+    viewer.drawer.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.shown_s(),
+                        id = viewer.editor.id(), drawn = viewer.stage](OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
         const Seen seen = seen_at(on_device, stage_at(on_device.stage, time_s), camera, pixel);
         viewer.work.tell([&viewer, seen, id] {

@@ -36,6 +36,23 @@ void StageClock::set_stage(double duration_s, double fps) {
         set_range(in_s_, out_s_);
 }
 
+double StageClock::shown_step_s() const {
+    return std::min(1.0, std::abs(speed)) / fps_;
+}
+
+double StageClock::shown_s() const {
+    const double step_s = shown_step_s();
+    if (!playing || !(step_s > 0)) return time_s_;
+    return std::max(std::floor(time_s_ / step_s + kOnPicture) * step_s, std::min(time_s_, in_s_));
+}
+
+double StageClock::shown_after_s(int32_t n) const {
+    StageClock after = *this;
+    after.time_s_ = shown_s();
+    if (playing && speed != 0) after.tick(n * shown_step_s() / std::abs(speed));
+    return after.shown_s();
+}
+
 int64_t StageClock::picture() const {
     const auto at = static_cast<int64_t>(std::floor(time_s_ * fps_ + kOnPicture));
     return std::min(at, pictures() - 1);
@@ -64,6 +81,7 @@ void StageClock::set_range(double in_s, double out_s) {
 }
 
 void StageClock::play_or_pause() {
+    time_s_ = shown_s();  // what was seen last stays
     playing = !playing;
     if (!playing || loops) return;
     if (speed > 0 && picture() == last_in_range()) time_s_ = in_s_;

@@ -20,6 +20,11 @@ class StageClock {
     void set_stage(double duration_s, double fps);
 
     double time_s() const { return time_s_; }
+    // The instant that is seen: while it plays, that of the last whole picture, as clips have them and slices are kept
+    // for; of slower than real time, of as many a second. Else the same as time_s.
+    double shown_s() const;
+    // What will be seen as the n-th after that, if it goes on playing.
+    double shown_after_s(int32_t n) const;
     double duration_s() const { return duration_s_; }
     double fps() const { return fps_; }
     double in_s() const { return in_s_; }
@@ -45,6 +50,7 @@ class StageClock {
 
   private:
     int64_t first_in_range() const, last_in_range() const;
+    double shown_step_s() const;
 
     double duration_s_ = 0, fps_ = 25;
     double in_s_ = 0, out_s_ = 0;

@@ -191,7 +191,7 @@ void Viewer::frame() {
         const bool first = !stage || stage->file.path != drawn.stage->file.path;
         stage = drawn.stage;
         clock.set_stage(stage->duration_s, stage->fps);
-        instant = stage_at(*stage, clock.time_s());
+        instant = stage_at(*stage, clock.shown_s());
         if (first) eye = first_eye(*stage, stage_at(*stage, 0), aspect_of(picture_area));
     }
     const bool can_be_taken_back = editor.dragging() || editor.history().next_undo();
@@ -217,7 +217,7 @@ void Viewer::frame() {
         if (now_s - flight_->begin_s > kEyeMove_s) flight_.reset();
         moves();
     }
-    if (stage) instant = stage_at(*stage, clock.time_s());
+    if (stage) instant = stage_at(*stage, clock.shown_s());
     const uint64_t view_before = looked_ ? looked_->id : 0, stage_before = shown_document_;
     go_along_path();
     place_panels();
@@ -241,18 +241,17 @@ void Viewer::place_panels() {
     menu_bar(*this);
     const ImVec2 window_size = ImGui::GetIO().DisplaySize;
     const float top = ImGui::GetFrameHeight();
-    Area side, timeline;
+    Area side, below;
     if (panels.all) {
         side.width = std::round(std::min(std::max(ui(panels.side_width), ui(180)), 0.5f * window_size.x));
         side.left = window_size.x - side.width;
         side.top = top;
         side.height = window_size.y - top;
-        timeline.height =
-            std::round(std::min(std::max(ui(panels.timeline_height), ui(80)), 0.5f * (window_size.y - top)));
-        timeline.width = window_size.x - side.width;
-        timeline.top = window_size.y - timeline.height;
+        below.height = std::round(std::min(std::max(ui(panels.timeline_height), ui(80)), 0.5f * (window_size.y - top)));
+        below.width = window_size.x - side.width;
+        below.top = window_size.y - below.height;
     }
-    picture_area = {0, top, window_size.x - side.width, window_size.y - top - timeline.height};
+    picture_area = {0, top, window_size.x - side.width, window_size.y - top - below.height};
     camera = camera_of(eye, std::max(1u, static_cast<uint32_t>(picture_area.width)),
                        std::max(1u, static_cast<uint32_t>(picture_area.height)));
     picture_panel(*this);
@@ -260,7 +259,7 @@ void Viewer::place_panels() {
         const float tree = std::round(panels.tree_share * side.height);
         stage_panel(*this, {side.left, side.top, side.width, tree});
         properties_panel(*this, {side.left, side.top + tree, side.width, side.height - tree});
-        timeline_panel(*this, timeline);
+        timeline_panel(*this, below);
     }
     if (panels.speed) speed_panel(*this);
     if (panels.help) help_panel(*this);
@@ -272,7 +271,7 @@ void Viewer::look() {
     if (!stage || camera.width < 2 || camera.height < 2) return;
     Sight view;
     view.camera = camera;
-    view.time_s = clock.time_s();
+    view.time_s = clock.shown_s();
     view.resolve.show = picture.show;
     view.resolve.cost_max = picture.cost_max;
     view.own_background = picture.own_background;
@@ -284,8 +283,10 @@ void Viewer::look() {
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
-    if (clock.playing)
-        for (int i = 1; i <= 2; i++) view.next_s.push_back(clock.time_s() + i * clock.speed / clock.fps());
+    // Where the device does not keep pace, what will be seen next is not known.
+    const bool keeps_pace = drawn.shown.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
+    if (clock.playing && keeps_pace)
+        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.shown_after_s(i));
     if (looked_ && same_picture(*looked_, view)) return;
     view.id = looked_ ? looked_->id + 1 : 1;
     looked_ = view;
@@ -348,7 +349,7 @@ void Viewer::go_along_path() {
     const bool moved = along_eye_ && eye != *along_eye_;
     if (!stage || !stage->settings.camera_path || moved) along_path = false;
     along_eye_.reset();
-    if (along_path) eye = *(along_eye_ = eye_at(*stage->settings.camera_path, clock.time_s(), *this));
+    if (along_path) eye = *(along_eye_ = eye_at(*stage->settings.camera_path, clock.shown_s(), *this));
 }
 
 void Viewer::take_keys() {
