@@ -212,6 +212,7 @@ TEST_F(Watching, ShadersThatChangeAreSeen) {
     write(std::string(text).replace(at, stored.size(), "nonsense"));
     hands.until_notice("'nonsense' : undeclared identifier");
     EXPECT_TRUE(same(swapped, hands.picture())) << "the last ones stay";
+    hands.until("no notices", [](const json& now) { return now["notices"].empty(); });
     write(text);
     hands.until_notice("shaders made anew");
     hands.until_rest();
