@@ -4,6 +4,7 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "media/image.h"
@@ -36,7 +37,9 @@ FieldGroup::~FieldGroup() {
 void FieldGroup::label(const char* name) {
     const float width = ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x;
     ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(name);
+    std::string text = name;
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    ImGui::TextUnformatted(text.c_str());
     ImGui::SameLine(std::round(kLabelShare * width));
     ImGui::SetNextItemWidth(-FLT_MIN);
 }

@@ -9,7 +9,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr float kNamesWidth = 150, kNamesShare = 0.4f, kRowHeight = 22, kMargin = 10;  // at scale 1
+constexpr float kNamesWidth = 150, kNamesShare = 0.45f, kRowHeight = 22, kMargin = 10;  // at scale 1
 constexpr size_t kLineSteps = 24;
 constexpr double kWheelPixels = 60;
 

@@ -52,16 +52,23 @@ void toolbar(Viewer& viewer) {
     const auto tool = [&](const char* name, const char* sign, const char* explained, Tool one) {
         if (sign_button(viewer, name, sign, explained, viewer.tool == one)) viewer.tool = one;
     };
+    constexpr float kButtons = 7;
+    const bool one_column = (kButtons + 1) * ImGui::GetFrameHeightWithSpacing() + viewer.ui(16) < area.height;
+    ImGui::BeginGroup();
     tool("tool/move", SIGN_MOVE, "Move (1)", Tool::kMove);
     tool("tool/rotate", SIGN_ROTATE, "Rotate (2)", Tool::kRotate);
     tool("tool/scale", SIGN_SCALE, "Scale (3)", Tool::kScale);
     tool("tool/paint", SIGN_BRUSH, "Paint (4)", Tool::kPaint);
-    ImGui::Separator();
+    if (one_column) ImGui::Separator();
+    ImGui::EndGroup();
+    if (!one_column) ImGui::SameLine();
+    ImGui::BeginGroup();
     if (sign_button(viewer, "tool/snap", SIGN_MAGNET, "Snap to 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
         viewer.snap = !viewer.snap;
     if (sign_button(viewer, "tool/local", SIGN_BOX, "Along the node's own axes", viewer.local_axes))
         viewer.local_axes = !viewer.local_axes;
     if (sign_button(viewer, "tool/grid", SIGN_GRID, "Lines on the floor (G)", viewer.grid)) viewer.grid = !viewer.grid;
+    ImGui::EndGroup();
     ImGui::End();
     ImGui::PopStyleVar(2);
 }
