@@ -31,7 +31,8 @@ void edit_light(ordered_json& light, const LightEdit& edit) {
     if (edit.kind) light["type"] = *edit.kind;
     if (edit.color) light["color"] = json_of(*edit.color);
     if (edit.intensity) light["intensity"] = *edit.intensity;
-    if (edit.range_m) light["range"] = *edit.range_m;
+    if (edit.range_m && *edit.range_m == 0) light.erase("range");
+    if (edit.range_m && *edit.range_m != 0) light["range"] = *edit.range_m;
     if (light["type"] != "spot") {
         light.erase("spot");
         return;
@@ -50,7 +51,7 @@ std::string changes_of(const LightEdit& edit, const ordered_json& light) {
     if (edit.color) also("colour " + text_of(*edit.color));
     if (edit.intensity)
         also(fmt::format("{:.6g} {}", *edit.intensity, light["type"] == "directional" ? "lux" : "candela"));
-    if (edit.range_m) also(fmt::format("ends {:.6g} m off", *edit.range_m));
+    if (edit.range_m) also(*edit.range_m == 0 ? "endless" : fmt::format("ends {:.6g} m off", *edit.range_m));
     if (light["type"] == "spot") {
         if (edit.inner_cone_deg) also(fmt::format("full light up to {:.6g}°", *edit.inner_cone_deg));
         if (edit.outer_cone_deg) also(fmt::format("none from {:.6g}°", *edit.outer_cone_deg));

@@ -91,10 +91,11 @@ std::string duplicate_node(StageFile& file, uint32_t node, const CopySettings& s
 std::string remove_node(StageFile& file, uint32_t node);
 
 struct LightEdit {
-    std::optional<std::string> kind;                                // "spot", "point", "directional"
-    std::optional<glm::dvec3> color;                                // linear RGB
-    std::optional<double> intensity;                                // candela, lux
-    std::optional<double> range_m, inner_cone_deg, outer_cone_deg;  // half angles
+    std::optional<std::string> kind;                       // "spot", "point", "directional"
+    std::optional<glm::dvec3> color;                       // linear RGB
+    std::optional<double> intensity;                       // candela, lux
+    std::optional<double> range_m;                         // 0: endless
+    std::optional<double> inner_cone_deg, outer_cone_deg;  // half angles
 };
 std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement);
 // A light that other nodes share becomes the node's own first.

@@ -363,6 +363,10 @@ TEST_F(Edits, Lights) {
     set_light(file, find_node(file, "rim"), point);
     EXPECT_EQ(rim().kind, GltfLightKind::kPoint);
     EXPECT_EQ(rim().range_m, 4);
+    point.range_m = 0;
+    set_light(file, find_node(file, "rim"), point);
+    EXPECT_EQ(rim().range_m, 0) << "endless again";
+    EXPECT_FALSE(file.json["extensions"]["KHR_lights_punctual"]["lights"].back().contains("range"));
 
     duplicate_node(file, find_node(file, "rim"), {});
     LightEdit dim;

@@ -59,6 +59,30 @@ TEST_F(Layers, GetNamesThatNobodyHas) {
     EXPECT_EQ(free_paint_path(document, anna), at("An-na-B--4.nvpaint")) << "one is worn";
 }
 
+TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
+    const size_t worn = layers_of(document.file, anna)->size();
+    add_paint_layer(document.file, anna, at("one.nvpaint"), {.name = "look", .opacity = 0.25});
+    add_paint_layer(document.file, anna, at("two.nvpaint"), {});
+    EXPECT_FALSE(is_shared(document.file, anna, at("one.nvpaint")));
+    duplicate_node(document.file, anna, CopySettings{});
+    const auto copy = static_cast<uint32_t>(document.file.json["nodes"].size() - 1);
+    EXPECT_TRUE(is_shared(document.file, anna, at("one.nvpaint")));
+    EXPECT_TRUE(is_shared(document.file, copy, at("one.nvpaint")));
+
+    const auto before = layers_of(document.file, anna).value();
+    own_paint(document, copy, worn, at("own.nvpaint"), layer(0.5f));
+    const auto after = layers_of(document.file, copy).value();
+    ASSERT_EQ(after.size(), before.size());
+    for (size_t i = 0; i < after.size(); i++) {
+        EXPECT_EQ(after[i].path, i == worn ? at("own.nvpaint") : before[i].path) << i;
+        EXPECT_EQ(after[i].entry.opacity, before[i].entry.opacity) << i;
+    }
+    EXPECT_EQ(title_of(after[worn]), "look");
+    EXPECT_EQ(layers_of(document.file, anna)->at(worn).path, at("one.nvpaint"));
+    EXPECT_FALSE(is_shared(document.file, copy, at("own.nvpaint")));
+    EXPECT_EQ(document.paint.at(at("own.nvpaint"))->edits.size(), 1u);
+}
+
 TEST_F(Layers, ThatWerePaintedAreUndone) {
     Editor editor;
     const size_t worn = layers_of(document.file, anna)->size();

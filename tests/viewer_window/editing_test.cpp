@@ -105,6 +105,27 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     EXPECT_TRUE(same(painted, hands->picture()));
 }
 
+TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
+    Image red(4, 4);
+    for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
+    write_png(file("red.png"), red);
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const Image bare = hands->picture();
+    hands->click("stage/anna");
+    hands->click("tab/paint");
+    hands->click("paint/stamp");
+    hands->click("paint/File");
+    hands->type(file("red.png"));
+    hands->key("Return");
+    hands->point(hands->in_picture(0.5, 0.5));
+    hands->middle_of("paint/stamp-area");
+    hands->click(hands->in_picture(0.5, 0.5));
+    hands->until("paint", [](const json& now) { return now["modified"] == true; });
+    hands->point(hands->in_picture(0.02, 0.98));
+    EXPECT_TRUE(other(bare, hands->picture()));
+}
+
 TEST_F(Editing, WhatIsSavedOpensAsItWas) {
     Image before;
     {

@@ -34,7 +34,7 @@ TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     EXPECT_EQ(window.width, 640u);
     EXPECT_EQ(window.height, 400u);
     const std::vector<double> at = hands->seen()["items"]["picture"];
-    const uint32_t tools = 64;                          // their width
+    const uint32_t tools = 110;                         // their width, in two columns
     Image part(shown.width - tools, shown.height / 2);  // above the notices
     Image above(part.width, part.height);
     for (uint32_t y = 0; y < part.height; y++)

@@ -5,6 +5,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include "base/error.h"
@@ -146,7 +147,9 @@ void Files::path_panel() {
     }
     ImGui::EndChild();
     ImGui::SetNextItemWidth(list.x);
-    const bool entered = ImGui::InputText("##name", &question.name, ImGuiInputTextFlags_EnterReturnsTrue);
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+    const bool entered = ImGui::InputText("##name", &question.name,
+                                          ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
     viewer_.report.item("question/name");
     if (!confirmed_.empty() && confirmed_ == question.folder / question.name)
         ImGui::TextUnformatted("There is a file of this name. Save again to replace it.");
@@ -159,7 +162,10 @@ void Files::choose(const std::filesystem::path& chosen) {
     std::filesystem::path path = chosen;
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) return list_folder(path);
-    if (question_->to_save && !question_->endings.empty() && path.extension().empty()) path += question_->endings[0];
+    const std::vector<std::string>& endings = question_->endings;
+    const bool ends_well =
+        is_stage(path.string()) || std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
+    if (question_->to_save && !endings.empty() && !ends_well) path += endings[0];
     if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
         question_->name = path.filename().string();
         confirmed_ = path;

@@ -139,16 +139,23 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
     viewer_.editor.end_drag();
     auto document = std::make_shared<Document>(viewer_.editor.document());
     const uint64_t id = viewer_.editor.id(), number = viewer_.editor.opened();
-    viewer_.work.start(fmt::format("Saving {}", path.filename().string()), [this, document, path, id, number, then] {
-        save_document(*document, path);
-        return [this, document, path, id, number, then] {
-            viewer_.editor.saved(*document, number, id);
-            if (!viewer_.editor.modified()) forget_stored();
-            viewer_.editor.tell(fmt::format("saved {}", path.string()));
-            remember_file(viewer_.preferences, std::filesystem::absolute(path));
-            if (then) then();
-        };
-    });
+    std::string also;  // a stage that is left behind wears the same layers
+    if (document->file.saved->on_disk && absolute_path(path) != absolute_path(document->file.path))
+        for (const auto& [file, layer] : document->saved_paint)
+            if (const auto now = document->paint.find(file); now != document->paint.end() && now->second != layer)
+                also += fmt::format("; {} wears the same {}", document->file.path.filename().string(),
+                                    file.filename().string());
+    viewer_.work.start(fmt::format("Saving {}", path.filename().string()),
+                       [this, document, path, id, number, also, then] {
+                           save_document(*document, path);
+                           return [this, document, path, id, number, also, then] {
+                               viewer_.editor.saved(*document, number, id);
+                               if (!viewer_.editor.modified()) forget_stored();
+                               viewer_.editor.tell(fmt::format("saved {}{}", path.string(), also));
+                               remember_file(viewer_.preferences, std::filesystem::absolute(path));
+                               if (then) then();
+                           };
+                       });
 }
 
 void Files::take(const std::filesystem::path& dropped) {

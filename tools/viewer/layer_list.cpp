@@ -65,6 +65,31 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
     }
 }
 
+bool is_shared(const StageFile& file, uint32_t node, const std::filesystem::path& path) {
+    const auto nodes = file.json.find("nodes");
+    const size_t count = nodes != file.json.end() ? nodes->size() : 0;
+    for (uint32_t other = 0; other < count; other++) {
+        if (other == node) continue;
+        const auto worn = layers_of(file, other).value_or(std::vector<ListedLayer>{});
+        if (std::any_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; }))
+            return true;
+    }
+    return false;
+}
+
+std::string own_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
+                      std::shared_ptr<const EditLayer> layer) {
+    const std::vector<ListedLayer> worn = layers_of(document.file, node).value();
+    const PaintLayer& entry = worn.at(at).entry;
+    PaintEdit edit{title_of(worn[at]), entry.visible, entry.opacity, entry.blend};
+    add_paint_layer(document.file, node, own, edit);
+    move_paint_layer(document.file, node, worn.size(), at);
+    remove_paint_layer(document.file, node, at + 1);
+    document.paint[own] = std::move(layer);
+    return fmt::format("{}: \"{}\" is its own now, others keep theirs", node_name(document.file, node),
+                       title_of(worn[at]));
+}
+
 std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const EditLayer> layer, const std::string& what) {
     const auto worn = layers_of(document.file, node).value_or(std::vector<ListedLayer>{});

@@ -137,12 +137,13 @@ void selected_light(Viewer& viewer, FieldGroup& group) {
     if (group.number("intensity", intensity, look_of_intensity(*light))) drag(viewer, *node, {.intensity = intensity});
     if (light->kind != GltfLightKind::kDirectional) {
         double range_m = light->range_m;
-        if (group.number("range", range_m, {0.01, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {
+        if (group.number("range", range_m, {0, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {
             // A drag that begins at no end begins far off, not at the lamp.
-            if (light->range_m == 0 && range_m < 0.5) range_m = kFirstRange_m;
+            if (light->range_m == 0 && range_m > 0 && range_m < 0.5) range_m = kFirstRange_m;
+            if (range_m < 0.01) range_m = 0;
             drag(viewer, *node, {.range_m = range_m});
         }
-        explain("Beyond it there is no light of it");
+        explain("Beyond it there is no light of it; 0: endless");
     }
     if (light->kind == GltfLightKind::kSpot) spot_fields(viewer, group, *node, *light);
     shadow_line(viewer, group, *node);

@@ -36,6 +36,9 @@ void file_menu(Viewer& viewer) {
     if (item(viewer, "Open…", "Ctrl+O"))
         viewer.files.ask_path("Open", {".gltf", ".glb", ".nvv", ".npz"}, false, "",
                               [&viewer](const std::filesystem::path& path) { viewer.files.open(path); });
+    if (item(viewer, "Add to the stage…", "", viewer.editor.is_open()))
+        viewer.files.ask_path("Add a clip, paint or environment", {".nvv", ".npz", ".nvpaint", ".png"}, false, "",
+                              [&viewer](const std::filesystem::path& path) { viewer.files.take(path); });
     recent_menu(viewer);
     ImGui::Separator();
     if (item(viewer, "Save", "Ctrl+S", viewer.editor.is_open())) viewer.files.save();

@@ -144,7 +144,7 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     std::filesystem::path path;
     const auto before = open_target(viewer, performer, path);
     if (!before) return;
-    working_ = true;
+    begin_work(viewer);
     viewer.clock.playing = false;
     Area area = stamp_area(viewer);
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});

@@ -85,6 +85,13 @@ void stamp_fields(Viewer& viewer, FieldGroup& fields) {
     PaintChoice& choice = viewer.paint.choice;
     if (fields.text("File", choice.picture)) viewer.paint.load_picture(viewer);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
+    fields.label("");
+    if (ImGui::Button(SIGN_FOLDER "  Choose…", {-FLT_MIN, 0}))
+        viewer.files.ask_path("Picture", {".png"}, false, "", [&viewer](const std::filesystem::path& path) {
+            viewer.paint.choice.picture = path.string();
+            viewer.paint.load_picture(viewer);
+        });
+    fields.report_last("Choose");
     double percent = 100 * choice.stamp_share;
     if (fields.slider("Height", percent, 100 * kLeastStamp, 100 * kMostStamp, "%.0f %% of the view"))
         choice.stamp_share = percent / 100;
@@ -116,8 +123,12 @@ void frame_fields(Viewer& viewer, const PaintedPerformer& performer) {
     PaintChoice& choice = viewer.paint.choice;
     FieldGroup fields(viewer, "paint");
     auto frames = static_cast<size_t>(choice.frames);
-    if (fields.choice("Frames", frames, kFrames)) choice.frames = static_cast<Frames>(frames);
     const double last = performer.frames - 1.0;
+    if (fields.choice("Frames", frames, kFrames)) {
+        choice.frames = static_cast<Frames>(frames);
+        choice.first = static_cast<int>(performer.frame);
+        choice.last = static_cast<int>(last);
+    }
     if (choice.frames == Frames::kRange) {
         double from = choice.first, to = choice.last;
         if (fields.number("From", from, {0, last, 0.2, "%.0f"})) choice.first = static_cast<int>(from);

@@ -164,6 +164,14 @@ std::shared_ptr<const EditLayer> PaintTool::open_target(Viewer& viewer, const Pa
     }
     path = target.path;
     auto layer = layer_at(viewer, path);
+    if (is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
+        path = free_paint_path(viewer.editor.document(), performer.node);
+        const bool own = viewer.editor.edit([&, at = painted_layer(performer)](Document& document) {
+            return own_paint(document, performer.node, at, path, layer);
+        });
+        choice.layer = path;
+        return own ? layer : nullptr;
+    }
     viewer.editor.open_layer(path, layer);
     read_.erase(path);  // the editor's from now on
     return layer;
@@ -341,6 +349,12 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
         });
 }
 
+// Until put().
+void PaintTool::begin_work(const Viewer& viewer) {
+    working_ = true;
+    worked_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
+}
+
 void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
                     const std::shared_ptr<const EditLayer>& before, const std::shared_ptr<const EditLayer>& layer,
                     const std::string& what) {
@@ -369,8 +383,7 @@ void PaintTool::work_in_box(Viewer& viewer) {
     if (!performer || busy() || !prepare(viewer)) return;
     const auto before = open_target(viewer, *performer, path);
     if (!before) return;
-    working_ = true;
-    worked_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
+    begin_work(viewer);
     const PaintWork work = work_of(*performer, false);
     const Region box = box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
     viewer.work.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> Work::Then {

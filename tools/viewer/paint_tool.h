@@ -78,7 +78,6 @@ class PaintTool {
     void load_picture(Viewer& viewer);
     bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.picture; }
     bool busy() const { return stroke_ || working_; }
-    std::pair<uint64_t, size_t> worked_on_;  // the document, and how many nodes it had: else numbers mean others
 
   private:
     struct Active;
@@ -103,6 +102,7 @@ class PaintTool {
     void look_under(Viewer& viewer, const PaintedPerformer& performer);
     void take_colour(Viewer& viewer);
     void project_stamp(Viewer& viewer, const PaintedPerformer& performer);
+    void begin_work(const Viewer& viewer);
     // The end of what was begun with `before`.
     void put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
              const std::shared_ptr<const EditLayer>& before, const std::shared_ptr<const EditLayer>& layer,
@@ -122,7 +122,8 @@ class PaintTool {
     std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read_;
     Hover hover_;
     std::shared_ptr<Active> stroke_;
-    bool working_ = false;  // in a box, or a projection
+    bool working_ = false;                   // in a box, or a projection
+    std::pair<uint64_t, size_t> worked_on_;  // the document, and how many nodes it had: else numbers mean others
     std::string stamp_path_;
     std::shared_ptr<const Image> stamp_, stamp_preview_;
     struct BoxDrag {

@@ -31,7 +31,8 @@ class StageClock {
     double out_s() const { return out_s_; }
     // The picture that is shown, the one before where the instant lies between two.
     int64_t picture() const;
-    int64_t pictures() const;  // at least 1
+    int64_t pictures() const;                                                      // at least 1
+    double last_s() const { return static_cast<double>(last_in_range()) / fps_; }  // the range's last picture
 
     // The range, cut to the stage, at least one picture long; ends in the wrong order are exchanged. The instant stays.
     void set_range(double in_s, double out_s);

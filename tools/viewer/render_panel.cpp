@@ -54,6 +54,7 @@ void look_fields(Viewer& viewer) {
 // What a camera of the export is called: the view of the window, the path, those of the stage.
 std::vector<std::string> camera_names(const Viewer& viewer) {
     std::vector<std::string> names{"as seen here"};
+    if (viewer.stage->settings.camera_path) names.emplace_back("along the camera path");
     for (const InstantCamera& camera : viewer.instant.cameras)
         if (!camera.orthographic) names.push_back(camera.name);
     return names;
@@ -88,7 +89,13 @@ ExportSettings chosen_export(Viewer& viewer) {
         settings.pictures =
             static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
     }
-    if (choice.camera == 0) {
+    const std::optional<CameraPath>& path = viewer.stage->settings.camera_path;
+    const size_t first_of_stage = path ? 2 : 1;
+    if (path && (choice.camera == 1 || (choice.camera == 0 && viewer.along_path))) {
+        settings.camera = [path = *path, size = choice.size](const Stage&, const StageInstant& instant) {
+            return camera_at(path, instant.time_s, size.width, size.height);
+        };
+    } else if (choice.camera < first_of_stage) {
         settings.camera = [eye = viewer.eye, size = choice.size](const Stage&, const StageInstant&) {
             return camera_of(eye, size.width, size.height);
         };

@@ -228,8 +228,9 @@ void scroll_to_selected(Viewer& viewer, float row_height) {
     StageTree& tree = viewer.stage_tree;
     const auto selected = viewer.editor.selected();
     if (tree.seen_selected == selected) return;
-    tree.seen_selected = selected;
     const auto row = selected ? row_of(tree.rows, *selected) : std::nullopt;
+    if (selected && !row) return;  // it is added in this frame
+    tree.seen_selected = selected;
     if (!row) return;
     open_above(tree.rows, *row, tree.closed);
     const std::vector<uint32_t> open = open_rows(tree.rows, tree.closed);

@@ -82,11 +82,26 @@ void navigate(TimelineState& state, const Viewer& viewer, float top) {
     if (over_time && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) state.fits = true;
 }
 
+// Brings who was selected elsewhere into sight.
+void scroll_to_selected(TimelineState& state, const Viewer& viewer) {
+    const auto selected = viewer.editor.selected();
+    if (state.seen_selected == selected) return;
+    state.seen_selected = selected;
+    const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
+                                    [&](const PerformerTrack& one) { return one.node == selected; });
+    if (track == state.tracks.end()) return;
+    const float row = state.view.row_height + viewer.ui(2), seen = ImGui::GetWindowHeight();
+    const float top = static_cast<float>(track - state.tracks.begin()) * row;
+    if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + seen)
+        ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (seen - row)));
+}
+
 void rows(TimelineState& state, Viewer& viewer) {
     const ImVec2 at = ImGui::GetWindowPos();
     if (state.scroll_y != 0)
         ImGui::SetScrollY(std::clamp(ImGui::GetScrollY() + state.scroll_y, 0.0f, ImGui::GetScrollMaxY()));
     state.scroll_y = 0;
+    scroll_to_selected(state, viewer);
     for (const PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
     if (state.tracks.empty() && viewer.stage) ImGui::TextDisabled("no performers yet");
     draw_range_and_instant(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
@@ -102,7 +117,6 @@ double snapped_time(const Viewer& viewer, const TimelineView& view, double time_
 
 bool begin_menu(const Viewer& viewer, const char* name) {
     if (!ImGui::BeginPopup(name)) return false;
-    if (viewer.escape) ImGui::CloseCurrentPopup();
     return true;
 }
 

@@ -49,7 +49,8 @@ struct TimelineState {
     HeldBar bar;         // the last
     std::optional<HeldKey> key;
     std::vector<PerformerTrack> tracks;
-    uint64_t tracks_of = 0;  // the document's id
+    uint64_t tracks_of = 0;                 // the document's id
+    std::optional<uint32_t> seen_selected;  // already scrolled to
     std::shared_ptr<const Stage> clips_of;
     std::optional<CameraPath> path;
     std::vector<glm::dvec3> path_line;

@@ -63,7 +63,7 @@ void toolbar(Viewer& viewer) {
     ImGui::EndGroup();
     if (!one_column) ImGui::SameLine();
     ImGui::BeginGroup();
-    if (sign_button(viewer, "tool/snap", SIGN_MAGNET, "Snap to 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
+    if (sign_button(viewer, "tool/snap", SIGN_MAGNET, "In steps of 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
         viewer.snap = !viewer.snap;
     if (sign_button(viewer, "tool/local", SIGN_BOX, "Along the node's own axes", viewer.local_axes))
         viewer.local_axes = !viewer.local_axes;

@@ -2,6 +2,7 @@
 
 #include <GLFW/glfw3.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ namespace {
 
 constexpr double kIdleWait_s = 0.5, kPlayingWait_s = 1.0 / 30, kMovingWait_s = 1.0 / 60, kFrame_s = 1.0 / 60;
 constexpr double kStillAfter_s = 0.12, kNotice_s = 6;
-constexpr size_t kMostMessages = 20;
+constexpr size_t kMostMessages = 20, kMostNotices = 4;
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -61,6 +62,14 @@ Preferences preferences_for(const Viewer::Options& options, std::string& message
         loaded.preferences.window.maximised = false;
     }
     return loaded.preferences;
+}
+
+// Menus and choices; questions take their Escape themselves.
+void close_popup_by_escape(const Viewer& viewer) {
+    const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
+    if (!viewer.escape || open.empty()) return;
+    const ImGuiWindow* window = open.back().Window;
+    if (window && !(window->Flags & ImGuiWindowFlags_Modal)) ImGui::ClosePopupToLevel(open.Size - 1, true);
 }
 
 }  // namespace
@@ -186,7 +195,11 @@ void Viewer::frame() {
         notices_.push_back(std::move(notice));
         redraw();
     }
-    std::erase_if(notices_, [&](const Notice& notice) { return notice.until_s < now_s; });
+    // Why nothing could be opened stays until something is.
+    std::erase_if(notices_,
+                  [&](const Notice& notice) { return notice.until_s < now_s && (editor.is_open() || !notice.error); });
+    if (notices_.size() > kMostNotices)
+        notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMostNotices));
     if (drawn.stage && drawn.stage != stage) {
         const bool first = !stage || stage->file.path != drawn.stage->file.path;
         stage = drawn.stage;
@@ -238,6 +251,7 @@ void Viewer::frame() {
 
 // The picture left, the stage and what is selected right, time below.
 void Viewer::place_panels() {
+    close_popup_by_escape(*this);
     menu_bar(*this);
     const ImVec2 window_size = ImGui::GetIO().DisplaySize;
     const float top = ImGui::GetFrameHeight();
@@ -366,7 +380,7 @@ void Viewer::take_keys() {
         if (press.repeat) continue;
         if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
         if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
-        if (press.key == GLFW_KEY_END) clock.scrub(static_cast<double>(clock.pictures() - 1) / clock.fps());
+        if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
         if (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER)
             press.shift ? remove_key_near(*this) : add_key_here(*this);
         if (press.key == GLFW_KEY_TAB) panels.all = !panels.all;

@@ -76,6 +76,7 @@ struct ExportChoice {
 struct Panels {
     bool all = true;  // Tab
     bool speed = false, help = false;
+    Tool seen_tool = Tool::kMove;                   // in the last frame
     float side_width = 320, timeline_height = 170;  // at scale 1
     float tree_share = 0.33f;                       // of the side's height
 };
