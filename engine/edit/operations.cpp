@@ -82,9 +82,14 @@ LocalPlace placed(LocalPlace place, const Placement& placement) {
     return place;
 }
 
-// What was done, in words; always where it stands.
-std::vector<std::string> changes_of(const Placement& placement, const LocalPlace& place) {
+// What was done, in words; where it stands, unless it was turned or scaled by hand where it is.
+std::vector<std::string> changes_of(const Placement& placement, const LocalPlace& before, const LocalPlace& place) {
     std::vector<std::string> changes;
+    if (placement.to && !place.has_matrix) {
+        if (place.rotation != before.rotation) changes.emplace_back("turned");
+        if (place.scale != before.scale) changes.push_back("scaled to " + text_of(place.scale));
+        if (!changes.empty() && place.translation == before.translation) return changes;
+    }
     if (placement.matrix) changes.push_back("a matrix of its own");
     if (placement.turn_deg) changes.push_back(fmt::format("turned by {}°", text_of(*placement.turn_deg)));
     if (placement.scale) {
@@ -196,7 +201,8 @@ uint32_t find_node(const StageFile& file, const std::string& name_or_index) {
 
 std::string place_node(StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
-    LocalPlace place = placed(local_place_of(json), placement);
+    const LocalPlace before = local_place_of(json);
+    LocalPlace place = placed(before, placement);
     if (place.has_matrix && !json.contains("matrix") && is_animated(file, node))
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is animated, and cannot have a matrix", title_of(file, node)),
@@ -215,7 +221,7 @@ std::string place_node(StageFile& file, uint32_t node, const Placement& placemen
         }
     }
     set_local_place(json, place);
-    return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, place)),
+    return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, before, place)),
                        is_animated(file, node) ? ", but an animation moves it" : "");
 }
 

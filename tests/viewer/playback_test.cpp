@@ -50,6 +50,15 @@ TEST(Playback, ShowsWholePicturesWhileItPlays) {
     clock.speed = 1;
     clock.play_or_pause();
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.04) << "what was seen stays";
+    clock.playing = true;
+    clock.scrub(1.07);
+    EXPECT_NEAR(clock.until_next_s(), 0.01, 1e-12);
+    clock.speed = -2;
+    EXPECT_NEAR(clock.until_next_s(), 0.015, 1e-12);
+    clock.step(-1);
+    EXPECT_DOUBLE_EQ(clock.time_s(), 1.0) << "the one before what was seen";
+    clock.speed = 1;
+    EXPECT_EQ(clock.until_next_s(), kInfinity) << "it stands still";
     clock.scrub(1.07);
     EXPECT_DOUBLE_EQ(clock.shown_s(), 1.07) << "a stage may stand still between two";
     clock.playing = true;

@@ -76,12 +76,22 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
     EXPECT_EQ(sources.replacements().at(words_of(upscale_comp)), words_of(upscale_comp));
 }
 
+TEST_F(Shaders, MayMakeTheCompilerWarn) {
+    ShaderSources sources(folder.path);
+    add("resolve.comp", "#extension GL_NV_nobody_has_it : enable\n");
+    const ShaderSources::Change change = sources.look();
+    EXPECT_EQ(change.problem, "");
+    EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp)) << "SPIR-V, and nothing said";
+}
+
 TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
     ShaderSources sources(folder.path);
-    touch("shared/trace.h");
-    const ShaderSources::Change change = sources.look();
-    EXPECT_TRUE(change.compiled.empty());
-    EXPECT_NE(change.problem.find("build the program anew"), std::string::npos) << change.problem;
+    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then nothing else is compiled with it
+        touch(changed);
+        const ShaderSources::Change change = sources.look();
+        EXPECT_TRUE(change.compiled.empty()) << changed;
+        EXPECT_NE(change.problem.find("build the program anew"), std::string::npos) << change.problem;
+    }
 }
 
 TEST_F(Shaders, AFolderWithoutThemIsRefused) {

@@ -123,7 +123,12 @@ TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
     hands->click(hands->in_picture(0.5, 0.5));
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->point(hands->in_picture(0.02, 0.98));
-    EXPECT_TRUE(other(bare, hands->picture()));
+    const Image stamped = hands->picture();
+    EXPECT_TRUE(other(bare, stamped));
+    const uint8_t* middle = stamped.at(stamped.width / 2, stamped.height / 2);
+    EXPECT_GT(middle[0], 2 * std::max(middle[1], middle[2])) << "red";
+    hands->key("ctrl+z");
+    EXPECT_TRUE(same(bare, hands->picture()));
 }
 
 TEST_F(Editing, WhatIsSavedOpensAsItWas) {

@@ -3,6 +3,7 @@
 // against a bar.
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <filesystem>
 
 #include "support/temporary_folder.h"

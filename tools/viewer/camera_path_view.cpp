@@ -1,5 +1,6 @@
 #include "tools/viewer/camera_path_view.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <cmath>
@@ -54,16 +55,17 @@ Eye eye_at(const CameraPath& path, double time_s, const Viewer& viewer) {
 
 void add_key_here(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
-    const CameraPathKey key = key_of(viewer.eye, viewer.clock.time_s());
-    viewer.editor.edit(
-        [key, frame_s = 1 / viewer.clock.fps()](Document& d) { return add_path_key(d.file, key, frame_s); });
+    const CameraPathKey key = key_of(viewer.eye, viewer.clock.shown_s());
+    if (viewer.editor.edit(
+            [key, frame_s = 1 / viewer.clock.fps()](Document& d) { return add_path_key(d.file, key, frame_s); }))
+        viewer.editor.tell(fmt::format("a key of the camera path at {:.2f} s", key.time_s));
 }
 
 void remove_key_near(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
     const std::optional<CameraPath> path = camera_path_in(viewer.editor.file());
     if (!path) return viewer.editor.tell("there is no camera path");
-    const size_t key = nearest_key(*path, viewer.clock.time_s());
+    const size_t key = nearest_key(*path, viewer.clock.shown_s());
     viewer.editor.edit([key](Document& d) { return remove_path_key(d.file, key); });
 }
 
@@ -73,7 +75,7 @@ void draw_camera_path(const Viewer& viewer, const CameraPath& path, const std::v
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
     for (size_t i = 0; i + 1 < line.size(); i++) draw_line(viewer, line[i], line[i + 1], kWay, 2);
     for (const CameraPathKey& key : path.keys) draw_sight(viewer, camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
-    draw_sight(viewer, camera_at(path, viewer.clock.time_s(), 2, 2), kAccent, 2);
+    draw_sight(viewer, camera_at(path, viewer.clock.shown_s(), 2, 2), kAccent, 2);
     list.PopClipRect();
 }
 

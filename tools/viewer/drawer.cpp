@@ -234,20 +234,24 @@ void Drawer::tell_progress(const std::string& file, size_t done, size_t of) {
 void Drawer::make_again(const Remake& remake) {
     const ShaderReplacements before = device_.shaders().replacements();
     device_.shaders().set(remake.shaders);
+    const VkExtent2D capacity = capacity_;
+    std::unique_ptr<StageRenderer> last = std::move(renderer_);
     std::string problem;
     try {
         if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
+        draw_newest();  // some passes are made when they are first needed
     } catch (const std::runtime_error& error) {
         device_.shaders().set(before);
+        renderer_ = std::move(last);
+        capacity_ = capacity;
+        refinement_.reset();
         problem = error.what();
     }
     {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
-        if (problem.empty()) state_.shown.finished = false;
     }
     remake.done(problem);
-    if (problem.empty()) draw_newest();
 }
 
 // Keeps the old one where the new one cannot be drawn.
@@ -300,6 +304,7 @@ void Drawer::make_renderer(const Stage& stage, const StageRenderer::Loaded& prog
     VkExtent2D capacity = kFirstCapacity;
     {
         const std::lock_guard lock(mutex_);
+        if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
         if (next_view_) capacity = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
     }
     const PaintSource paint = [this](const std::filesystem::path& path, const PaintedField&) {

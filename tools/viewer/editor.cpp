@@ -6,6 +6,14 @@
 
 namespace neuvv {
 
+namespace {
+
+bool is_same(const Document& a, const Document& b) {
+    return a.file.json == b.file.json && a.paint == b.paint;
+}
+
+}  // namespace
+
 void Editor::open(Document document, bool modified) {
     document_ = std::move(document);
     history_ = History();
@@ -57,6 +65,7 @@ bool Editor::edit(const Operation& operation) {
     Document before = document_;
     std::string what;
     if (!apply(operation, what)) return false;
+    if (is_same(before, document_)) return true;
     history_.did(std::move(before), document_, std::move(what));
     changed();
     return true;
@@ -77,6 +86,7 @@ bool Editor::drag(const Operation& operation) {
 
 void Editor::end_drag() {
     if (!before_drag_) return;
+    if (is_same(*before_drag_, document_)) return cancel_drag();
     history_.did(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
     before_drag_.reset();
     changed();
@@ -109,7 +119,8 @@ void Editor::redo() {
 
 // Numbers of nodes may mean others afterwards: then nothing is selected.
 void Editor::step(const char* told, const std::function<std::optional<std::string>()>& take) {
-    const size_t nodes = node_count();
+    const size_t count = node_count();
+    const auto before = document_.file.json.value("nodes", nlohmann::ordered_json::array());
     try {
         const std::optional<std::string> what = take();
         if (!what) return;
@@ -117,7 +128,13 @@ void Editor::step(const char* told, const std::function<std::optional<std::strin
     } catch (const InputError& error) {
         return tell(error.what(), true);
     }
-    if (node_count() != nodes) selected_.reset();
+    if (selected_ && node_count() != count) {
+        const auto now = document_.file.json.value("nodes", nlohmann::ordered_json::array());
+        const auto end = static_cast<std::ptrdiff_t>(*selected_) + 1;
+        const bool same = *selected_ < std::min(before.size(), now.size()) &&
+                          std::equal(before.begin(), before.begin() + end, now.begin());
+        if (!same) selected_.reset();
+    }
     changed();
 }
 

@@ -163,8 +163,8 @@ void Files::choose(const std::filesystem::path& chosen) {
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) return list_folder(path);
     const std::vector<std::string>& endings = question_->endings;
-    const bool ends_well =
-        is_stage(path.string()) || std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
+    const bool listed = std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
+    const bool ends_well = listed || (!endings.empty() && is_stage("x" + endings[0]) && is_stage(path.string()));
     if (question_->to_save && !endings.empty() && !ends_well) path += endings[0];
     if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
         question_->name = path.filename().string();

@@ -107,6 +107,7 @@ void Files::opened(Document document, bool modified) {
     recovered_.reset();
     viewer_.gizmo.reset();
     viewer_.held_light.reset();
+    viewer_.timeline.key.reset();
     stored_id_ = 0;
     clips_.clear();
     viewer_.editor.open(std::move(document), modified);

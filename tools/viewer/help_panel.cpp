@@ -23,6 +23,7 @@ constexpr KeyLine kKeys[] = {
     {"click", "select"},
     {"1 2 3 4", "move, rotate, scale, paint"},
     {"Ctrl, Esc while dragging", "snap or not; as it was"},
+    {"click a number", "type it; drag it to change it"},
     {"H, F2, Del, Ctrl+D", "hide, rename, delete, duplicate"},
     {"[ ], Alt + click, Ctrl", "smaller, larger brush; take a colour; erase"},
     {"Space", "play, pause"},
@@ -38,6 +39,7 @@ constexpr KeyLine kKeys[] = {
 }  // namespace
 
 void help_panel(Viewer& viewer) {
+    if (viewer.escape) viewer.panels.help = false;
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
     if (ImGui::Begin(

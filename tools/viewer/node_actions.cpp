@@ -64,9 +64,14 @@ void add_light_in_view(Viewer& viewer, GltfLightKind kind) {
     const glm::dmat4 seen = world_from_eye(eye);
     const glm::dvec3 right(seen[0]);
     const glm::dvec3 back = glm::dvec3(std::sin(eye.yaw), 0, std::cos(eye.yaw));
+    glm::dvec3 aim = eye.pivot;
+    if (viewer.stage && !viewer.stage->performers.empty()) {
+        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        aim = 0.5 * (low + high);
+    }
     Placement placement;
-    placement.at = eye.pivot - 1.5 * right + glm::dvec3(0, 2.5, 0) + 1.5 * back;
-    placement.aim = eye.pivot;
+    placement.at = aim - 1.5 * right + glm::dvec3(0, 2.5, 0) + 1.5 * back;
+    placement.aim = aim;
     LightEdit edit;
     edit.kind = kLightKindNames[static_cast<size_t>(kind)];
     edit.intensity = usual_intensity(kind);

@@ -145,7 +145,7 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     const auto before = open_target(viewer, performer, path);
     if (!before) return;
     begin_work(viewer);
-    viewer.clock.playing = false;
+    viewer.clock.pause();
     Area area = stamp_area(viewer);
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
     area.left -= viewer.picture_area.left;

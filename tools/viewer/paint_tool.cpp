@@ -166,11 +166,8 @@ std::shared_ptr<const EditLayer> PaintTool::open_target(Viewer& viewer, const Pa
     auto layer = layer_at(viewer, path);
     if (is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
         path = free_paint_path(viewer.editor.document(), performer.node);
-        const bool own = viewer.editor.edit([&, at = painted_layer(performer)](Document& document) {
-            return own_paint(document, performer.node, at, path, layer);
-        });
-        choice.layer = path;
-        return own ? layer : nullptr;
+        own_ = {path, target.path};
+        return layer;
     }
     viewer.editor.open_layer(path, layer);
     read_.erase(path);  // the editor's from now on
@@ -237,7 +234,7 @@ void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) 
     auto active = std::make_shared<Active>();
     active->before = open_target(viewer, performer, active->path);
     if (!active->before) return;
-    viewer.clock.playing = false;
+    viewer.clock.pause();
     active->work = work_of(performer, ImGui::GetIO().KeyCtrl);
     active->what = kDone[static_cast<size_t>(active->work.kind)];
     active->node = performer.node;
@@ -309,9 +306,9 @@ void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std:
         return;
     }
     if (!layer) return;
-    viewer.editor.drag([&](Document& document) {
-        return put_paint(document, active->node, active->path, "paint", layer, active->what);
-    });
+    viewer.editor.drag(
+        [&](Document& document) { return put_layer(document, active->node, active->path, layer, active->what); });
+    choice.layer = active->path;
     active->document = viewer.editor.id();
 }
 
@@ -372,8 +369,21 @@ void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std
         viewer.editor.tell("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
-    viewer.editor.edit(
-        [&](Document& document) { return put_paint(document, performer.node, path, "paint", layer, what); });
+    const bool done =
+        viewer.editor.edit([&](Document& document) { return put_layer(document, performer.node, path, layer, what); });
+    if (done) choice.layer = path;
+}
+
+// In the place of the shared one that it is painted instead of, where there is one.
+std::string PaintTool::put_layer(Document& document, uint32_t node, const std::filesystem::path& path,
+                                 const std::shared_ptr<const EditLayer>& layer, const std::string& what) const {
+    const auto worn = layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
+    const auto at = [&](const std::filesystem::path& of) {
+        return std::find_if(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == of; });
+    };
+    if (path == own_.first && at(path) == worn.end() && at(own_.second) != worn.end())
+        own_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
+    return put_paint(document, node, path, "paint", layer, what);
 }
 
 // No device is asked: on the working thread.

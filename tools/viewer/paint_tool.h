@@ -102,6 +102,8 @@ class PaintTool {
     void look_under(Viewer& viewer, const PaintedPerformer& performer);
     void take_colour(Viewer& viewer);
     void project_stamp(Viewer& viewer, const PaintedPerformer& performer);
+    std::string put_layer(Document& document, uint32_t node, const std::filesystem::path& path,
+                          const std::shared_ptr<const EditLayer>& layer, const std::string& what) const;
     void begin_work(const Viewer& viewer);
     // The end of what was begun with `before`.
     void put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
@@ -122,6 +124,8 @@ class PaintTool {
     std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read_;
     Hover hover_;
     std::shared_ptr<Active> stroke_;
+    // A layer that is to become the performer's own, and the one that it shares with others.
+    std::pair<std::filesystem::path, std::filesystem::path> own_;
     bool working_ = false;                   // in a box, or a projection
     std::pair<uint64_t, size_t> worked_on_;  // the document, and how many nodes it had: else numbers mean others
     std::string stamp_path_;

@@ -94,9 +94,9 @@ bool hold_handles(Viewer& viewer) {
     const bool navigating = viewer.grip.hold != Hold::kNothing;
     const bool by_light = viewer.held_light && light_tool(viewer, navigating);
     const bool by_gizmo = gizmo_tool(viewer, navigating || by_light);
-    const bool any = by_light || by_gizmo || light_tool(viewer, navigating || by_gizmo);
+    const bool free_light = !by_light && light_tool(viewer, navigating || by_gizmo);  // drawn in any case
     viewer.holds_handle = viewer.gizmo || viewer.held_light;
-    return any;
+    return by_light || by_gizmo || free_light;
 }
 
 }  // namespace

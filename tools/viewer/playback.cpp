@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace neuvv {
 
@@ -80,6 +81,18 @@ void StageClock::set_range(double in_s, double out_s) {
     out_s_ = in_s_ + shortest;
 }
 
+void StageClock::pause() {
+    time_s_ = shown_s();
+    playing = false;
+}
+
+double StageClock::until_next_s() const {
+    const double step_s = shown_step_s();
+    if (!playing || !(step_s > 0)) return std::numeric_limits<double>::infinity();
+    const double steps = time_s_ / step_s, since = steps - std::floor(steps + kOnPicture);
+    return std::max(0.0, speed > 0 ? 1 - since : since) * step_s / std::abs(speed);
+}
+
 void StageClock::play_or_pause() {
     time_s_ = shown_s();  // what was seen last stays
     playing = !playing;
@@ -105,7 +118,7 @@ void StageClock::tick(double real_s) {
 }
 
 void StageClock::step(int32_t pictures) {
-    playing = false;
+    pause();
     const double at = time_s_ * fps_, nearest = std::round(at);
     const bool on_picture = std::abs(at - nearest) < kOnPicture;
     const auto from = static_cast<int64_t>(on_picture ? nearest : pictures > 0 ? std::floor(at) : std::ceil(at));

@@ -37,6 +37,10 @@ class StageClock {
     // The range, cut to the stage, at least one picture long; ends in the wrong order are exchanged. The instant stays.
     void set_range(double in_s, double out_s);
 
+    // Stops at what is seen.
+    void pause();
+    // Real seconds until another instant is seen; endless where none will be.
+    double until_next_s() const;
     // Plays, or stops. From where it would stop at once it begins anew, at the range's other end.
     void play_or_pause();
     // So much real time has passed. From outside of the range it plays into it; at the range's end it goes on at its

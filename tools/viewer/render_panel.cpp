@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -54,7 +55,7 @@ void look_fields(Viewer& viewer) {
 // What a camera of the export is called: the view of the window, the path, those of the stage.
 std::vector<std::string> camera_names(const Viewer& viewer) {
     std::vector<std::string> names{"as seen here"};
-    if (viewer.stage->settings.camera_path) names.emplace_back("along the camera path");
+    if (viewer.stage->settings.camera_path) names.emplace_back(kAlongPath);
     for (const InstantCamera& camera : viewer.instant.cameras)
         if (!camera.orthographic) names.push_back(camera.name);
     return names;
@@ -82,7 +83,7 @@ ExportSettings chosen_export(Viewer& viewer) {
     settings.samples = static_cast<uint32_t>(choice.samples + 1);
     settings.fps = choice.fps > 0 ? choice.fps : viewer.stage->fps;
     settings.with_background = !choice.transparent;
-    settings.first_s = viewer.clock.time_s();
+    settings.first_s = viewer.clock.shown_s();
     if (choice.kind != 2) {
         settings.first_s = choice.range == 0 ? 0 : viewer.clock.in_s();
         const double last_s = choice.range == 0 ? viewer.clock.duration_s() : viewer.clock.out_s();
@@ -90,18 +91,16 @@ ExportSettings chosen_export(Viewer& viewer) {
             static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
     }
     const std::optional<CameraPath>& path = viewer.stage->settings.camera_path;
-    const size_t first_of_stage = path ? 2 : 1;
-    if (path && (choice.camera == 1 || (choice.camera == 0 && viewer.along_path))) {
+    if (path && (choice.camera == kAlongPath || (choice.camera.empty() && viewer.along_path))) {
         settings.camera = [path = *path, size = choice.size](const Stage&, const StageInstant& instant) {
             return camera_at(path, instant.time_s, size.width, size.height);
         };
-    } else if (choice.camera < first_of_stage) {
+    } else if (choice.camera.empty()) {
         settings.camera = [eye = viewer.eye, size = choice.size](const Stage&, const StageInstant&) {
             return camera_of(eye, size.width, size.height);
         };
     } else {
-        const std::string name = camera_names(viewer)[choice.camera];
-        settings.camera = [name, size = choice.size](const Stage& stage, const StageInstant& instant) {
+        settings.camera = [name = choice.camera, size = choice.size](const Stage& stage, const StageInstant& instant) {
             return camera_of(stage, name, instant, size.width, size.height);
         };
     }
@@ -117,16 +116,26 @@ void begin_export(Viewer& viewer, ExportSettings settings, const std::filesystem
     }
 }
 
+// One that is gone is told, and the window's view takes its place.
+void camera_field(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
+    const std::vector<std::string> names = camera_names(viewer);
+    std::vector<const char*> texts;
+    for (const std::string& name : names) texts.push_back(name.c_str());
+    const auto found = std::find(names.begin() + 1, names.end(), choice.camera);
+    if (!choice.camera.empty() && found == names.end()) {
+        viewer.editor.tell(fmt::format("\"{}\" is gone: what is exported is {}", choice.camera, names[0]), true);
+        choice.camera.clear();
+    }
+    size_t chosen = choice.camera.empty() ? 0 : static_cast<size_t>(found - names.begin());
+    if (fields.choice("Camera", chosen, texts)) choice.camera = chosen == 0 ? "" : names[chosen];
+}
+
 void export_fields(Viewer& viewer) {
     ExportChoice& choice = viewer.export_choice;
     FieldGroup fields(viewer, "export");
     fields.choice("Kind", choice.kind, kKinds);
     size_fields(viewer, fields, choice);
-    const std::vector<std::string> names = camera_names(viewer);
-    std::vector<const char*> texts;
-    for (const std::string& name : names) texts.push_back(name.c_str());
-    choice.camera = std::min(choice.camera, names.size() - 1);
-    fields.choice("Camera", choice.camera, texts);
+    camera_field(viewer, fields, choice);
     if (choice.kind != 2) {
         fields.choice("Time", choice.range, kRanges);
         double fps = choice.fps > 0 ? choice.fps : viewer.stage->fps;

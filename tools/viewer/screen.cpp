@@ -113,6 +113,7 @@ void Screen::start_imgui() {
     check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &descriptors_), "vkCreateDescriptorPool", "panels");
 
     ImGui::CreateContext();
+    ImGui::GetIO().ConfigDragClickToInputText = true;
     ImGui::GetIO().IniFilename = nullptr;  // preferences keep what is to be kept
     ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
     start_drawing();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <random>
 #include <sstream>
 
 #include "base/error.h"
@@ -25,6 +26,22 @@ std::string first_error(const std::string& said, const std::string& file) {
         if (const size_t at = line.find(kError); at != std::string::npos) return line.substr(at + kError.size());
     return fmt::format("{}: glslangValidator: {}", file, said.substr(0, said.find('\n')));
 }
+
+// In a folder of the user's own.
+struct TemporaryFile {
+    std::filesystem::path path;
+    TemporaryFile() {
+        const std::filesystem::path own = cache_folder();
+        path = (own.empty() ? std::filesystem::temp_directory_path() : own) /
+               fmt::format("shader-{:08x}.spv", std::random_device()());
+    }
+    ~TemporaryFile() {
+        std::error_code error;
+        std::filesystem::remove(path, error);
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+};
 
 // What a source includes, as it is written there.
 std::vector<std::string> include_names(const std::filesystem::path& file) {
@@ -62,6 +79,7 @@ std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::p
     while (!open.empty()) {
         const std::filesystem::path of = open.back();
         open.pop_back();
+        if (!std::filesystem::is_regular_file(of)) continue;  // an editor is just replacing it
         for (const std::string& name : include_names(of))
             for (const std::filesystem::path& at : {of.parent_path() / name, folder_ / name})
                 if (std::filesystem::is_regular_file(at) && found.insert(at).second) open.push_back(at);
@@ -70,12 +88,14 @@ std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::p
 }
 
 std::vector<uint32_t> ShaderSources::compiled(const std::string& file) const {
+    const TemporaryFile out;
     const ProgramEnd end = run_program({"glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3",
-                                        "-I" + folder_.string(), "-o", "/dev/stdout", (folder_ / file).string()});
-    std::vector<uint32_t> words(end.said.size() / 4);
-    std::memcpy(words.data(), end.said.data(), 4 * words.size());
-    if (end.code != 0 || words.empty() || words[0] != kSpirvMagic)
-        throw InputError(folder_.string(), file, first_error(end.said, file));
+                                        "-I" + folder_.string(), "-o", out.path.string(), (folder_ / file).string()});
+    if (end.code != 0) throw InputError(folder_.string(), file, first_error(end.said, file));
+    const std::vector<uint8_t> bytes = read_file(out.path, kMostBytes);
+    std::vector<uint32_t> words(bytes.size() / 4);
+    if (!words.empty()) std::memcpy(words.data(), bytes.data(), 4 * words.size());
+    if (words.empty() || words[0] != kSpirvMagic) throw InputError(folder_.string(), file, "gave no SPIR-V");
     return words;
 }
 
@@ -104,15 +124,16 @@ ShaderSources::Change ShaderSources::look() {
     return change;
 }
 
+// All that changed counts before anything is refused: it is compiled once it can be.
 void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
     for (const std::filesystem::path& path : changed)
-        if (path.parent_path().filename() == "shared")
-            throw InputError(path.string(), "", "C++ has it, too", "build the program anew");
+        if (path.parent_path().filename() == "shared") shared_ = path;
     for (const auto& [file, words] : neuvv_render_shaders) {
         const std::set<std::filesystem::path> parts = included(folder_ / file);
         if (std::any_of(parts.begin(), parts.end(), [&](const auto& part) { return changed.contains(part); }))
             stale_.insert(file);
     }
+    if (!shared_.empty()) throw InputError(shared_.string(), "", "C++ has it, too", "build the program anew");
 }
 
 }  // namespace neuvv

@@ -1,4 +1,4 @@
-// The sources of the renderer's shaders in a folder, and what has changed of them since the program was built: for
+// The sources of the renderer's shaders in a folder, and what has changed of them since the program began to look: for
 // those who write shaders and look at what they do.
 #pragma once
 
@@ -14,17 +14,17 @@ namespace neuvv {
 
 class ShaderSources {
   public:
-    // A folder like this project's shaders/, as it is now. Throws InputError where it holds none of the shaders.
+    // A folder like this project's shaders/, as it is now. Throws InputError where one of the shaders is not there.
     explicit ShaderSources(std::filesystem::path folder);
 
-    // What came of the files that are others than at the last call: glslangValidator, as the build runs it.
+    // What came of the files that are others than at the last call: glslangValidator of PATH, as the build runs it.
     struct Change {
         std::vector<std::string> compiled;  // files of shaders, of themselves or of what they include
         std::string problem;                // a line; empty: none
     };
     // Some of a second for each shader. Where one does not compile, none of the change counts until it does.
     Change look();
-    // All that are other than built in, as of the last call of look() without a problem.
+    // All that were compiled, as of the last call of look() without a problem.
     const ShaderReplacements& replacements() const { return replacements_; }
 
   private:
@@ -36,7 +36,8 @@ class ShaderSources {
 
     std::filesystem::path folder_;
     Times seen_;
-    std::set<std::string> stale_;  // changed, and not compiled since
+    std::set<std::string> stale_;   // changed, and not compiled since
+    std::filesystem::path shared_;  // of shared/, changed: the program has another one until it is built anew
     ShaderReplacements replacements_;
 };
 

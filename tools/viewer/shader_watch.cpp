@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <stdexcept>
+#include <utility>
+
 #include "tools/viewer/viewer.h"
 
 namespace neuvv {
@@ -15,7 +18,11 @@ constexpr double kLookEvery_s = 0.5;
 
 std::filesystem::path shaders_of_debug_build() {
 #ifdef NEUVV_SHADER_FOLDER
-    if (std::filesystem::is_directory(NEUVV_SHADER_FOLDER)) return NEUVV_SHADER_FOLDER;
+    try {
+        const ShaderSources sources(NEUVV_SHADER_FOLDER);
+        return NEUVV_SHADER_FOLDER;
+    } catch (const std::runtime_error&) {  // they have gone on since
+    }
 #endif
     return {};
 }
@@ -24,9 +31,10 @@ ShaderWatch::ShaderWatch(const std::filesystem::path& folder) {
     if (!folder.empty()) sources_ = std::make_shared<ShaderSources>(folder);
 }
 
-// An export's pictures are all of the same shaders.
 void ShaderWatch::tick(Viewer& viewer) {
-    if (!sources_ || looking_ || viewer.exporting || viewer.now_s - looked_s_ < kLookEvery_s) return;
+    if (!sources_ || looking_) return;
+    if (compiled_ && !viewer.exporting) give(viewer);  // an export's pictures are all of the same shaders
+    if (viewer.now_s - looked_s_ < kLookEvery_s) return;
     looked_s_ = viewer.now_s;
     looking_ = true;
     viewer.work.start("", [this, &viewer, sources = sources_]() -> Work::Then {
@@ -35,14 +43,19 @@ void ShaderWatch::tick(Viewer& viewer) {
             looking_ = false;
             if (!change.problem.empty()) viewer.editor.tell(change.problem, true);
             if (change.compiled.empty()) return;
-            const std::string names = fmt::format("{}", fmt::join(change.compiled, ", "));
-            viewer.drawer.remake(replacements, [&viewer, names](const std::string& problem) {
-                viewer.work.tell([&viewer, names, problem] {
-                    const bool failed = !problem.empty();
-                    viewer.editor.tell(failed ? problem : fmt::format("shaders made anew: {}", names), failed);
-                });
-            });
+            compiled_ = replacements;
+            names_ += fmt::format("{}{}", names_.empty() ? "" : ", ", fmt::join(change.compiled, ", "));
         };
+    });
+}
+
+void ShaderWatch::give(Viewer& viewer) {
+    viewer.drawer.remake(*std::exchange(compiled_, std::nullopt), [&viewer, names = std::exchange(names_, {})](
+                                                                      const std::string& problem) {
+        viewer.work.tell([&viewer, names, problem] {
+            const bool failed = !problem.empty();
+            viewer.editor.tell(failed ? problem : fmt::format("shaders made anew: {}", names), failed);
+        });
     });
 }
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "tools/viewer/shader_sources.h"
 
@@ -25,6 +27,9 @@ class ShaderWatch {
     std::shared_ptr<ShaderSources> sources_;  // used by jobs alone, one after the other
     double looked_s_ = 0;
     bool looking_ = false;
+    std::optional<ShaderReplacements> compiled_;  // that the drawer does not have yet
+    std::string names_;                           // of their sources
+    void give(Viewer& viewer);
 };
 
 }  // namespace neuvv

@@ -124,7 +124,7 @@ bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path
     const bool now = std::abs(time_s - viewer.clock.time_s()) < frame_s(viewer) / 2;
     list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
                        lit || now ? kAccent : kKeyColour);
-    if (begin_menu(viewer, "key_menu")) {
+    if (ImGui::BeginPopup("key_menu")) {
         key_items(viewer, path, key);
         path_items(viewer, path);
         ImGui::EndPopup();
@@ -135,6 +135,8 @@ bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path
 
 // The way, from its first key to its end, and its keys; whether the pointer is over one.
 bool draw_keys(Viewer& viewer, const TimelineView& view, const CameraPath& now, float middle) {
+    const bool let_go = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (let_go) viewer.timeline.key.reset();  // where nobody saw it: the panel was away
     const std::optional<HeldKey> drag = viewer.timeline.key;
     const CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
@@ -176,7 +178,7 @@ void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<Ca
     ImGui::InvisibleButton("camera_lane", {static_cast<float>(view.axis.width), view.row_height});
     viewer.report.item("timeline/camera");
     if (path && !over_key && ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("path_menu");
-    if (path && begin_menu(viewer, "path_menu")) {
+    if (path && ImGui::BeginPopup("path_menu")) {
         path_items(viewer, *path);
         ImGui::EndPopup();
     }

@@ -86,10 +86,11 @@ void navigate(TimelineState& state, const Viewer& viewer, float top) {
 void scroll_to_selected(TimelineState& state, const Viewer& viewer) {
     const auto selected = viewer.editor.selected();
     if (state.seen_selected == selected) return;
-    state.seen_selected = selected;
     const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
                                     [&](const PerformerTrack& one) { return one.node == selected; });
-    if (track == state.tracks.end()) return;
+    if (selected && track == state.tracks.end()) return;  // it may be added in this frame
+    state.seen_selected = selected;
+    if (!selected) return;
     const float row = state.view.row_height + viewer.ui(2), seen = ImGui::GetWindowHeight();
     const float top = static_cast<float>(track - state.tracks.begin()) * row;
     if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + seen)
@@ -113,11 +114,6 @@ double snapped_time(const Viewer& viewer, const TimelineView& view, double time_
     const double clock_s = viewer.clock.time_s();
     if (std::abs(time_s - clock_s) < viewer.ui(5) * view.axis.s_per_px) return clock_s;
     return at_picture(time_s, viewer.clock.fps());
-}
-
-bool begin_menu(const Viewer& viewer, const char* name) {
-    if (!ImGui::BeginPopup(name)) return false;
-    return true;
 }
 
 bool is_dragged(const Viewer& viewer) {

@@ -147,7 +147,7 @@ void repeat_items(Viewer& viewer, const PerformerTrack& track) {
 }
 
 void here_items(Viewer& viewer, const PerformerTrack& track) {
-    const double now_s = viewer.clock.time_s();
+    const double now_s = viewer.clock.shown_s();
     const ClipRate rate = track.rate;
     const auto now = [&](TimeEdit edit) { edit_now(viewer, track.node, std::move(edit)); };
     if (menu_item(viewer, track, "start_here", "Begin here"))
@@ -163,7 +163,7 @@ void here_items(Viewer& viewer, const PerformerTrack& track) {
 }
 
 void time_menu(Viewer& viewer, const PerformerTrack& track) {
-    if (!begin_menu(viewer, "time")) return;
+    if (!ImGui::BeginPopup("time")) return;
     ImGui::TextDisabled("%s: %s", track.name.c_str(),
                         track.map.empty() ? "as the clip is" : text_of(track.map).c_str());
     ImGui::Separator();

@@ -16,8 +16,6 @@ double snapped_time(const Viewer& viewer, const TimelineView& view, double time_
 // Whether the pointer has gone far enough from where its button went down; also in the frame in which it is let go,
 // whose last piece of the way counts.
 bool is_dragged(const Viewer& viewer);
-// A popup that Escape closes; ImGui::EndPopup() where it is open.
-bool begin_menu(const Viewer& viewer, const char* name);
 // A button as high as a row, without a ground until it is `on`.
 bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& name, const char* sign,
                 const char* explained, bool on = false, bool enabled = true);

@@ -12,8 +12,13 @@ namespace neuvv {
 void focus(Viewer& viewer) {
     if (!viewer.stage) return;
     const bool selected = viewer.editor.selected() && viewer.stage_of_document();
-    const auto [low, high] =
-        selected ? box_of_node(viewer, *viewer.editor.selected()) : performers_box(*viewer.stage, viewer.instant);
+    auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+    if (selected) {
+        const auto [node_low, node_high] = box_of_node(viewer, *viewer.editor.selected());
+        const bool is_point = node_low == node_high;  // a light, a camera: with those whom it lights or sees
+        low = is_point ? glm::min(low, node_low) : node_low;
+        high = is_point ? glm::max(high, node_high) : node_high;
+    }
     viewer.go_to(framed(viewer.eye, low, high, viewer.picture_area.width / viewer.picture_area.height));
 }
 

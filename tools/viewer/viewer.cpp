@@ -174,7 +174,7 @@ void Viewer::count_pictures() {
 // that panels take little of the time of pictures where both are drawn by the same cores.
 void Viewer::wait() {
     double seconds = kIdleWait_s;
-    if (clock.playing) seconds = kPlayingWait_s;
+    if (clock.playing) seconds = std::min(kPlayingWait_s, clock.until_next_s());
     if (something_goes_on()) seconds = kMovingWait_s;
     if (frames_left_ > 0 || window.has_more()) seconds = 0;
     if (seconds > 0) window.wait(seconds);
@@ -333,7 +333,7 @@ const Stage* Viewer::stage_of_document() const {
 void Viewer::begin_export(std::shared_ptr<Export> job) {
     exporting = std::move(job);
     export_begin_s = now_s;
-    clock.playing = false;
+    clock.pause();
     editor.freeze("an export goes on: cancel it to edit");
     drawer.post_idle([job = exporting](OnDevice& on_device) {
         const bool more = job->step(on_device);
@@ -381,7 +381,8 @@ void Viewer::take_keys() {
         if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
         if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
         if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
-        if (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER)
+        const bool beside_fields = ImGui::GetIO().MousePos.x < picture_area.left + picture_area.width;
+        if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
             press.shift ? remove_key_near(*this) : add_key_here(*this);
         if (press.key == GLFW_KEY_TAB) panels.all = !panels.all;
         if (press.key == GLFW_KEY_F11) window.toggle_full_screen();

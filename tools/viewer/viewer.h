@@ -62,11 +62,13 @@ struct PictureSettings {
     int samples = 2;             // when still
 };
 
+constexpr const char* kAlongPath = "along the camera path";
+
 // What is exported, as chosen in the panel.
 struct ExportChoice {
     size_t kind = 0;  // video, numbered pictures, one picture
     PictureSize size{1920, 1080};
-    size_t camera = 0;   // the window's view, then the stage's
+    std::string camera;  // of the stage, or kAlongPath; empty: the window's view
     size_t range = 0;    // the whole stage, the clock's range
     double fps = 0;      // 0: the stage's
     size_t samples = 1;  // rays along a pixel's side, less one
@@ -173,7 +175,7 @@ class Viewer {
     double now_s = 0, dt_s = 0;          // of the window's clock
     DrawerState drawn;                   // as of the frame's beginning
     std::shared_ptr<const Stage> stage;  // drawn.stage; null: none yet
-    StageInstant instant;                // of it, at the clock's time
+    StageInstant instant;                // of it, as the clock shows it
     Area picture_area;                   // where the picture is, panels aside
     Camera camera;                       // that it is seen by
     bool pointer_in_picture = false;     // and over no panel, handle or popup
