@@ -131,6 +131,40 @@ TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
     EXPECT_TRUE(same(bare, hands->picture()));
 }
 
+TEST_F(Editing, PaintOnACopyOfTheStageLeavesTheFirstAlone) {
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    hands->click("stage/anna");
+    hands->click("tab/paint");
+    hands->click("paint/colour");
+    const auto stroke = [&](double y) {
+        const Spot chest = hands->in_picture(0.5, y);
+        hands->drag({chest.x - 6, chest.y}, {chest.x + 6, chest.y + 8});
+        hands->until("paint", [](const json& now) { return now["modified"] == true; });
+        hands->until_rest();
+    };
+    stroke(0.45);
+    save(*hands);
+    const json before = saved();
+    const std::string uri = before["nodes"][node(before, "anna")]["extensions"]["NEUVV_performer"]["paint"][0]["uri"];
+    const std::string paint = read_text(folder.path / uri);
+
+    hands->key("ctrl+shift+s");
+    hands->middle_of("question/name");
+    hands->type("copy");
+    hands->key("Return");
+    hands->until("the copy", [&](const json& now) { return now["open"] == file("copy.gltf"); });
+    stroke(0.5);
+    save(*hands);
+    EXPECT_EQ(read_text(folder.path / uri), paint);
+    EXPECT_EQ(saved(), before);
+    const json copy = json::parse(read_text(file("copy.gltf")));
+    const json layers = copy["nodes"][node(copy, "anna")]["extensions"]["NEUVV_performer"]["paint"];
+    ASSERT_EQ(layers.size(), 1u);
+    EXPECT_NE(layers[0]["uri"], uri);
+    EXPECT_NE(read_text(folder.path / layers[0]["uri"].get<std::string>()), paint);
+}
+
 TEST_F(Editing, WhatIsSavedOpensAsItWas) {
     Image before;
     {

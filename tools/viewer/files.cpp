@@ -108,6 +108,7 @@ void Files::opened(Document document, bool modified) {
     viewer_.gizmo.reset();
     viewer_.held_light.reset();
     viewer_.timeline.key.reset();
+    viewer_.paint.leave_alone({});
     stored_id_ = 0;
     clips_.clear();
     viewer_.editor.open(std::move(document), modified);
@@ -141,16 +142,19 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
     auto document = std::make_shared<Document>(viewer_.editor.document());
     const uint64_t id = viewer_.editor.id(), number = viewer_.editor.opened();
     std::string also;  // a stage that is left behind wears the same layers
-    if (document->file.saved->on_disk && absolute_path(path) != absolute_path(document->file.path))
+    const bool left = document->file.saved->on_disk && absolute_path(path) != absolute_path(document->file.path);
+    if (left)
         for (const auto& [file, layer] : document->saved_paint)
             if (const auto now = document->paint.find(file); now != document->paint.end() && now->second != layer)
                 also += fmt::format("; {} wears the same {}", document->file.path.filename().string(),
                                     file.filename().string());
     viewer_.work.start(fmt::format("Saving {}", path.filename().string()),
-                       [this, document, path, id, number, also, then] {
+                       [this, document, path, id, number, also, left, then] {
                            save_document(*document, path);
-                           return [this, document, path, id, number, also, then] {
+                           return [this, document, path, id, number, also, left, then] {
                                viewer_.editor.saved(*document, number, id);
+                               if (left && number == viewer_.editor.opened())
+                                   viewer_.paint.leave_alone(worn_layers(document->file));
                                if (!viewer_.editor.modified()) forget_stored();
                                viewer_.editor.tell(fmt::format("saved {}{}", path.string(), also));
                                remember_file(viewer_.preferences, std::filesystem::absolute(path));

@@ -45,12 +45,7 @@ std::string title_of(const ListedLayer& layer) {
 }
 
 std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
-    std::set<std::filesystem::path> taken;
-    const auto nodes = document.file.json.find("nodes");
-    const size_t count = nodes != document.file.json.end() ? nodes->size() : 0;
-    for (uint32_t i = 0; i < count; i++)
-        for (const ListedLayer& layer : layers_of(document.file, i).value_or(std::vector<ListedLayer>{}))
-            taken.insert(layer.path);
+    const std::set<std::filesystem::path> taken = worn_layers(document.file);
     std::string stem = node_name(document.file, node);
     for (char& letter : stem)
         if (!std::isalnum(static_cast<unsigned char>(letter)) && static_cast<unsigned char>(letter) < 0x80)
@@ -63,6 +58,16 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
         if (!taken.contains(path) && !document.paint.contains(path) && !std::filesystem::exists(path, error))
             return path;
     }
+}
+
+std::set<std::filesystem::path> worn_layers(const StageFile& file) {
+    std::set<std::filesystem::path> worn;
+    const auto nodes = file.json.find("nodes");
+    const size_t count = nodes != file.json.end() ? nodes->size() : 0;
+    for (uint32_t node = 0; node < count; node++)
+        for (const ListedLayer& layer : layers_of(file, node).value_or(std::vector<ListedLayer>{}))
+            worn.insert(layer.path);
+    return worn;
 }
 
 bool is_shared(const StageFile& file, uint32_t node, const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ std::string title_of(const ListedLayer& layer);
 // A .nvpaint beside the stage that neither the disk nor the document has.
 std::filesystem::path free_paint_path(const Document& document, uint32_t node);
 
+// Of all performers.
+std::set<std::filesystem::path> worn_layers(const StageFile& file);
 // Whether another performer wears it, too.
 bool is_shared(const StageFile& file, uint32_t node, const std::filesystem::path& path);
 // The performer wears `own`, which has no file yet, in the place of its `at`-th layer, as it was. An operation.

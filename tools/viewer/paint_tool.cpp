@@ -164,7 +164,8 @@ std::shared_ptr<const EditLayer> PaintTool::open_target(Viewer& viewer, const Pa
     }
     path = target.path;
     auto layer = layer_at(viewer, path);
-    if (is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
+    if (others_.contains(path) ||
+        is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
         path = free_paint_path(viewer.editor.document(), performer.node);
         own_ = {path, target.path};
         return layer;

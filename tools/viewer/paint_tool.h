@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "tools/viewer/layer_list.h"
 #include "tools/viewer/paint_desk.h"
@@ -71,6 +72,9 @@ class PaintTool {
     // Of `frame` and the choice.
     EditFrames frames_of(const PaintedPerformer& performer) const;
 
+    // Layers whose files another stage wears, too: they stay as they are, and what is painted is a copy. None: so far.
+    void leave_alone(std::set<std::filesystem::path> layers) { others_ = std::move(layers); }
+
     // For the panel.
     void work_in_box(Viewer& viewer);
     void fit_box(const Viewer& viewer);  // around the performer's leaves
@@ -124,6 +128,7 @@ class PaintTool {
     std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read_;
     Hover hover_;
     std::shared_ptr<Active> stroke_;
+    std::set<std::filesystem::path> others_;
     // A layer that is to become the performer's own, and the one that it shares with others.
     std::pair<std::filesystem::path, std::filesystem::path> own_;
     bool working_ = false;                   // in a box, or a projection
