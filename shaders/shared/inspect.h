@@ -1,7 +1,9 @@
-// Inspecting rays: what a walk was like in place of the light that it gathered, and the pass that makes a picture of it.
+// Inspecting rays: what a walk was like in place of the light that it gathered, and the pass that makes pictures
+// of it.
 //
 // An instance that is traced into kIntoInspect (shared/trace.h) leaves in the rays' buffers
-//   radiance: the octree's level (a leaf's edge is the box's / 2^level) of the leaf in which the alpha of one instance, the
+//   radiance: the octree's level (a leaf's edge is the box's / 2^level) of the leaf in which the alpha of one instance,
+//   the
 //             nearest to do so, first passes kInspectAlpha, 0 where none does; steps of all instances' walks: nodes
 //             that they came to and leaves that they sampled; 0; alpha of all
 //   depth:    how far away that leaf was met, world metres; infinity where level is 0

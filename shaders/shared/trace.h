@@ -84,9 +84,9 @@ struct TracePush {
     uint first_camera;   // of the instance's, one a view; before them stand the world's
     uint first_tile;     // of those that are traced, and their end
     uint end_tile;
-    uint set_width;   // texels of the set's picture, in rows; 0: there is no set
-    uint set_texels;  // of a view
-    uint lighting;    // of kLit, kShadowed
+    uint set_width;     // texels of the set's picture, in rows; 0: there is no set
+    uint set_texels;    // of a view
+    uint lighting;      // of kLit, kShadowed
     uint levels_above;  // Field::levels_above
 };
 
