@@ -62,14 +62,10 @@ void report_handles(Viewer& viewer, std::span<const HandleShape> shapes) {
 
 bool gizmo_tool(Viewer& viewer, bool taken) {
     if (viewer.gizmo) {
-        if (viewer.escape) {
-            viewer.editor.cancel_drag();
-            viewer.gizmo.reset();
-        } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+        if (keeps_hold(viewer))
             drag(viewer, *viewer.gizmo);
-        } else {
+        else
             viewer.gizmo.reset();
-        }
         return true;
     }
     const std::optional<Gizmo> gizmo = gizmo_of_selected(viewer);

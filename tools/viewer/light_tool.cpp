@@ -58,14 +58,10 @@ void grab(Viewer& viewer, const LightGizmo& gizmo, LightHandle handle) {
 
 bool light_tool(Viewer& viewer, bool taken) {
     if (viewer.held_light) {
-        if (viewer.escape) {
-            viewer.editor.cancel_drag();
-            viewer.held_light.reset();
-        } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+        if (keeps_hold(viewer))
             drag(viewer, *viewer.held_light);
-        } else {
+        else
             viewer.held_light.reset();
-        }
         return true;
     }
     const std::optional<LightGizmo> gizmo = gizmo_of_selected(viewer);

@@ -141,6 +141,11 @@ void show_handles(Viewer& viewer, std::span<const HandleShape> shapes, int hot) 
     }
 }
 
+bool keeps_hold(Viewer& viewer) {
+    if (viewer.escape) viewer.editor.cancel_drag();
+    return !viewer.escape && ImGui::IsMouseDown(ImGuiMouseButton_Left);
+}
+
 glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node) {
     const int32_t parent = viewer.stage->scene.nodes[node].parent;
     return parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];

@@ -33,6 +33,7 @@ struct PaintTool::Active {
     uint64_t document = 0;  // as it was left by the stroke; another one: somebody else edits
     glm::dmat4 world_from_performer{1};
     std::vector<std::pair<Camera, std::vector<glm::dvec2>>> waiting;
+    std::optional<double> waiting_since_s, sent_since_s;  // the events of the first place that waits, that is laid
     glm::dvec2 last{-1e9};
     bool under_way = false, released = false;
     // Of the drawer's thread.
@@ -267,6 +268,7 @@ void PaintTool::go_on(Viewer& viewer) {
         if (stroke.waiting.empty() || stroke.waiting.back().first.world_from_camera != camera.world_from_camera)
             stroke.waiting.emplace_back(camera, std::vector<glm::dvec2>{});
         stroke.waiting.back().second.push_back(at);
+        if (!stroke.waiting_since_s) stroke.waiting_since_s = viewer.came_s();
         stroke.last = at;
     }
     viewer.redraw();
@@ -278,6 +280,7 @@ void PaintTool::go_on(Viewer& viewer) {
         return;
     }
     stroke.under_way = true;
+    stroke.sent_since_s = std::exchange(stroke.waiting_since_s, std::nullopt);
     post_paint_task(
         viewer, desk_, stroke.clip_path, stroke.subject.clip,
         [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
@@ -307,6 +310,7 @@ void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std:
         return;
     }
     if (!layer) return;
+    if (active->sent_since_s) viewer.answers(*active->sent_since_s);
     viewer.editor.drag(
         [&](Document& document) { return put_layer(document, active->node, active->path, layer, active->what); });
     choice.layer = active->path;

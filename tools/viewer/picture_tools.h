@@ -23,6 +23,8 @@ struct Held {
 using HeldGizmo = Held<Gizmo, GizmoHandle>;
 using HeldLight = Held<LightGizmo, LightHandle>;
 
+// Whether a handle that is held stays so: until the button is let go, or Escape, which takes the drag back.
+bool keeps_hold(Viewer& viewer);
 // Of the drawn stage's node.
 glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node);
 

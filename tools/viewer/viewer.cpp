@@ -179,7 +179,7 @@ void Viewer::wait() {
     if (frames_left_ > 0 || window.has_more()) seconds = 0;
     if (seconds > 0) window.wait(seconds);
     for (double left; (left = now_s + kFrame_s - seconds_since(begin_)) > 0;) {
-        if (drawer.state().shown.number != drawn.shown.number) return;
+        if (drawer.state().shown.number != drawn.shown.number || work.has_told()) return;
         window.wait(left);
     }
 }

@@ -211,6 +211,9 @@ class Viewer {
 
     double pictures_a_second() const { return pictures_a_second_; }
     double latency_ms() const { return latency_ms_; }
+    // This frame's event; and that what this frame changes answers one that came earlier.
+    std::optional<double> came_s() const { return came_s_; }
+    void answers(double came_s) { came_s_ = std::min(came_s_.value_or(came_s), came_s); }
     const std::vector<Notice>& notices() const { return notices_; }
 
   private:

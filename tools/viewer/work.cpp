@@ -46,6 +46,11 @@ void Work::run_told() {
     for (const Then& then : told) then();
 }
 
+bool Work::has_told() const {
+    const std::lock_guard lock(mutex_);
+    return !told_.empty();
+}
+
 std::vector<std::string> Work::under_way() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> titles;

@@ -31,6 +31,7 @@ class Work {
     void tell(Then then);
     // On the window's thread, each frame.
     void run_told();
+    bool has_told() const;
     // The titles of what is under way or waits.
     std::vector<std::string> under_way() const;
     bool idle() const;
