@@ -175,6 +175,11 @@ void RecoveryWriter::remove_layers_but(const StoredLayers& kept) {
     }
 }
 
+std::filesystem::path recovery_folder() {
+    const std::filesystem::path folder = state_folder();
+    return folder.empty() ? folder : folder / "recovery";
+}
+
 void RecoveryWriter::store(const Document& document) {
     if (entry_.empty()) make_entry();
     StoredLayers layers = store_layers(document);

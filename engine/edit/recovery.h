@@ -15,6 +15,9 @@
 
 namespace neuvv {
 
+// The folder for entries of this user (state_folder()/recovery); empty where there is none.
+std::filesystem::path recovery_folder();
+
 // Keeps the entry of one document. Its calls come from one thread at a time, any one, with copies of the document.
 class RecoveryWriter {
   public:

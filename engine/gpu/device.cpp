@@ -35,7 +35,8 @@ bool instance_has(const std::vector<VkExtensionProperties>& extensions, const ch
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<const char*>& wanted = {}) {
+VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<const char*>& wanted = {},
+                         const DeviceMaker& maker = {}) {
     check(volkInitialize(), "volkInitialize",
           "Vulkan loader (install libvulkan1 and a driver such as mesa-vulkan-drivers)");
     uint32_t count = 0;
@@ -43,14 +44,19 @@ VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<con
     std::vector<VkExtensionProperties> available(count);
     vkEnumerateInstanceExtensionProperties(nullptr, &count, available.data());
 
-    std::vector<const char*> extensions = wanted;
+    std::vector<const char*> extensions = wanted;  // who asks twice gets it once
+    const auto add = [&](const char* name) {
+        if (std::none_of(extensions.begin(), extensions.end(), [&](auto* e) { return std::strcmp(e, name) == 0; }))
+            extensions.push_back(name);
+    };
     for (const char* name : wanted)
         if (!instance_has(available, name))
-            throw RuntimeFailure(fmt::format("this machine's Vulkan has no {}, which the window needs", name));
+            throw RuntimeFailure(
+                fmt::format("this machine's Vulkan has no {}, which the window or the headset needs", name));
     *debug_utils = instance_has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-    if (*debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (*debug_utils) add(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     const bool portability = instance_has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
-    if (portability) extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    if (portability) add(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
 
     const char* layer = "VK_LAYER_KHRONOS_validation";
     // Core checks come by default; synchronization validation finds missing barriers between passes.
@@ -67,8 +73,8 @@ VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<con
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     VkInstance instance = VK_NULL_HANDLE;
-    check(vkCreateInstance(&info, nullptr, &instance), "vkCreateInstance",
-          validate ? "instance with validation (package vulkan-validationlayers)" : "instance");
+    check(maker.create_instance ? maker.create_instance(info, &instance) : vkCreateInstance(&info, nullptr, &instance),
+          "vkCreateInstance", validate ? "instance with validation (package vulkan-validationlayers)" : "instance");
     volkLoadInstanceOnly(instance);
     return instance;
 }
@@ -170,11 +176,12 @@ std::vector<DeviceSummary> list_devices() {
 Device::Device(std::unique_ptr<Messages> messages) : messages_(std::move(messages)) {}
 
 // Delegates, so that the destructor frees the instance when no device fits.
-Device::Device(const std::string& choice, Validation validation, const DeviceExtensions& extensions)
+Device::Device(const std::string& choice, Validation validation, const DeviceExtensions& extensions,
+               const DeviceMaker& maker)
     : Device(std::make_unique<Messages>()) {
-    create_instance(validation, extensions);
-    choose_physical(choice);
-    create_device(extensions);
+    create_instance(validation, extensions, maker);
+    choose_physical(choice, maker);
+    create_device(extensions, maker);
     open_pipeline_cache();
 }
 
@@ -189,9 +196,9 @@ Device::~Device() {
     if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
-void Device::create_instance(Validation validation, const DeviceExtensions& extensions) {
+void Device::create_instance(Validation validation, const DeviceExtensions& extensions, const DeviceMaker& maker) {
     const bool validate = validation == Validation::kOn;
-    instance_ = make_instance(validate, &debug_utils_, extensions.instance);
+    instance_ = make_instance(validate, &debug_utils_, extensions.instance, maker);
     if (!validate || !debug_utils_) return;
     VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     info.messageSeverity =
@@ -208,13 +215,25 @@ void Device::create_instance(Validation validation, const DeviceExtensions& exte
           "validation");
 }
 
-void Device::choose_physical(const std::string& choice) {
+void Device::choose_physical(const std::string& choice, const DeviceMaker& maker) {
     const char* environment = std::getenv("NEUVV_DEVICE");
     const std::vector<VkPhysicalDevice> all = physical_devices(instance_);
     std::vector<DeviceSummary> summaries;
     for (VkPhysicalDevice physical : all)
         summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
-    const size_t index = pick(summaries, choice.empty() && environment ? environment : choice);
+    const std::string wanted = choice.empty() && environment ? environment : choice;
+    size_t index = 0;
+    if (maker.choose_physical) {
+        const auto its = std::find(all.begin(), all.end(), maker.choose_physical(instance_));
+        if (its == all.end()) throw RuntimeFailure("the headset is driven by a device that Vulkan does not list");
+        index = static_cast<size_t>(its - all.begin());
+        if (!wanted.empty() && pick(summaries, wanted) != index)
+            throw InputError("device", wanted, fmt::format("the headset is driven by \"{}\"", summaries[index].name),
+                             "leave --device and NEUVV_DEVICE out");
+        pick({summaries[index]}, "0");  // is it usable?
+    } else {
+        index = pick(summaries, wanted);
+    }
     physical_ = all[index];
     summary_ = summaries[index];
 
@@ -225,7 +244,7 @@ void Device::choose_physical(const std::string& choice) {
     max_allocation_bytes_ = properties11.maxMemoryAllocationSize;
 }
 
-void Device::create_device(const DeviceExtensions& extensions) {
+void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker& maker) {
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
@@ -247,7 +266,9 @@ void Device::create_device(const DeviceExtensions& extensions) {
     for (const char* name : extensions.device) {
         if (!has_extension(physical_, name))
             throw RuntimeFailure(fmt::format("device \"{}\" lacks {}", summary_.name, name));
-        features.extensions.push_back(name);
+        const auto same = [&](const char* known) { return std::strcmp(known, name) == 0; };
+        if (std::none_of(features.extensions.begin(), features.extensions.end(), same))
+            features.extensions.push_back(name);
     }
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &features.core;
@@ -256,7 +277,9 @@ void Device::create_device(const DeviceExtensions& extensions) {
     info.enabledExtensionCount = static_cast<uint32_t>(features.extensions.size());
     info.ppEnabledExtensionNames = features.extensions.data();
     features.link();
-    check(vkCreateDevice(physical_, &info, nullptr, &device_), "vkCreateDevice", summary_.name);
+    check(maker.create_device ? maker.create_device(physical_, info, &device_)
+                              : vkCreateDevice(physical_, &info, nullptr, &device_),
+          "vkCreateDevice", summary_.name);
     volkLoadDevice(device_);
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     name_object(VK_OBJECT_TYPE_QUEUE, reinterpret_cast<uint64_t>(queue_), "queue");

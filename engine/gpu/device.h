@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -38,13 +39,21 @@ struct DeviceExtensions {
     std::vector<const char*> instance, device;
 };
 
+// Who makes Vulkan's instance and device, where Vulkan itself does not: a headset's runtime. All functions or none.
+struct DeviceMaker {
+    std::function<VkResult(const VkInstanceCreateInfo&, VkInstance*)> create_instance;
+    // The only one that will do: a choice that names another is an error.
+    std::function<VkPhysicalDevice(VkInstance)> choose_physical;
+    std::function<VkResult(VkPhysicalDevice, const VkDeviceCreateInfo&, VkDevice*)> create_device;
+};
+
 class Device {
   public:
     // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the
     // best usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none,
     // RuntimeFailure for a device that lacks what we need, or one of `extensions`.
     explicit Device(const std::string& choice = "", Validation validation = Validation::kOff,
-                    const DeviceExtensions& extensions = {});
+                    const DeviceExtensions& extensions = {}, const DeviceMaker& maker = {});
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -83,9 +92,9 @@ class Device {
   private:
     struct Messages;
     explicit Device(std::unique_ptr<Messages> messages);
-    void create_instance(Validation validation, const DeviceExtensions& extensions);
-    void choose_physical(const std::string& choice);
-    void create_device(const DeviceExtensions& extensions);
+    void create_instance(Validation validation, const DeviceExtensions& extensions, const DeviceMaker& maker);
+    void choose_physical(const std::string& choice, const DeviceMaker& maker);
+    void create_device(const DeviceExtensions& extensions, const DeviceMaker& maker);
     void open_pipeline_cache();
     void save_pipeline_cache() const;
 

@@ -23,6 +23,7 @@ struct Feature {
 
 // Required of every device. A missing one names itself by this table.
 const Feature kRequired[] = {
+    {"shaderOutputLayer", [](FeatureChain& f) -> VkBool32& { return f.v12.shaderOutputLayer; }},  // both eyes at once
     {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](FeatureChain& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId in our SPIR-V
     {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},

@@ -24,7 +24,7 @@ void create_image(DeviceImage& to) {
     info.format = to.shape.format;
     info.extent = {to.shape.width, to.shape.height, 1};
     info.mipLevels = to.shape.mip_levels;
-    info.arrayLayers = 1;
+    info.arrayLayers = to.shape.layers;
     info.samples = to.shape.samples;
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage = to.shape.usage;
@@ -49,9 +49,9 @@ DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShap
     create_image(*this);
     VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     info.image = image;
-    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.viewType = shape.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     info.format = shape.format;
-    info.subresourceRange = {aspect_of(shape.format), 0, shape.mip_levels, 0, 1};
+    info.subresourceRange = {aspect_of(shape.format), 0, shape.mip_levels, 0, shape.layers};
     check(vkCreateImageView(owner.handle(), &info, nullptr, &view), "vkCreateImageView", name);
     owner.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image), name);
     owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
@@ -106,9 +106,7 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
     return *this;
 }
 
-namespace {
-
-void move_levels(Commands& commands, VkImage image, const VkImageSubresourceRange& levels, VkImageLayout from,
+void move_layout(Commands& commands, VkImage image, const VkImageSubresourceRange& part, VkImageLayout from,
                  VkImageLayout to) {
     // The stages and accesses of whole frames: images change their layout a few times a picture.
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -119,21 +117,20 @@ void move_levels(Commands& commands, VkImage image, const VkImageSubresourceRang
     barrier.newLayout = to;
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = image;
-    barrier.subresourceRange = levels;
+    barrier.subresourceRange = part;
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands.handle(), &info);
 }
 
-}  // namespace
-
 void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to) {
-    move_levels(commands, image.image, {aspect_of(image.shape.format), 0, image.shape.mip_levels, 0, 1}, from, to);
+    const ImageShape& shape = image.shape;
+    move_layout(commands, image.image, {aspect_of(shape.format), 0, shape.mip_levels, 0, shape.layers}, from, to);
 }
 
 void move_layout(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-    move_levels(commands, image, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}, from, to);
+    move_layout(commands, image, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}, from, to);
 }
 
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels) {

@@ -15,9 +15,11 @@ struct ImageShape {
     VkImageUsageFlags usage = 0;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
     uint32_t mip_levels = 1;
+    uint32_t layers = 1;
 };
 
-// Move-only; two-dimensional, with one view of the whole. Layout and contents are undefined after creation.
+// Move-only; two-dimensional, an array where it has several layers, with one view of the whole. Layout and contents are
+// undefined after creation.
 struct DeviceImage {
     DeviceImage() = default;
     // Throws RuntimeFailure naming the image where a limit of the device or its memory is exceeded.
@@ -58,8 +60,10 @@ struct Sampler {
 // What was done with the image before, in layout `from` (UNDEFINED drops its contents), is seen by all that comes
 // after.
 void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to);
-// Of a colour image of one level that is somebody else's.
+// Of a colour image of one level that is somebody else's; another one by its aspects and layers.
 void move_layout(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to);
+void move_layout(Commands& commands, VkImage image, const VkImageSubresourceRange& part, VkImageLayout from,
+                 VkImageLayout to);
 
 // One tightly packed array of bytes a mip level, the largest first. The layout becomes SHADER_READ_ONLY; set-up only.
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);

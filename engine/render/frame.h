@@ -128,6 +128,8 @@ class FrameRenderer {
     uint64_t live_entries() const;
     const TileRanges& ranges() const { return target_.ranges; }
     const RayBatch& rays() const { return target_.rays; }
+    // How they and the last picture's pixels stand in their buffers.
+    const ViewLayout& layout() const { return layout_; }
     // Instances by draw order, in groups that were merged (draw_order.h).
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 

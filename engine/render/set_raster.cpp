@@ -1,6 +1,7 @@
 #include "render/set_raster.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -9,6 +10,8 @@
 #include "spirv/set.vert.h"
 #include "spirv/set_background.frag.h"
 #include "spirv/set_background.vert.h"
+#include "spirv/set_hidden.frag.h"
+#include "spirv/set_hidden.vert.h"
 #include "spirv/set_masked.frag.h"
 #include "spirv/set_shadow.frag.h"
 #include "spirv/set_shadow.vert.h"
@@ -49,6 +52,17 @@ GraphicsShape background_shape() {
     shape.colours = {kColour, kMetres};
     shape.blend = false;
     shape.nearer = VK_COMPARE_OP_GREATER_OR_EQUAL;  // infinity where nothing stands
+    return shape;
+}
+
+GraphicsShape hidden_shape() {
+    GraphicsShape shape;
+    shape.vertex_spirv = set_hidden_vert;
+    shape.fragment_spirv = set_hidden_frag;
+    shape.streams = {{0, sizeof(glm::vec2), VK_VERTEX_INPUT_RATE_VERTEX}};
+    shape.attributes = {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}};
+    shape.colours = {kColour, kMetres};
+    shape.blend = false;
     return shape;
 }
 
@@ -274,6 +288,22 @@ void SetRaster::pack() {
             shadows_old_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
                             packed_.light[i].clip_from_world != before.light[i].clip_from_world;
     std::memcpy(lights_buffer.mapped, &packed_, sizeof(packed_));
+}
+
+void SetRaster::hide(std::span<const std::vector<glm::vec2>> corners) {
+    assert((corners.empty() || corners.size() == views()) && "a list a view");
+    hidden_.reset();
+    std::vector<glm::vec2> all;
+    std::vector<std::pair<uint32_t, uint32_t>> of_view;
+    for (const auto& list : corners) {
+        of_view.emplace_back(all.size(), list.size());
+        all.insert(all.end(), list.begin(), list.end());
+    }
+    if (all.empty()) return;
+    hidden_.reset(new Hidden{{device_, "set hidden", hidden_shape()},
+                             {device_, "hidden corners", all.size() * sizeof(glm::vec2), MemoryKind::kUpload},
+                             std::move(of_view)});
+    std::memcpy(hidden_->corners.mapped, all.data(), all.size() * sizeof(glm::vec2));
 }
 
 }  // namespace neuvv

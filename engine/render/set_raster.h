@@ -60,6 +60,11 @@ class SetRaster {
     void pose(const PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
+    // What of each view's picture nobody sees (a headset's lens): triangles, by their corners in shares of its width
+    // and height from the upper left. Rays end there at once, and nothing is shaded. As many lists as there are views,
+    // or none; until it is called again.
+    void hide(std::span<const std::vector<glm::vec2>> corners);
+
     // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
     void shadows_of(const std::optional<WorldBox>& performers);
 
@@ -108,6 +113,7 @@ class SetRaster {
     void record_view(Commands& commands, const Camera& camera, uint32_t view);
     void record_blended_view(Commands& commands, const Camera& camera, uint32_t view);
     void record_shadow(Commands& commands, const ShaderLight& light);
+    void draw_hidden(Commands& commands, uint32_t view) const;
     void draw_background(Commands& commands, const Camera& camera) const;
     void sort_far_to_near(const glm::vec3& eye);
     void draw_solid(Commands& commands, const SetPush& push);
@@ -133,6 +139,12 @@ class SetRaster {
     std::vector<std::pair<float, uint32_t>> order_;  // of all draws, far to near: −distance, index
     bool has_transparent_ = false;
     bool shadows_old_ = true;
+    struct Hidden {
+        GraphicsPass pass;
+        Buffer corners;                                      // of all views
+        std::vector<std::pair<uint32_t, uint32_t>> of_view;  // first corner, how many
+    };
+    std::unique_ptr<Hidden> hidden_;  // null: all is seen
 };
 
 // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.

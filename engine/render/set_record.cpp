@@ -100,6 +100,7 @@ void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t v
     for (const DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
+    if (hidden_) draw_hidden(commands, view);
     draw_solid(commands, push_of(camera, view));
     if (environment_->has_picture && ambient_.show_environment) draw_background(commands, camera);
     vkCmdEndRendering(commands.handle());
@@ -154,6 +155,20 @@ void SetRaster::draw_background(Commands& commands, const Camera& camera) const 
     vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdSetDepthWriteEnable(to, VK_FALSE);
     vkCmdDraw(to, 3, 1, 0, 0);
+}
+
+// Nearer than all else, so that nothing is drawn there.
+void SetRaster::draw_hidden(Commands& commands, uint32_t view) const {
+    const auto [first, count] = hidden_->of_view[view];
+    if (count == 0) return;
+    VkCommandBuffer to = commands.handle();
+    const VkDeviceSize start = 0;
+    vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, hidden_->pass.pipeline());
+    vkCmdBindVertexBuffers(to, 0, 1, &hidden_->corners.buffer, &start);
+    vkCmdSetCullMode(to, VK_CULL_MODE_NONE);
+    vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdSetDepthWriteEnable(to, VK_TRUE);
+    vkCmdDraw(to, count, 1, first, 0);
 }
 
 // By the middles of the primitives' boxes; at equal distances in the file's order.

@@ -45,6 +45,9 @@ class StageRenderer {
     // the capacity's. Parts make the whole within a step of 255, but for pixels at edges of the set.
     FrameSettings settings_at(const StageInstant& instant) const;
 
+    // What of each view's picture nobody sees (SetRaster::hide), until it is called again.
+    void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
+
     // The last picture of one view, of settings_at's size and samples, as linear light and depth, set included.
     LinearImage linear_picture_of(const Camera& camera, const glm::vec4& background) const;
 
