@@ -1,0 +1,299 @@
+#include "xr/locomotion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "tests/xr/some_poses.h"
+
+namespace neuvv {
+namespace {
+
+using test::apart;
+using test::kInfinite;
+using test::kNan;
+using test::SomePoses;
+
+XrRig some_rig(SomePoses& some) {
+    return {some.vector(5), some.number(-3, 3)};
+}
+
+glm::dvec3 head_world(const XrRig& rig, const Pose& head) {
+    return (world_from_tracking(rig) * head).position;
+}
+
+// The least angle between two.
+double turned(double from_rad, double to_rad) {
+    return std::abs(std::remainder(to_rad - from_rad, 2 * std::numbers::pi));
+}
+
+bool same(const XrRig& a, const XrRig& b) {
+    return a.position == b.position && a.yaw_rad == b.yaw_rad;
+}
+
+TEST(Locomotion, TheRigIsAPose) {
+    // A quarter to the left: what was ahead in the room is to the left in the world.
+    const Pose pose = world_from_tracking({{1, 2, 3}, glm::radians(90.0)});
+    EXPECT_LT(glm::distance(pose * glm::dvec3(0, 0, -1), {0, 2, 3}), 1e-12);
+}
+
+TEST(Locomotion, SnapTurnsLeaveTheHeadWhereItIs) {
+    SomePoses some(20);
+    for (int i = 0; i < 100; ++i) {
+        const XrRig rig = some_rig(some);
+        const Pose head = some.pose();
+        const double by = some.number(-4, 4);
+        const XrRig after = turned_about_head(rig, head, by);
+        EXPECT_LT(glm::distance(head_world(after, head), head_world(rig, head)), 1e-12);
+        const glm::dquat looked = (world_from_tracking(rig) * head).rotation,
+                         looks = (world_from_tracking(after) * head).rotation;
+        EXPECT_LT(apart(glm::mat4_cast(looks), glm::mat4_cast(turn_by(by) * looked)), 1e-12);
+        EXPECT_NEAR(after.position.y, rig.position.y, 1e-12);
+        EXPECT_LE(std::abs(after.yaw_rad), std::numbers::pi + 1e-12);
+    }
+}
+
+TEST(Locomotion, EightTurnsAreNone) {
+    SomePoses some(21);
+    const XrRig rig = some_rig(some);
+    const Pose head = some.pose();
+    XrRig turning = rig;
+    for (int i = 0; i < 8; ++i) turning = turned_about_head(turning, head, glm::radians(45.0));
+    EXPECT_LT(glm::distance(turning.position, rig.position), 1e-12);
+    EXPECT_LT(turned(turning.yaw_rad, rig.yaw_rad), 1e-12);
+}
+
+TEST(Locomotion, TeleportsPutTheHeadThere) {
+    SomePoses some(22);
+    for (int i = 0; i < 100; ++i) {
+        const XrRig rig = some_rig(some);
+        const Pose head = some.pose();
+        const glm::dvec3 point = some.vector(10);
+        const XrRig moved = moved_so_that_head_stands_at(rig, head, point);
+        EXPECT_EQ(moved.yaw_rad, rig.yaw_rad);
+        EXPECT_NEAR(moved.position.y, point.y, 1e-12);
+        EXPECT_LT(glm::distance(head_world(moved, head), point + glm::dvec3(0, head.position.y, 0)), 1e-12);
+
+        const double face = some.number(-3, 3);
+        const XrRig facing = moved_so_that_head_stands_at(rig, head, point, face);
+        EXPECT_LT(glm::distance(head_world(facing, head), point + glm::dvec3(0, head.position.y, 0)), 1e-12);
+        EXPECT_NEAR(facing.position.y, point.y, 1e-12);
+        EXPECT_LT(turned(yaw_of((world_from_tracking(facing) * head).rotation), face), 1e-9);
+    }
+}
+
+TEST(Locomotion, BadInputMovesNothing) {
+    SomePoses some(23);
+    const XrRig rig = some_rig(some);
+    const Pose head = some.pose();
+    for (const Pose& pose : test::no_poses()) {
+        EXPECT_TRUE(same(turned_about_head(rig, pose, 1), rig));
+        EXPECT_TRUE(same(moved_so_that_head_stands_at(rig, pose, {1, 2, 3}, 1.0), rig));
+        EXPECT_TRUE(same(walked(rig, pose, {0, 1}, 1, 0.01), rig));
+    }
+    for (const double bad : {kNan, kInfinite, -kInfinite}) {
+        EXPECT_TRUE(same(turned_about_head(rig, head, bad), rig));
+        EXPECT_TRUE(same(moved_so_that_head_stands_at(rig, head, {1, 2, 3}, bad), rig));
+        EXPECT_TRUE(same(moved_so_that_head_stands_at(rig, head, {1, bad, 3}), rig));
+        EXPECT_TRUE(same(walked(rig, head, {0, bad}, 1, 0.01), rig));
+        EXPECT_TRUE(same(walked(rig, head, {bad, 1}, 1, 0.01), rig));
+        EXPECT_TRUE(same(walked(rig, head, {0, 1}, bad, 0.01), rig));
+    }
+    for (const double bad : {kNan, -kInfinite, -1.0, 0.0}) EXPECT_TRUE(same(walked(rig, head, {0, 1}, 1, bad), rig));
+    for (const double bad : {kNan, 1.0, 2.0, -1.0}) EXPECT_TRUE(same(walked(rig, head, {0, 1}, 1, 0.01, bad), rig));
+}
+
+Pose thrown_from(glm::dvec3 at, double yaw_deg, double pitch_deg) {
+    return {at, turn_by(glm::radians(yaw_deg)) * glm::angleAxis(glm::radians(pitch_deg), glm::dvec3(1, 0, 0))};
+}
+
+double length_of(const Arc& arc) {
+    double length = 0;
+    for (size_t i = 1; i < arc.points.size(); ++i) length += glm::distance(arc.points[i - 1], arc.points[i]);
+    return length;
+}
+
+// The same throw in tiny steps: where it first meets the floor on its way down, unless it is too far by then.
+std::optional<glm::dvec3> integrated(const Pose& aim, double floor_y, double speed, double most_m, double& way_m) {
+    constexpr double kStep_s = 1e-5;
+    glm::dvec3 at = aim.position, velocity = forward_of(aim) * speed;
+    for (way_m = 0; way_m < most_m;) {
+        const glm::dvec3 before = at;
+        at += velocity * kStep_s - glm::dvec3(0, 0.5 * 9.81 * kStep_s * kStep_s, 0);
+        velocity.y -= 9.81 * kStep_s;
+        way_m += glm::distance(before, at);
+        if (before.y >= floor_y && at.y < floor_y) return at;
+    }
+    return {};
+}
+
+TEST(TeleportArc, LandsWhereAThrowDoes) {
+    SomePoses some(24);
+    int landed = 0, lost = 0;
+    for (int i = 0; i < 60; ++i) {
+        const Pose aim = thrown_from(some.vector(2), some.number(-180, 180), some.number(-90, 90));
+        const double floor_y = some.number(-3, 1.5), speed = some.number(1, 9);
+        const Arc arc = teleport_arc(aim, floor_y, speed);
+        double way_m = 0;
+        const auto truth = integrated(aim, floor_y, speed, 12, way_m);
+        ASSERT_EQ(arc.landing.has_value(), truth.has_value()) << i;
+        EXPECT_NEAR(length_of(arc), way_m, 0.05) << i << ": chords cut a steep throw's top";
+        truth ? ++landed : ++lost;
+        if (!truth) continue;
+        EXPECT_LT(glm::distance(*arc.landing, *truth), 1e-3);
+        EXPECT_EQ(arc.landing->y, floor_y);
+        EXPECT_EQ(arc.points.back(), *arc.landing);
+    }
+    EXPECT_GT(landed, 15);
+    EXPECT_GT(lost, 5);
+}
+
+TEST(TeleportArc, PointsAreOnTheParabolaAtEvenDistances) {
+    for (const double pitch : {-90.0, -60.0, -10.0, 0.0, 30.0, 60.0, 75.0}) {
+        const Pose aim = thrown_from({1, 1.4, 2}, 40, pitch);
+        const Arc arc = teleport_arc(aim, 0);
+        ASSERT_TRUE(arc.landing);
+        ASSERT_LE(arc.points.size(), kMostArcPoints);
+        EXPECT_EQ(arc.points.front(), aim.position);
+        const glm::dvec3 velocity = forward_of(aim) * 6.0;
+        for (size_t i = 1; i < arc.points.size(); ++i) {
+            const double step = glm::distance(arc.points[i - 1], arc.points[i]);
+            EXPECT_GT(step, 0.04) << pitch << " " << i;
+            EXPECT_LT(step, 0.12) << pitch << " " << i;
+            const glm::dvec3 from_start = arc.points[i] - aim.position;
+            const double across = std::hypot(velocity.x, velocity.z);
+            if (across < 1e-6) continue;
+            const double t = std::hypot(from_start.x, from_start.z) / across;
+            EXPECT_NEAR(from_start.y, velocity.y * t - 0.5 * 9.81 * t * t, 1e-6);
+            EXPECT_NEAR(from_start.x, velocity.x * t, 1e-9);
+        }
+    }
+}
+
+TEST(TeleportArc, SteepThrowsTurnWhereTheyAreSlowest) {
+    for (const double pitch : {80.0, 85.0, 88.0, 89.0, 89.9, 89.999, 90.0})
+        for (const glm::dvec2 from : {glm::dvec2(1, 1), {1, 3}, {1, 6}, {0, 1}, {0, 3}, {0, 6}}) {  // height, speed
+            const double height_m = from.x, speed = from.y;
+            const Arc arc = teleport_arc(thrown_from({0, height_m, 0}, 0, pitch), 0, speed);
+            ASSERT_TRUE(arc.landing);
+            const double up = speed * std::sin(glm::radians(pitch)), way_m = height_m + up * up / 9.81;
+            EXPECT_GT(length_of(arc), way_m - 0.09) << pitch << " " << speed;
+            const auto highest = std::max_element(arc.points.begin(), arc.points.end(),
+                                                  [](glm::dvec3 a, glm::dvec3 b) { return a.y < b.y; });
+            EXPECT_TRUE(
+                std::is_sorted(arc.points.begin(), highest + 1, [](glm::dvec3 a, glm::dvec3 b) { return a.y < b.y; }));
+            EXPECT_TRUE(
+                std::is_sorted(highest, arc.points.end(), [](glm::dvec3 a, glm::dvec3 b) { return a.y > b.y; }));
+            for (size_t i = 1; i < arc.points.size(); ++i)
+                EXPECT_LT(glm::distance(arc.points[i - 1], arc.points[i]), kPointsApart_m + 1e-5) << pitch << " " << i;
+        }
+}
+
+TEST(TeleportArc, EndsWhereItIsTooFar) {
+    const Pose up = thrown_from({0, 1, 0}, 0, 60);
+    const Arc far = teleport_arc(up, 0, 50, 12);
+    EXPECT_FALSE(far.landing);
+    EXPECT_NEAR(length_of(far), 12, 0.01);
+    EXPECT_LE(far.points.size(), kMostArcPoints);
+    const Arc farther = teleport_arc(up, 0, 50, 1000);
+    EXPECT_TRUE(farther.landing);
+    EXPECT_EQ(farther.points.size(), kMostArcPoints);
+    const Arc below = teleport_arc(thrown_from({0, -1, 0}, 0, 10), 0);
+    EXPECT_FALSE(below.landing) << "the floor is above";
+    EXPECT_NEAR(length_of(below), 12, 0.01);
+    const Arc through = teleport_arc(thrown_from({0, -1, 0}, 0, 80), 0);
+    ASSERT_TRUE(through.landing);
+    const auto highest = std::max_element(through.points.begin(), through.points.end(),
+                                          [](glm::dvec3 a, glm::dvec3 b) { return a.y < b.y; });
+    EXPECT_GT(highest->y, 0.5) << "rises through it first";
+}
+
+TEST(TeleportArc, DegenerateThrows) {
+    const Arc dropped = teleport_arc(thrown_from({0, 1, 0}, 0, 0), 0, 0);
+    ASSERT_TRUE(dropped.landing);
+    EXPECT_LT(glm::distance(*dropped.landing, {0, 0, 0}), 1e-12);
+    EXPECT_NEAR(length_of(dropped), 1, 1e-9);
+    const Arc straight_up = teleport_arc(thrown_from({0, 1, 0}, 0, 90), 0);
+    ASSERT_TRUE(straight_up.landing);
+    EXPECT_LT(glm::distance(*straight_up.landing, {0, 0, 0}), 1e-6);
+    const Arc on_it = teleport_arc(thrown_from({1, 0, 2}, 0, -20), 0);
+    ASSERT_TRUE(on_it.landing);
+    EXPECT_LT(glm::distance(*on_it.landing, {1, 0, 2}), 1e-12);
+    for (const Arc& arc : {dropped, straight_up, on_it, teleport_arc({}, -1e9, 1e6, 1e6)})
+        for (const glm::dvec3 point : arc.points) EXPECT_TRUE(std::isfinite(point.x + point.y + point.z));
+    for (const Pose& pose : test::no_poses()) EXPECT_TRUE(teleport_arc(pose, 0).points.empty());
+    for (const double bad : {kNan, kInfinite, -kInfinite}) {
+        for (const Arc& arc : {teleport_arc({}, bad), teleport_arc({}, -1, bad), teleport_arc({}, -1, 6, bad)}) {
+            EXPECT_TRUE(arc.points.empty());
+            EXPECT_FALSE(arc.landing);
+        }
+    }
+    EXPECT_TRUE(teleport_arc({}, -1, -1).points.empty());
+    EXPECT_TRUE(teleport_arc({}, -1, 6, 0).points.empty());
+}
+
+TEST(Walking, GoesWhereTheHeadLooks) {
+    SomePoses some(25);
+    for (int i = 0; i < 100; ++i) {
+        const XrRig rig = some_rig(some);
+        const Pose head = some.pose();
+        glm::dvec3 ahead = forward_of(world_from_tracking(rig) * head);
+        ahead.y = 0;
+        ahead = glm::normalize(ahead);
+        const glm::dvec3 right = glm::cross(ahead, glm::dvec3(0, 1, 0));
+        const XrRig forwards = walked(rig, head, {0, 1}, 2, 0.05), sideways = walked(rig, head, {1, 0}, 2, 0.05);
+        EXPECT_LT(glm::distance(forwards.position - rig.position, ahead * 0.1), 1e-9);
+        EXPECT_LT(glm::distance(sideways.position - rig.position, right * 0.1), 1e-9);
+        EXPECT_EQ(forwards.yaw_rad, rig.yaw_rad);
+    }
+}
+
+double way_of(glm::dvec2 stick, double dt_s = 0.05) {
+    return glm::length(walked({}, {}, stick, 2, dt_s).position);
+}
+
+TEST(Walking, TheDeadZoneIsRoundAndItsEdgeNoStep) {
+    for (double angle = 0; angle < 6.3; angle += 0.3) {
+        const glm::dvec2 way(std::cos(angle), std::sin(angle));
+        EXPECT_EQ(way_of(way * 0.149), 0);
+        EXPECT_GT(way_of(way * 0.151), 0);
+        EXPECT_LT(way_of(way * 0.151), 0.1 * 0.01) << "begins slowly";
+        EXPECT_NEAR(way_of(way * 0.575), 0.05, 1e-12) << "half way";
+        EXPECT_NEAR(way_of(way), 0.1, 1e-12);
+        EXPECT_NEAR(way_of(way * 1.4), 0.1, 1e-12) << "a square stick's corner";
+    }
+    EXPECT_EQ(way_of({0, 0}), 0);
+    EXPECT_EQ(glm::length(walked({}, {}, {0, 0}, 2, 0.05, 0).position), 0);
+}
+
+TEST(Walking, ALateFrameIsNoLeap) {
+    EXPECT_NEAR(way_of({0, 1}, 0.1), 0.2, 1e-12);
+    EXPECT_NEAR(way_of({0, 1}, 7), 0.2, 1e-12);
+    EXPECT_NEAR(way_of({0, 1}, kInfinite), 0.2, 1e-12);
+}
+
+TEST(Vignette, GrowsSmoothlyToOne) {
+    EXPECT_EQ(vignette_of(0, 0), 0);
+    EXPECT_EQ(vignette_of(kVignetteSpeed_m_per_s, 0), 1);
+    EXPECT_EQ(vignette_of(0, kVignetteTurn_rad_per_s), 1);
+    EXPECT_EQ(vignette_of(kInfinite, 0), 1);
+    EXPECT_EQ(vignette_of(kNan, kNan), 0);
+    EXPECT_EQ(vignette_of(kNan, kInfinite), 1);
+    EXPECT_EQ(vignette_of(-1, -0.5), vignette_of(1, 0.5));
+    constexpr double kStep = 0.01;
+    for (double speed = 0; speed < 4; speed += kStep)
+        for (const double turn : {0.0, 0.4, 1.0, 2.0}) {
+            const double here = vignette_of(speed, turn);
+            EXPECT_GE(here, 0);
+            EXPECT_LE(here, 1);
+            EXPECT_GE(vignette_of(speed + kStep, turn), here);
+            EXPECT_GE(vignette_of(speed, turn + kStep), here);
+            EXPECT_LT(vignette_of(speed + kStep, turn) - here, 0.01) << "smooth";
+        }
+    EXPECT_GT(vignette_of(1.5, 0), 0.2);
+    EXPECT_GT(vignette_of(1.5, 0.4), vignette_of(1.5, 0));
+}
+
+}  // namespace
+}  // namespace neuvv

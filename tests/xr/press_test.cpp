@@ -1,0 +1,98 @@
+#include "xr/press.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace neuvv {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// What each update says: d(own), u(p), h(eld), . (not held).
+std::string told(Press& press, const std::vector<double>& values) {
+    std::string told;
+    for (const double value : values) {
+        press.update(value);
+        EXPECT_FALSE(press.went_down() && press.went_up());
+        EXPECT_EQ(press.went_down() && !press.held(), false);
+        told += press.went_down() ? 'd' : press.went_up() ? 'u' : press.held() ? 'h' : '.';
+    }
+    return told;
+}
+
+TEST(Press, GoesDownOnceAndUpOnce) {
+    Press press;
+    EXPECT_EQ(told(press, {0, 0.3, 0.69, 0.7, 1, 0.5, 0.41, 0.4, 0.2}), "...dhhhu.");
+    EXPECT_FALSE(press.held());
+}
+
+TEST(Press, DoesNotTrembleBetweenItsThresholds) {
+    Press press(0.6, 0.5);
+    EXPECT_EQ(told(press, {0.59, 0.55, 0.59, 0.6, 0.55, 0.59, 0.51, 0.6, 0.5, 0.55, 0.59}), "...dhhhhu..");
+}
+
+TEST(Press, NanIsNoPress) {
+    Press press;
+    EXPECT_EQ(told(press, {kNan, 1, kNan, kNan, 1}), ".du.d");
+}
+
+TEST(Press, ResetLetsGoSilently) {
+    Press press;
+    press.update(1);
+    press.reset();
+    EXPECT_FALSE(press.held() || press.went_down() || press.went_up());
+    EXPECT_EQ(told(press, {0, 1}), ".d");
+    press.reset();
+    EXPECT_EQ(told(press, {1, 1}), "dh") << "the finger is still down";
+}
+
+// What each update says: l, r, u, d or a dot.
+std::string told(Flick& flick, const std::vector<glm::dvec2>& sticks) {
+    std::string told;
+    for (const glm::dvec2 stick : sticks) {
+        flick.update(stick);
+        EXPECT_LE(flick.went_left() + flick.went_right() + flick.went_up() + flick.went_down(), 1);
+        told += flick.went_left()    ? 'l'
+                : flick.went_right() ? 'r'
+                : flick.went_up()    ? 'u'
+                : flick.went_down()  ? 'd'
+                                     : '.';
+    }
+    return told;
+}
+
+TEST(Flick, StepsOnceAWay) {
+    Flick flick;
+    EXPECT_EQ(told(flick, {{0, 0}, {0.69, 0}, {0.7, 0}, {1, 0}, {0.36, 0}, {1, 0}, {0.35, 0}, {1, 0}}), "..r....r");
+    Flick all;
+    EXPECT_EQ(told(all, {{-1, 0}, {0, 0}, {0, 1}, {0, 0}, {0, -1}, {0, 0}, {1, 0}}), "l.u.d.r");
+}
+
+TEST(Flick, RoundTheRimIsOneStep) {
+    Flick flick;
+    std::vector<glm::dvec2> round(100);
+    for (size_t i = 0; i < 100; ++i)
+        round[i] = {std::cos(0.1 * static_cast<double>(i)), std::sin(0.1 * static_cast<double>(i))};
+    EXPECT_EQ(told(flick, round), "r" + std::string(99, '.'));
+}
+
+TEST(Flick, TheLargerAxisSaysTheDirection) {
+    Flick flick;
+    EXPECT_EQ(told(flick, {{0.7, 0.69}, {0, 0}, {-0.7, 0.71}, {0, 0}, {0.7, -0.9}, {0, 0}, {-0.8, -0.8}}), "r.u.d.l");
+}
+
+TEST(Flick, ComesBackInBothAxes) {
+    Flick flick;
+    EXPECT_EQ(told(flick, {{1, 0}, {0.1, 0.6}, {1, 0}, {0.1, 0.3}, {1, 0}}), "r...r");
+}
+
+TEST(Flick, NanIsTheMiddle) {
+    Flick flick;
+    EXPECT_EQ(told(flick, {{kNan, 1}, {kNan, kNan}, {1, kNan}, {kNan, 0.9}}), "u.r.");
+}
+
+}  // namespace
+}  // namespace neuvv

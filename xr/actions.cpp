@@ -1,0 +1,161 @@
+#include "xr/actions.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace neuvv {
+
+namespace {
+
+constexpr const char* kHandPaths[kHands] = {"/user/hand/left", "/user/hand/right"};
+
+XrActionType type_of(ActionKind kind) {
+    switch (kind) {
+        case ActionKind::kPose:
+            return XR_ACTION_TYPE_POSE_INPUT;
+        case ActionKind::kValue:
+            return XR_ACTION_TYPE_FLOAT_INPUT;
+        case ActionKind::kAxes:
+            return XR_ACTION_TYPE_VECTOR2F_INPUT;
+        case ActionKind::kButton:
+            return XR_ACTION_TYPE_BOOLEAN_INPUT;
+        case ActionKind::kOutput:
+            return XR_ACTION_TYPE_VIBRATION_OUTPUT;
+    }
+    return XR_ACTION_TYPE_BOOLEAN_INPUT;
+}
+
+}  // namespace
+
+Actions::Actions(const Session& session) : session_(session) {
+    make_actions();
+    suggest_bindings();
+    const XrActionSet set = set_.get();
+    const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 1, &set};
+    check(xrAttachSessionActionSets(session.handle(), &info), "xrAttachSessionActionSets", "stage");
+    make_spaces();
+}
+
+void Actions::make_actions() {
+    const Runtime& runtime = session_.runtime();
+    XrActionSetCreateInfo set{XR_TYPE_ACTION_SET_CREATE_INFO};
+    std::strcpy(set.actionSetName, "stage");
+    std::strcpy(set.localizedActionSetName, "On stage");
+    check(xrCreateActionSet(runtime.instance(), &set, set_.out()), "xrCreateActionSet", "stage");
+    for (int hand = 0; hand < kHands; hand++) paths_[hand] = runtime.path(kHandPaths[hand]);
+    for (const HandAction which : kHandActions) {
+        const ActionName name = name_of(which);
+        XrActionCreateInfo info{XR_TYPE_ACTION_CREATE_INFO};
+        std::strcpy(info.actionName, name.name);
+        std::strcpy(info.localizedActionName, name.title);
+        info.actionType = type_of(name.kind);
+        info.countSubactionPaths = kHands;
+        info.subactionPaths = paths_.data();
+        check(xrCreateAction(set_.get(), &info, &actions_[which]), "xrCreateAction", name.name);
+    }
+}
+
+// A runtime may know fewer controllers than we do; it says so, and goes without.
+void Actions::suggest_bindings() const {
+    const Runtime& runtime = session_.runtime();
+    for (const ControllerProfile& profile : controller_profiles()) {
+        if (profile.extension && !runtime.has(profile.extension)) continue;
+        std::vector<XrActionSuggestedBinding> bindings;
+        for (const Binding& one : profile.bindings) bindings.push_back({action(one.action), runtime.path(one.path)});
+        XrInteractionProfileSuggestedBinding info{XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING};
+        info.interactionProfile = runtime.path(profile.path);
+        info.countSuggestedBindings = static_cast<uint32_t>(bindings.size());
+        info.suggestedBindings = bindings.data();
+        const XrResult result = xrSuggestInteractionProfileBindings(runtime.instance(), &info);
+        if (result != XR_ERROR_PATH_UNSUPPORTED) check(result, "xrSuggestInteractionProfileBindings", profile.title);
+    }
+}
+
+void Actions::make_spaces() {
+    for (int hand = 0; hand < kHands; hand++)
+        for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}}) {
+            XrActionSpaceCreateInfo info{XR_TYPE_ACTION_SPACE_CREATE_INFO};
+            info.action = action(which);
+            info.subactionPath = paths_[hand];
+            info.poseInActionSpace = xr_pose({});
+            check(xrCreateActionSpace(session_.handle(), &info, (*spaces)[hand].out()), "xrCreateActionSpace",
+                  name_of(which).name);
+        }
+}
+
+void Actions::look_at_controllers() {
+    for (int hand = 0; hand < kHands; hand++) {
+        XrInteractionProfileState state{XR_TYPE_INTERACTION_PROFILE_STATE};
+        check(xrGetCurrentInteractionProfile(session_.handle(), paths_[hand], &state), "xrGetCurrentInteractionProfile",
+              kHandPaths[hand]);
+        profiles_[hand] = find_profile(session_.runtime().text_of(state.interactionProfile));
+    }
+}
+
+std::string Actions::controller(int hand) const {
+    return profiles_[hand] ? profiles_[hand]->title : "";
+}
+
+double Actions::value(HandAction which, int hand) const {
+    const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action(which), paths_[hand]};
+    XrActionStateFloat state{XR_TYPE_ACTION_STATE_FLOAT};
+    check(xrGetActionStateFloat(session_.handle(), &info, &state), "xrGetActionStateFloat", name_of(which).name);
+    return state.isActive ? state.currentState : 0;
+}
+
+glm::dvec2 Actions::axes(HandAction which, int hand) const {
+    const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action(which), paths_[hand]};
+    XrActionStateVector2f state{XR_TYPE_ACTION_STATE_VECTOR2F};
+    check(xrGetActionStateVector2f(session_.handle(), &info, &state), "xrGetActionStateVector2f", name_of(which).name);
+    return state.isActive ? glm::dvec2(state.currentState.x, state.currentState.y) : glm::dvec2(0);
+}
+
+bool Actions::button(HandAction which, int hand, bool* changed) const {
+    const XrActionStateGetInfo info{XR_TYPE_ACTION_STATE_GET_INFO, nullptr, action(which), paths_[hand]};
+    XrActionStateBoolean state{XR_TYPE_ACTION_STATE_BOOLEAN};
+    check(xrGetActionStateBoolean(session_.handle(), &info, &state), "xrGetActionStateBoolean", name_of(which).name);
+    if (changed) *changed = state.isActive && state.changedSinceLastSync;
+    return state.isActive && state.currentState;
+}
+
+bool Actions::pressed(HandAction which, int hand) const {
+    bool changed = false;
+    return button(which, hand, &changed) && changed;
+}
+
+HandInputs Actions::sample(XrTime time) {
+    HandInputs hands;
+    const XrActiveActionSet active{set_.get(), XR_NULL_PATH};
+    const XrActionsSyncInfo info{XR_TYPE_ACTIONS_SYNC_INFO, nullptr, 1, &active};
+    const XrResult result = check(xrSyncActions(session_.handle(), &info), "xrSyncActions", "stage");
+    if (result == XR_SESSION_NOT_FOCUSED || result == XR_SESSION_LOSS_PENDING) return hands;
+    for (int hand = 0; hand < kHands; hand++) {
+        HandInput& input = hands[hand];
+        input.aim = session_.locate(aim_[hand].get(), time);
+        input.grip = session_.locate(grip_[hand].get(), time);
+        input.select = value(HandAction::kSelect, hand);
+        input.grab = value(HandAction::kGrab, hand);
+        const bool clicked = button(HandAction::kStickClick, hand);
+        const bool touch_pad = profiles_[hand] && profiles_[hand]->has_touch_pad;
+        if (!touch_pad || clicked) input.stick = axes(HandAction::kStick, hand);
+        input.stick_click = !touch_pad && pressed(HandAction::kStickClick, hand);
+        input.menu = pressed(HandAction::kMenu, hand);
+        input.play = pressed(HandAction::kPlay, hand);
+        input.undo = pressed(HandAction::kUndo, hand);
+        input.duplicate = pressed(HandAction::kDuplicate, hand);
+        input.has_grab = !profiles_[hand] || profiles_[hand]->has_grab;
+    }
+    return hands;
+}
+
+void Actions::pulse(int hand, double amplitude, double seconds) {
+    XrHapticVibration vibration{XR_TYPE_HAPTIC_VIBRATION};
+    vibration.amplitude = static_cast<float>(std::clamp(amplitude, 0.0, 1.0));
+    vibration.duration = static_cast<XrDuration>(seconds * 1e9);
+    vibration.frequency = XR_FREQUENCY_UNSPECIFIED;
+    const XrHapticActionInfo info{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, action(HandAction::kHaptic), paths_[hand]};
+    check(xrApplyHapticFeedback(session_.handle(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)),
+          "xrApplyHapticFeedback", kHandPaths[hand]);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,22 @@
+// A headset's eyes as this program's cameras, and what of their pictures the lenses hide.
+#pragma once
+
+#include <vector>
+
+#include "render/ray_grid.h"
+#include "stage/camera.h"
+#include "xr/session.h"
+
+namespace neuvv {
+
+// Pixels are not square where the runtime's angles are not in the picture's proportion; the axis lies where the angles
+// say, seldom in the middle. Throws RuntimeFailure for angles that span nothing.
+Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
+
+// Triangles that the lens hides, as SetRaster::hide takes them; none where the runtime knows none.
+std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, const XrFovf& fov);
+
+// The inset around the eye's axis that gets all rays, `share` of the picture a side; beside it `beside` of them.
+Fovea fovea_of(const Camera& eye, double share, double beside);
+
+}  // namespace neuvv

@@ -1,0 +1,177 @@
+#include "xr/eye_pass.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/raster.h"
+#include "shared/eye.h"
+#include "spirv/eye.frag.h"
+#include "spirv/eye.vert.h"
+#include "spirv/eye_shape.frag.h"
+#include "spirv/eye_shape.vert.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr uint64_t kFirstVertices = 1 << 14;
+
+GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
+    GraphicsShape shape;
+    shape.vertex_spirv = eye_vert;
+    shape.fragment_spirv = eye_frag;
+    shape.colours = {colour};
+    shape.blend = false;
+    shape.depth = depth;
+    shape.nearer = VK_COMPARE_OP_ALWAYS;
+    return shape;
+}
+
+GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend) {
+    GraphicsShape shape = picture_shape(colour, depth);
+    shape.vertex_spirv = eye_shape_vert;
+    shape.fragment_spirv = eye_shape_frag;
+    shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
+    shape.attributes = {{kShapePlace, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, place)},
+                        {kShapeColour, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ShapeVertex, colour)}};
+    shape.blend = blend;
+    shape.nearer = VK_COMPARE_OP_GREATER;
+    return shape;
+}
+
+VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout) {
+    VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    info.imageView = view;
+    info.imageLayout = layout;
+    info.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // the first draw covers all
+    info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    return info;
+}
+
+template <typename Push>
+void push(Commands& commands, const GraphicsPass& pass, const Push& values) {
+    vkCmdPushConstants(commands.handle(), pass.layout(), kDrawStages, 0, pass.interface().push_bytes, &values);
+}
+
+}  // namespace
+
+const std::vector<VkFormat>& eye_colour_formats() {
+    static const std::vector<VkFormat> kFormats{VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB,
+                                                VK_FORMAT_R16G16B16A16_SFLOAT};
+    return kFormats;
+}
+
+const std::vector<VkFormat>& eye_depth_formats() {
+    static const std::vector<VkFormat> kFormats{VK_FORMAT_D32_SFLOAT, VK_FORMAT_D16_UNORM};
+    return kFormats;
+}
+
+EyePass::EyePass(const Device& device, VkFormat colour, VkFormat depth)
+    : device_(device),
+      picture_(device, "eye", picture_shape(colour, depth)),
+      solid_(device, "eye shape", shape_of(colour, depth, false)),
+      clear_(device, "eye clear shape", shape_of(colour, depth, true)),
+      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), MemoryKind::kUpload),
+      commands_(device, "eye", 4) {}
+
+void EyePass::bind(const StageRenderer& renderer, const Buffer& pictures) {
+    const std::array<VkBuffer, 2> to{pictures.buffer, renderer.set().depth.buffer};
+    if (to == bound_to_) return;
+    const RayBatch& rays = renderer.frames().rays();
+    bound_ = TextureSet(picture_, {},
+                        {{kEyePicture, &pictures},
+                         {kEyeRadiance, &rays.radiance},
+                         {kEyeDepth, &rays.depth},
+                         {kEyeCameras, &rays.cameras},
+                         {kEyeSetDepth, &renderer.set().depth}});
+    bound_to_ = to;
+}
+
+void EyePass::upload(const EyeShapes& shapes) {
+    const uint64_t count = shapes.holes().size() + shapes.solid().size() + shapes.clear_ones().size();
+    if (count * sizeof(ShapeVertex) > vertices_.bytes)
+        vertices_ = Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), MemoryKind::kUpload);
+    auto* to = vertices_.as<ShapeVertex>();
+    for (const auto list : {shapes.holes(), shapes.solid(), shapes.clear_ones()})
+        to = std::copy(list.begin(), list.end(), to);
+}
+
+void EyePass::draw(const StageRenderer& renderer, const Buffer& pictures, const std::array<Camera, kEyes>& cameras,
+                   const EyeShapes& shapes, double vignette, const EyeTarget& target) {
+    commands_.wait();
+    bind(renderer, pictures);
+    upload(shapes);
+    commands_.begin();
+    record(cameras, renderer.frames().layout(), shapes, vignette, target);
+    commands_.submit();
+    commands_.wait();
+}
+
+void EyePass::record(const std::array<Camera, kEyes>& cameras, const ViewLayout& layout, const EyeShapes& shapes,
+                     double vignette, const EyeTarget& target) {
+    const PassScope scope(commands_, "eyes");
+    draw_barrier(commands_);
+    constexpr VkImageSubresourceRange kColour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes},
+        kDepth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, kEyes};
+    constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                            kDepthLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    // OpenXR gives images in these layouts, and wants them back so; what they held is not needed.
+    move_layout(commands_, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
+    move_layout(commands_, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
+    const VkRenderingAttachmentInfo colour = attachment(target.colour_view, kColourLayout),
+                                    depth = attachment(target.depth_view, kDepthLayout);
+    VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    info.renderArea.extent = target.size;
+    info.layerCount = kEyes;
+    info.colorAttachmentCount = 1;
+    info.pColorAttachments = &colour;
+    info.pDepthAttachment = &depth;
+    vkCmdBeginRendering(commands_.handle(), &info);
+    const VkViewport viewport{0, 0, static_cast<float>(target.size.width), static_cast<float>(target.size.height),
+                              0, 1};
+    vkCmdSetViewport(commands_.handle(), 0, 1, &viewport);
+    vkCmdSetScissor(commands_.handle(), 0, 1, &info.renderArea);
+    vkCmdSetCullMode(commands_.handle(), VK_CULL_MODE_NONE);
+    vkCmdSetFrontFace(commands_.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    draw_picture(layout, vignette);
+    draw_shapes(cameras, shapes);
+    vkCmdEndRendering(commands_.handle());
+}
+
+void EyePass::draw_picture(const ViewLayout& layout, double vignette) {
+    const VkDescriptorSet set = bound_.handle();
+    vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.pipeline());
+    vkCmdBindDescriptorSets(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.layout(), 0, 1, &set, 0,
+                            nullptr);
+    vkCmdSetDepthWriteEnable(commands_.handle(), VK_TRUE);
+    push(commands_, picture_,
+         EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
+                 static_cast<float>(kSetNear_m), static_cast<float>(vignette)});
+    vkCmdDraw(commands_.handle(), 3, kEyes, 0, 0);
+}
+
+// Holes and solid shapes go over what they are before; holes are as near as what is in them, so that hands before a
+// panel are seen before it.
+void EyePass::draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeShapes& shapes) {
+    ShapePush views{};
+    for (uint32_t eye = 0; eye < kEyes; eye++)
+        views.clip_from_world[eye] = glm::mat4(clip_from_world(cameras[eye], kSetNear_m));
+    const VkDeviceSize start = 0;
+    vkCmdBindVertexBuffers(commands_.handle(), 0, 1, &vertices_.buffer, &start);
+    uint32_t first = 0;
+    const auto draw = [&](const GraphicsPass& pass, std::span<const ShapeVertex> list, VkBool32 writes_depth) {
+        const auto count = static_cast<uint32_t>(list.size());
+        if (count > 0) {
+            vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
+            vkCmdSetDepthWriteEnable(commands_.handle(), writes_depth);
+            push(commands_, pass, views);
+            vkCmdDraw(commands_.handle(), count, kEyes, first, 0);
+        }
+        first += count;
+    };
+    draw(solid_, shapes.holes(), VK_TRUE);
+    draw(solid_, shapes.solid(), VK_TRUE);
+    draw(clear_, shapes.clear_ones(), VK_FALSE);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,39 @@
+// Bare hands by XR_EXT_hand_tracking: joints to be seen, and a pinch of thumb and index finger as a trigger.
+#pragma once
+
+#include <vector>
+
+#include "xr/hands.h"
+#include "xr/session.h"
+
+namespace neuvv {
+
+struct HandJoint {
+    glm::dvec3 position{0};  // tracking space
+    double radius_m = 0.01;
+};
+using HandJoints = std::vector<HandJoint>;  // in OpenXR's order, 26; none while the hand is not seen
+
+class HandTracking {
+  public:
+    // Does nothing where the runtime sees no hands.
+    explicit HandTracking(const Session& session);
+    ~HandTracking();
+    HandTracking(const HandTracking&) = delete;
+    HandTracking& operator=(const HandTracking&) = delete;
+
+    void locate(XrTime time);
+    const HandJoints& joints(int hand) const { return joints_[hand]; }
+    // A hand without a controller points along its index finger's root and selects by a pinch.
+    void stand_in(HandInput& input, int hand) const;
+
+  private:
+    const Session& session_;
+    std::array<XrHandTrackerEXT, kHands> trackers_{};
+    std::array<HandJoints, kHands> joints_;
+};
+
+// 0 with the tips of thumb and index finger 5 cm apart, 1 where they touch.
+double pinch_of(const HandJoints& joints);
+
+}  // namespace neuvv

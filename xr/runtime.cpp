@@ -1,0 +1,251 @@
+#include "xr/runtime.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+
+namespace neuvv {
+
+namespace {
+
+constexpr const char* kStart =
+    "start your headset's runtime (SteamVR, Monado's monado-service, Meta Link, Windows Mixed Reality)";
+
+std::string version_text(XrVersion version) {
+    return fmt::format("{}.{}.{}", XR_VERSION_MAJOR(version), XR_VERSION_MINOR(version), XR_VERSION_PATCH(version));
+}
+
+std::vector<std::string> offered_extensions() {
+    try {
+        std::vector<std::string> names;
+        for (const auto& one : enumerate("xrEnumerateInstanceExtensionProperties", "OpenXR",
+                                         XrExtensionProperties{XR_TYPE_EXTENSION_PROPERTIES},
+                                         [](uint32_t capacity, uint32_t*count, XrExtensionProperties*all) {
+                                             return xrEnumerateInstanceExtensionProperties(nullptr, capacity, count,
+                                                                                           all);
+                                         }))
+            names.emplace_back(one.extensionName);
+        return names;
+    } catch (const XrFailure& failure) {
+        throw RuntimeFailure(
+            fmt::format("no OpenXR runtime answers ({}): {}; XR_RUNTIME_JSON names another one's "
+                        "manifest",
+                        result_name(failure.result), kStart));
+    }
+}
+
+}  // namespace
+
+std::vector<OptionalExtension> optional_extensions() {
+    return {
+        {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
+         "depth goes to the compositor, which moves late pictures better", "pictures go without their depth"},
+        {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "what no lens shows is not drawn", "all of each picture is drawn"},
+        {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "the refresh rate can be chosen (--refresh)",
+         "the refresh rate is the runtime's"},
+        {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
+        {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "bare hands point, select and grab", "controllers alone"},
+    };
+}
+
+const char* blend_mode_name(XrEnvironmentBlendMode mode) {
+    switch (mode) {
+        case XR_ENVIRONMENT_BLEND_MODE_OPAQUE:
+            return "opaque";
+        case XR_ENVIRONMENT_BLEND_MODE_ADDITIVE:
+            return "additive";
+        case XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND:
+            return "alpha blend";
+        default:
+            return "unknown";
+    }
+}
+
+// The loader's own lines say less than ours.
+Runtime::Runtime() {
+    if (!std::getenv("XR_LOADER_DEBUG")) setenv("XR_LOADER_DEBUG", "none", 1);
+    offered_ = offered_extensions();
+    make_instance();
+    find_headset();
+    find_views();
+    if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) || has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME)) return;
+    throw RuntimeFailure(fmt::format("{} shows no pictures made by Vulkan; start a runtime that does", name_));
+}
+
+bool Runtime::has(const char* extension) const {
+    return std::find(offered_.begin(), offered_.end(), extension) != offered_.end();
+}
+
+void Runtime::make_instance() {
+    std::vector<const char*> wanted;
+    if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME))
+        wanted.push_back(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
+    else if (has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME))
+        wanted.push_back(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME);
+    for (const OptionalExtension& one : optional_extensions())
+        if (has(one.name)) wanted.push_back(one.name);
+    XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
+    std::strcpy(info.applicationInfo.applicationName, "NeuVV");
+    std::strcpy(info.applicationInfo.engineName, "NeuVV");
+    info.applicationInfo.applicationVersion = info.applicationInfo.engineVersion = 1;
+    info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
+    info.enabledExtensionCount = static_cast<uint32_t>(wanted.size());
+    info.enabledExtensionNames = wanted.data();
+    const XrResult result = xrCreateInstance(&info, instance_.out());
+    if (XR_FAILED(result))
+        throw RuntimeFailure(fmt::format("the OpenXR runtime does not start ({}): {}", result_name(result), kStart));
+    XrInstanceProperties properties{XR_TYPE_INSTANCE_PROPERTIES};
+    check(xrGetInstanceProperties(instance(), &properties), "xrGetInstanceProperties", "runtime");
+    name_ = fmt::format("{} {}", properties.runtimeName, version_text(properties.runtimeVersion));
+}
+
+void Runtime::find_headset() {
+    const XrSystemGetInfo info{XR_TYPE_SYSTEM_GET_INFO, nullptr, XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
+    const XrResult result = xrGetSystem(instance(), &info, &system_);
+    if (result == XR_ERROR_FORM_FACTOR_UNAVAILABLE || result == XR_ERROR_FORM_FACTOR_UNSUPPORTED)
+        throw RuntimeFailure(fmt::format("{} runs, but has no headset now: plug it in and switch it on", name_));
+    check(result, "xrGetSystem", name_);
+    XrSystemHandTrackingPropertiesEXT hands{XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT};
+    XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES};
+    if (has(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) properties.next = &hands;
+    check(xrGetSystemProperties(instance(), system_, &properties), "xrGetSystemProperties", name_);
+    headset_ = properties.systemName;
+    tracks_position_ = properties.trackingProperties.positionTracking;
+    tracks_hands_ = hands.supportsHandTracking;
+}
+
+void Runtime::find_views() {
+    const auto kinds = enumerate("xrEnumerateViewConfigurations", headset_, XrViewConfigurationType{},
+                                 [&](uint32_t capacity, uint32_t* count, XrViewConfigurationType* all) {
+                                     return xrEnumerateViewConfigurations(instance(), system_, capacity, count, all);
+                                 });
+    if (std::find(kinds.begin(), kinds.end(), view_configuration()) == kinds.end())
+        throw RuntimeFailure(fmt::format("\"{}\" of {} does not show two eyes", headset_, name_));
+    const auto views = enumerate(
+        "xrEnumerateViewConfigurationViews", headset_, XrViewConfigurationView{XR_TYPE_VIEW_CONFIGURATION_VIEW},
+        [&](uint32_t capacity, uint32_t* count, XrViewConfigurationView* all) {
+            return xrEnumerateViewConfigurationViews(instance(), system_, view_configuration(), capacity, count, all);
+        });
+    if (views.size() != kEyes)
+        throw RuntimeFailure(fmt::format("\"{}\" of {} has {} views for two eyes", headset_, name_, views.size()));
+    std::copy(views.begin(), views.end(), views_.begin());
+    blend_modes_ = enumerate("xrEnumerateEnvironmentBlendModes", headset_, XrEnvironmentBlendMode{},
+                             [&](uint32_t capacity, uint32_t* count, XrEnvironmentBlendMode* all) {
+                                 return xrEnumerateEnvironmentBlendModes(instance(), system_, view_configuration(),
+                                                                         capacity, count, all);
+                             });
+    if (blend_modes_.empty()) throw RuntimeFailure(fmt::format("\"{}\" of {} shows no picture", headset_, name_));
+}
+
+VkExtent2D Runtime::eye_size() const {
+    const VkExtent2D most = most_eye_size();
+    return {
+        std::min(std::max(views_[0].recommendedImageRectWidth, views_[1].recommendedImageRectWidth), most.width),
+        std::min(std::max(views_[0].recommendedImageRectHeight, views_[1].recommendedImageRectHeight), most.height)};
+}
+
+VkExtent2D Runtime::most_eye_size() const {
+    return {std::min(views_[0].maxImageRectWidth, views_[1].maxImageRectWidth),
+            std::min(views_[0].maxImageRectHeight, views_[1].maxImageRectHeight)};
+}
+
+PFN_xrVoidFunction Runtime::find_function(const char* name) const {
+    PFN_xrVoidFunction found = nullptr;
+    check(xrGetInstanceProcAddr(instance(), name, &found), "xrGetInstanceProcAddr", name);
+    return found;
+}
+
+XrPath Runtime::path(const char* text) const {
+    XrPath path = XR_NULL_PATH;
+    check(xrStringToPath(instance(), text, &path), "xrStringToPath", text);
+    return path;
+}
+
+std::string Runtime::text_of(XrPath path) const {
+    if (path == XR_NULL_PATH) return {};
+    const auto letters = enumerate("xrPathToString", name_, char{}, [&](uint32_t capacity, uint32_t* count, char* all) {
+        return xrPathToString(instance(), path, capacity, count, all);
+    });
+    return letters.data();
+}
+
+// The specification wants it asked before there is a session.
+void Runtime::expect_vulkan_version() const {
+    XrGraphicsRequirementsVulkanKHR needs{XR_TYPE_GRAPHICS_REQUIREMENTS_VULKAN_KHR};
+    const bool second = has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
+    const char* call = second ? "xrGetVulkanGraphicsRequirements2KHR" : "xrGetVulkanGraphicsRequirementsKHR";
+    check(function<PFN_xrGetVulkanGraphicsRequirementsKHR>(call)(instance(), system_, &needs), call, name_);
+    if (needs.minApiVersionSupported > XR_MAKE_VERSION(1, 3, XR_VERSION_PATCH(~0ull)))
+        throw RuntimeFailure(fmt::format("{} wants Vulkan {} at least, this program uses 1.3", name_,
+                                         version_text(needs.minApiVersionSupported)));
+}
+
+DeviceExtensions Runtime::device_extensions() {
+    expect_vulkan_version();
+    if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) return {};
+    const auto names = [&](const char* call) {
+        const auto get = function<PFN_xrGetVulkanInstanceExtensionsKHR>(call);
+        const auto text = enumerate(call, name_, char{}, [&](uint32_t capacity, uint32_t* count, char* all) {
+            return get(instance(), system_, capacity, count, all);
+        });
+        std::istringstream words(text.empty() ? "" : text.data());
+        return std::vector<std::string>{std::istream_iterator<std::string>(words), {}};
+    };
+    vulkan_names_ = names("xrGetVulkanInstanceExtensionsKHR");
+    const size_t first_of_device = vulkan_names_.size();
+    for (std::string& name : names("xrGetVulkanDeviceExtensionsKHR")) vulkan_names_.push_back(std::move(name));
+    DeviceExtensions extensions;
+    for (size_t i = 0; i < vulkan_names_.size(); i++)
+        (i < first_of_device ? extensions.instance : extensions.device).push_back(vulkan_names_[i].c_str());
+    return extensions;
+}
+
+DeviceMaker Runtime::device_maker() const {
+    DeviceMaker maker;
+    if (!has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) {
+        maker.choose_physical = [this](VkInstance vulkan) {
+            VkPhysicalDevice physical = VK_NULL_HANDLE;
+            check(function<PFN_xrGetVulkanGraphicsDeviceKHR>("xrGetVulkanGraphicsDeviceKHR")(instance(), system_,
+                                                                                             vulkan, &physical),
+                  "xrGetVulkanGraphicsDeviceKHR", name_);
+            return physical;
+        };
+        return maker;
+    }
+    maker.create_instance = [this](const VkInstanceCreateInfo& vulkan, VkInstance* made) {
+        XrVulkanInstanceCreateInfoKHR info{XR_TYPE_VULKAN_INSTANCE_CREATE_INFO_KHR};
+        info.systemId = system_;
+        info.pfnGetInstanceProcAddr = vkGetInstanceProcAddr;
+        info.vulkanCreateInfo = &vulkan;
+        VkResult result = VK_SUCCESS;
+        check(function<PFN_xrCreateVulkanInstanceKHR>("xrCreateVulkanInstanceKHR")(instance(), &info, made, &result),
+              "xrCreateVulkanInstanceKHR", name_);
+        return result;
+    };
+    maker.choose_physical = [this](VkInstance vulkan) {
+        const XrVulkanGraphicsDeviceGetInfoKHR info{XR_TYPE_VULKAN_GRAPHICS_DEVICE_GET_INFO_KHR, nullptr, system_,
+                                                    vulkan};
+        VkPhysicalDevice physical = VK_NULL_HANDLE;
+        check(
+            function<PFN_xrGetVulkanGraphicsDevice2KHR>("xrGetVulkanGraphicsDevice2KHR")(instance(), &info, &physical),
+            "xrGetVulkanGraphicsDevice2KHR", name_);
+        return physical;
+    };
+    maker.create_device = [this](VkPhysicalDevice physical, const VkDeviceCreateInfo& vulkan, VkDevice* made) {
+        XrVulkanDeviceCreateInfoKHR info{XR_TYPE_VULKAN_DEVICE_CREATE_INFO_KHR};
+        info.systemId = system_;
+        info.pfnGetInstanceProcAddr = vkGetInstanceProcAddr;
+        info.vulkanPhysicalDevice = physical;
+        info.vulkanCreateInfo = &vulkan;
+        VkResult result = VK_SUCCESS;
+        check(function<PFN_xrCreateVulkanDeviceKHR>("xrCreateVulkanDeviceKHR")(instance(), &info, made, &result),
+              "xrCreateVulkanDeviceKHR", name_);
+        return result;
+    };
+    return maker;
+}
+
+}  // namespace neuvv

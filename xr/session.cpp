@@ -1,0 +1,195 @@
+#include "xr/session.h"
+
+#include <algorithm>
+
+namespace neuvv {
+
+namespace {
+
+constexpr Pose kHere{};
+
+XrOwnedSpace reference_space(XrSession session, XrReferenceSpaceType type) {
+    XrReferenceSpaceCreateInfo info{XR_TYPE_REFERENCE_SPACE_CREATE_INFO};
+    info.referenceSpaceType = type;
+    info.poseInReferenceSpace = xr_pose(kHere);
+    XrOwnedSpace space;
+    check(xrCreateReferenceSpace(session, &info, space.out()), "xrCreateReferenceSpace", "session");
+    return space;
+}
+
+bool is_known(XrFlags64 flags) {
+    constexpr XrFlags64 kBoth = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
+    return (flags & kBoth) == kBoth;
+}
+
+}  // namespace
+
+Pose pose_of(const XrPosef& pose) {
+    const auto& [q, p] = pose;
+    return {{p.x, p.y, p.z}, glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))};
+}
+
+XrPosef xr_pose(const Pose& pose) {
+    const glm::quat q(glm::normalize(pose.rotation));
+    const glm::vec3 p(pose.position);
+    return {{q.x, q.y, q.z, q.w}, {p.x, p.y, p.z}};
+}
+
+Pose EyeViews::head() const {
+    return {0.5 * (eye[0].pose.position + eye[1].pose.position),
+            glm::slerp(eye[0].pose.rotation, eye[1].pose.rotation, 0.5)};
+}
+
+Session::Session(const Runtime& runtime, const Device& device) : runtime_(runtime) {
+    XrGraphicsBindingVulkanKHR graphics{XR_TYPE_GRAPHICS_BINDING_VULKAN_KHR};
+    graphics.instance = device.instance();
+    graphics.physicalDevice = device.physical();
+    graphics.device = device.handle();
+    graphics.queueFamilyIndex = device.queue_family();
+    graphics.queueIndex = 0;
+    const XrSessionCreateInfo info{XR_TYPE_SESSION_CREATE_INFO, &graphics, 0, runtime.system()};
+    check(xrCreateSession(runtime.instance(), &info, session_.out()), "xrCreateSession", runtime.headset());
+    make_spaces();
+}
+
+void Session::make_spaces() {
+    const auto types = enumerate("xrEnumerateReferenceSpaces", runtime_.headset(), XrReferenceSpaceType{},
+                                 [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
+                                     return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
+                                 });
+    knows_floor_ = std::find(types.begin(), types.end(), XR_REFERENCE_SPACE_TYPE_STAGE) != types.end();
+    tracking_ = reference_space(handle(), knows_floor_ ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL);
+    head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
+}
+
+void Session::begin_session() {
+    const XrSessionBeginInfo info{XR_TYPE_SESSION_BEGIN_INFO, nullptr, runtime_.view_configuration()};
+    check(xrBeginSession(handle(), &info), "xrBeginSession", runtime_.headset());
+    running_ = true;
+}
+
+void Session::end_session() {
+    running_ = false;
+    check(xrEndSession(handle()), "xrEndSession", runtime_.headset());
+}
+
+void Session::changed(const XrEventDataSessionStateChanged& event) {
+    if (event.session != handle()) return;
+    state_ = event.state;
+    switch (state_) {
+        case XR_SESSION_STATE_READY:
+            return begin_session();
+        case XR_SESSION_STATE_STOPPING:
+            return end_session();
+        case XR_SESSION_STATE_EXITING:
+            ended_ = true;
+            return;
+        case XR_SESSION_STATE_LOSS_PENDING:
+            running_ = false;
+            lost_ = true;
+            return;
+        default:
+            return;
+    }
+}
+
+SessionDoes Session::poll(SessionNews& news) {
+    for (XrEventDataBuffer event{XR_TYPE_EVENT_DATA_BUFFER};
+         check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent", runtime_.name()) == XR_SUCCESS;
+         event = {XR_TYPE_EVENT_DATA_BUFFER}) {
+        const auto as = [&]<typename T>(T) { return reinterpret_cast<const T&>(event); };
+        switch (event.type) {
+            case XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED:
+                changed(as(XrEventDataSessionStateChanged{}));
+                break;
+            case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
+                throw XrFailure(XR_ERROR_INSTANCE_LOST, "xrPollEvent", runtime_.name());
+            case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
+                news.recentred = true;
+                break;
+            case XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED:
+                news.controllers = true;
+                break;
+            case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
+                if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
+                    news.mask[eye] = true;
+                break;
+            case XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB:
+                news.refresh_hz = as(XrEventDataDisplayRefreshRateChangedFB{}).toDisplayRefreshRate;
+                break;
+            default:
+                break;  // of extensions that this program does not use, and lost events, which nothing depends on
+        }
+    }
+    if (lost_) return SessionDoes::kLost;
+    if (ended_) return SessionDoes::kEnd;
+    return running_ ? SessionDoes::kRun : SessionDoes::kWait;
+}
+
+void Session::request_exit() {
+    if (running_)
+        check(xrRequestExitSession(handle()), "xrRequestExitSession", runtime_.headset());
+    else
+        ended_ = true;
+}
+
+FrameTime Session::wait() {
+    XrFrameState state{XR_TYPE_FRAME_STATE};
+    check(xrWaitFrame(handle(), nullptr, &state), "xrWaitFrame", runtime_.headset());
+    return {state.predictedDisplayTime, state.predictedDisplayPeriod, state.shouldRender == XR_TRUE};
+}
+
+void Session::begin() {
+    check(xrBeginFrame(handle(), nullptr), "xrBeginFrame", runtime_.headset());
+}
+
+void Session::end(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers) {
+    XrFrameEndInfo info{XR_TYPE_FRAME_END_INFO};
+    info.displayTime = time.display;
+    info.environmentBlendMode = runtime_.blend_mode();
+    info.layerCount = static_cast<uint32_t>(layers.size());
+    info.layers = layers.data();
+    check(xrEndFrame(handle(), &info), "xrEndFrame", runtime_.headset());
+}
+
+std::optional<EyeViews> Session::locate_eyes(XrTime time) {
+    const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, runtime_.view_configuration(), time,
+                                tracking_space()};
+    XrViewState state{XR_TYPE_VIEW_STATE};
+    std::array<XrView, kEyes> views;
+    views.fill({XR_TYPE_VIEW});
+    uint32_t count = 0;
+    check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());
+    if (!is_known(state.viewStateFlags)) {
+        if (last_eyes_) last_eyes_->tracked = false;
+        return last_eyes_;
+    }
+    EyeViews eyes;
+    for (uint32_t i = 0; i < kEyes; i++) eyes.eye[i] = {pose_of(views[i].pose), views[i].fov};
+    eyes.tracked = true;
+    last_eyes_ = eyes;
+    return eyes;
+}
+
+std::optional<Pose> Session::locate(XrSpace space, XrTime time) const {
+    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+    check(xrLocateSpace(space, tracking_space(), time, &location), "xrLocateSpace", runtime_.headset());
+    if (!is_known(location.locationFlags)) return std::nullopt;
+    return pose_of(location.pose);
+}
+
+std::vector<float> Session::refresh_rates() const {
+    if (!runtime_.has(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME)) return {};
+    constexpr const char* kCall = "xrEnumerateDisplayRefreshRatesFB";
+    const auto get = runtime_.function<PFN_xrEnumerateDisplayRefreshRatesFB>(kCall);
+    return enumerate(kCall, runtime_.headset(), 0.0f, [&](uint32_t capacity, uint32_t* count, float* all) {
+        return get(handle(), capacity, count, all);
+    });
+}
+
+void Session::request_refresh_rate(float hz) {
+    constexpr const char* kCall = "xrRequestDisplayRefreshRateFB";
+    check(runtime_.function<PFN_xrRequestDisplayRefreshRateFB>(kCall)(handle(), hz), kCall, runtime_.headset());
+}
+
+}  // namespace neuvv
