@@ -1,0 +1,137 @@
+#include "profiles.h"
+
+namespace neuvv::xr_runtime {
+
+namespace {
+
+constexpr InputKind kBoolean = InputKind::kBoolean, kFloat = InputKind::kFloat, kVector = InputKind::kVector,
+                    kPose = InputKind::kPose, kHaptic = InputKind::kHaptic;
+
+using Inputs = std::vector<ProfileInput>;
+
+Inputs operator+(Inputs a, const Inputs& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+const Inputs kPoses = {{"/input/grip/pose", kPose, ProfileInput::kBoth},
+                       {"/input/aim/pose", kPose, ProfileInput::kBoth}};
+const Inputs kBuzz = {{"/output/haptic", kHaptic, ProfileInput::kBoth}};
+
+Inputs booleans(std::initializer_list<const char*> paths, ProfileInput::Side side = ProfileInput::kBoth) {
+    Inputs inputs;
+    for (const char* path : paths) inputs.push_back({path, kBoolean, side});
+    return inputs;
+}
+Inputs floats(std::initializer_list<const char*> paths) {
+    Inputs inputs;
+    for (const char* path : paths) inputs.push_back({path, kFloat, ProfileInput::kBoth});
+    return inputs;
+}
+
+const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::kBoth}} +
+                           floats({"/input/thumbstick/x", "/input/thumbstick/y"}) +
+                           booleans({"/input/thumbstick/click"});
+const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} +
+                         floats({"/input/trackpad/x", "/input/trackpad/y"}) + booleans({"/input/trackpad/touch"});
+
+// The path's owner, as the index of its hand; -1 for none.
+int side_of(const std::string& binding) {
+    if (binding.starts_with("/user/hand/left/")) return 0;
+    return binding.starts_with("/user/hand/right/") ? 1 : -1;
+}
+
+const ProfileInput* exact(const Profile& profile, const std::string& rest, int side) {
+    const auto other = side == 0 ? ProfileInput::kRightOnly : ProfileInput::kLeftOnly;
+    for (const ProfileInput& input : profile.inputs)
+        if (rest == input.path && input.side != other) return &input;
+    return nullptr;
+}
+
+std::string below_hand(const std::string& binding, int side) {
+    return binding.substr(side == 0 ? sizeof "/user/hand/left" - 1 : sizeof "/user/hand/right" - 1);
+}
+
+}  // namespace
+
+const std::vector<Profile>& known_profiles() {
+    static const std::vector<Profile> profiles = {
+        {"/interaction_profiles/khr/simple_controller", "Simple Controller", nullptr,
+         booleans({"/input/select/click", "/input/menu/click"}) + kPoses + kBuzz},
+        {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr,
+         booleans({"/input/x/click", "/input/x/touch", "/input/y/click", "/input/y/touch", "/input/menu/click"},
+                  ProfileInput::kLeftOnly) +
+             booleans({"/input/a/click", "/input/a/touch", "/input/b/click", "/input/b/touch", "/input/system/click"},
+                      ProfileInput::kRightOnly) +
+             floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
+             booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) + kPoses + kBuzz},
+        {"/interaction_profiles/valve/index_controller", "Index Controller", nullptr,
+         booleans({"/input/system/click", "/input/system/touch", "/input/a/click", "/input/a/touch", "/input/b/click",
+                   "/input/b/touch", "/input/trigger/click", "/input/trigger/touch", "/input/thumbstick/touch"}) +
+             floats({"/input/squeeze/value", "/input/squeeze/force", "/input/trigger/value", "/input/trackpad/force"}) +
+             kThumbstick + kTrackpad + kPoses + kBuzz},
+        {"/interaction_profiles/htc/vive_controller", "Vive Controller", nullptr,
+         booleans({"/input/system/click", "/input/squeeze/click", "/input/menu/click", "/input/trigger/click",
+                   "/input/trackpad/click"}) +
+             floats({"/input/trigger/value"}) + kTrackpad + kPoses + kBuzz},
+        {"/interaction_profiles/microsoft/motion_controller", "Motion Controller", nullptr,
+         booleans({"/input/menu/click", "/input/squeeze/click", "/input/trackpad/click"}) +
+             floats({"/input/trigger/value"}) + kThumbstick + kTrackpad + kPoses + kBuzz},
+        {"/interaction_profiles/google/daydream_controller", "Daydream Controller", nullptr,
+         booleans({"/input/select/click", "/input/trackpad/click"}) + kTrackpad + kPoses},
+        {"/interaction_profiles/oculus/go_controller", "Go Controller", nullptr,
+         booleans({"/input/system/click", "/input/trigger/click", "/input/back/click", "/input/trackpad/click"}) +
+             kTrackpad + kPoses},
+        {"/interaction_profiles/microsoft/hand_interaction", "Hand", XR_MSFT_HAND_INTERACTION_EXTENSION_NAME,
+         floats({"/input/select/value", "/input/squeeze/value"}) + kPoses},
+    };
+    return profiles;
+}
+
+const Profile* find_profile(const std::string& path) {
+    for (const Profile& profile : known_profiles())
+        if (path == profile.path) return &profile;
+    return nullptr;
+}
+
+bool has_input(const Profile& profile, const std::string& binding) {
+    const int side = side_of(binding);
+    if (side < 0) return false;
+    const std::string rest = below_hand(binding, side);
+    if (exact(profile, rest, side)) return true;
+    for (const char* component : {"/value", "/click", "/pose", "/touch"})
+        if (exact(profile, rest + component, side)) return true;
+    return false;
+}
+
+const ProfileInput* find_input(const Profile& profile, const std::string& binding, XrActionType type) {
+    const int side = side_of(binding);
+    if (side < 0) return nullptr;
+    const std::string rest = below_hand(binding, side);
+    const ProfileInput* input = exact(profile, rest, side);
+    if (input && is_convertible(input->kind, type)) return input;
+    const bool is_boolean = type == XR_ACTION_TYPE_BOOLEAN_INPUT;
+    for (const char* component : {is_boolean ? "/click" : "/value", is_boolean ? "/value" : "/click", "/pose"}) {
+        const ProfileInput* below = exact(profile, rest + component, side);
+        if (below && is_convertible(below->kind, type)) return below;
+    }
+    return nullptr;
+}
+
+bool is_convertible(InputKind kind, XrActionType type) {
+    switch (type) {
+        case XR_ACTION_TYPE_BOOLEAN_INPUT:
+        case XR_ACTION_TYPE_FLOAT_INPUT:
+            return kind == kBoolean || kind == kFloat;
+        case XR_ACTION_TYPE_VECTOR2F_INPUT:
+            return kind == kVector;
+        case XR_ACTION_TYPE_POSE_INPUT:
+            return kind == kPose;
+        case XR_ACTION_TYPE_VIBRATION_OUTPUT:
+            return kind == kHaptic;
+        default:
+            return false;
+    }
+}
+
+}  // namespace neuvv::xr_runtime

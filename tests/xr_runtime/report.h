@@ -1,0 +1,55 @@
+// What the runtime saw an application do: report.json in NEUVV_XR_OUT, see README.md.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "openxr_all.h"
+
+namespace neuvv::xr_runtime {
+
+// Said once, however often it happens again.
+struct Finding {
+    int64_t frame;  // the first
+    std::string function, rule, text;
+    int64_t count;
+};
+
+struct HapticPulse {
+    int64_t frame;
+    std::string path;
+    float amplitude;
+    XrDuration duration_ns;
+};
+
+struct SavedLayers {
+    int64_t frame;
+    std::vector<std::string> types;
+    bool has_depth;
+    XrTime display_time;
+};
+
+struct Report {
+    std::filesystem::path folder;  // empty: nothing is written
+    std::vector<Finding> violations, warnings;
+    int64_t frames = 0, frames_with_layers = 0;
+    std::vector<std::string> states;
+    std::vector<HapticPulse> haptics;
+    std::vector<SavedLayers> layers;
+    std::vector<std::string> actions;
+    struct Binding {
+        std::string action, path;
+    };
+    std::map<std::string, std::vector<Binding>> bindings;  // by interaction profile
+    bool is_destroyed_cleanly = false;
+
+    // Both say whether it is new.
+    bool add_violation(Finding finding);
+    bool add_warning(Finding finding);
+    // Atomically; a disk that refuses is told on stderr.
+    void write() const;
+};
+
+}  // namespace neuvv::xr_runtime

@@ -1,0 +1,163 @@
+#include "spaces.h"
+
+#include "call.h"
+#include "pose.h"
+#include "velocity.h"
+
+namespace neuvv::xr_runtime {
+
+namespace {
+
+constexpr XrSpaceLocationFlags kAllFlags =
+    XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
+    XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
+
+// Where a reference space's origin is after the recentrings until then.
+XrPosef origin_in_world(XrReferenceSpaceType type, XrTime time) {
+    XrPosef origin = kIdentityPose;
+    if (type == XR_REFERENCE_SPACE_TYPE_LOCAL) origin.position.y = -runtime().script.floor_m;
+    for (const Recentre& recentre : runtime().progress.recentres)
+        if (recentre.space == type && recentre.change_time <= time) origin = origin * recentre.shift;
+    return origin;
+}
+
+Located action_in_world(const Space& space, XrTime time) {
+    const auto& states = space.session->action_states;
+    const auto found = states.find({space.action->handle, space.subaction_path});
+    if (found == states.end() || !found->second.is_active) return {kIdentityPose, false};
+    const std::string& source = found->second.source;
+    return hand_in_world(hand_of(source), source.find("/input/aim") != std::string::npos, time);
+}
+
+XrResult enumerate_spaces(XrSession handle, uint32_t capacity, uint32_t* count, XrReferenceSpaceType* out) {
+    object<Session>(handle);
+    return give_values(capacity, count, out, runtime().script.spaces);
+}
+
+void check_reference(XrReferenceSpaceType type) {
+    const auto& spaces = runtime().script.spaces;
+    require(std::find(spaces.begin(), spaces.end(), type) != spaces.end(), XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
+            "reference-space",
+            fmt::format("xrEnumerateReferenceSpaces does not name the type {}", static_cast<int>(type)));
+}
+
+XrResult create_reference_space(XrSession handle, const XrReferenceSpaceCreateInfo* create_info, XrSpace* out) {
+    Session& session = object<Session>(handle);
+    const XrReferenceSpaceCreateInfo& info = checked(create_info);
+    check_pointer(out, "space");
+    check_reference(info.referenceSpaceType);
+    check_pose(info.poseInReferenceSpace, "poseInReferenceSpace");
+    const auto space = make_object<Space>();
+    space->session = &session;
+    space->reference = info.referenceSpaceType;
+    space->offset = info.poseInReferenceSpace;
+    *out = space->handle;
+    return XR_SUCCESS;
+}
+
+XrResult get_bounds(XrSession handle, XrReferenceSpaceType type, XrExtent2Df* bounds) {
+    object<Session>(handle);
+    check_pointer(bounds, "bounds");
+    check_reference(type);
+    const bool has_bounds = type == XR_REFERENCE_SPACE_TYPE_STAGE;
+    *bounds = has_bounds ? XrExtent2Df{3, 2} : XrExtent2Df{0, 0};
+    return has_bounds ? XR_SUCCESS : XR_SPACE_BOUNDS_UNAVAILABLE;
+}
+
+XrResult create_action_space(XrSession handle, const XrActionSpaceCreateInfo* create_info, XrSpace* out) {
+    Session& session = object<Session>(handle);
+    const XrActionSpaceCreateInfo& info = checked(create_info);
+    check_pointer(out, "space");
+    const auto action = shared<Action>(info.action);
+    require(action->type == XR_ACTION_TYPE_POSE_INPUT, XR_ERROR_ACTION_TYPE_MISMATCH, "action-type",
+            fmt::format("the action '{}' of an action space is no pose action", action->name));
+    check_subaction(*action, info.subactionPath);
+    check_pose(info.poseInActionSpace, "poseInActionSpace");
+    const auto space = make_object<Space>();
+    space->session = &session;
+    space->action = action;
+    space->subaction_path = info.subactionPath;
+    space->offset = info.poseInActionSpace;
+    *out = space->handle;
+    return XR_SUCCESS;
+}
+
+XrResult locate_space(XrSpace handle, XrSpace base_handle, XrTime time, XrSpaceLocation* out) {
+    const Space &space = object<Space>(handle), &base = object<Space>(base_handle);
+    XrSpaceLocation& location = checked(out);
+    check_time(time);
+    const Located located = locate(space, base, time);
+    location.locationFlags = located.is_valid ? kAllFlags : 0;
+    location.pose = located.is_valid ? located.pose : kIdentityPose;
+    auto* speeds = const_cast<XrSpaceVelocity*>(chained<XrSpaceVelocity>(out));
+    if (!speeds) return XR_SUCCESS;
+    const Velocity speed = velocity([&](XrTime at) { return locate(space, base, at); }, time);
+    speeds->velocityFlags = located.is_valid ? XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT
+                                             : XrSpaceVelocityFlags{0};
+    speeds->linearVelocity = speed.linear;
+    speeds->angularVelocity = speed.angular;
+    return XR_SUCCESS;
+}
+
+XrResult destroy_space(XrSpace handle) {
+    shared<Space>(handle);
+    forget(bits(handle));
+    return XR_SUCCESS;
+}
+
+}  // namespace
+
+Hand hand_of(const std::string& path) {
+    return path.starts_with("/user/hand/left") ? kLeft : kRight;
+}
+
+Located head_in_world(XrTime time) {
+    const XrPosef upright = {{0, 0, 0, 1}, {0, -runtime().script.floor_m, 0}};
+    const bool is_tracked = runtime().progress.frame() >= runtime().progress.untracked_until;
+    return {pose_at(runtime().script.head, frame_at(time), upright), is_tracked};
+}
+
+Located hand_in_world(Hand hand, bool is_aim, XrTime time) {
+    const HandTracks& tracks = runtime().script.hands[hand];
+    const double frame = frame_at(time);
+    const XrPosef at_rest = {{0, 0, 0, 1}, {hand == kLeft ? -0.2f : 0.2f, -0.4f - runtime().script.floor_m, -0.4f}};
+    const bool is_tracked = value_at(tracks.tracked, static_cast<int64_t>(std::floor(frame + 1e-6)), true);
+    return {pose_at(is_aim ? tracks.aim : tracks.grip, frame, at_rest), is_tracked};
+}
+
+Located space_in_world(const Space& space, XrTime time) {
+    Located located;
+    if (space.action)
+        located = action_in_world(space, time);
+    else if (space.reference == XR_REFERENCE_SPACE_TYPE_VIEW)
+        located = head_in_world(time);
+    else
+        located.pose = origin_in_world(space.reference, time);
+    return {located.pose * space.offset, located.is_valid};
+}
+
+Located locate(const Space& space, const Space& base, XrTime time) {
+    // What hangs on the head is known against the head, tracked or not.
+    const bool are_same = !space.action && !base.action && space.reference == base.reference;
+    if (are_same) return {inverse(base.offset) * space.offset, true};
+    const Located a = space_in_world(space, time), b = space_in_world(base, time);
+    return {inverse(b.pose) * a.pose, a.is_valid && b.is_valid};
+}
+
+Located view_in(const Space& space, uint32_t view, XrTime time) {
+    Space head;
+    head.reference = XR_REFERENCE_SPACE_TYPE_VIEW;
+    head.offset.position.x = runtime().script.eye_distance_m * (view == 0 ? -0.5f : 0.5f);
+    return locate(head, space, time);
+}
+
+std::vector<EntryPoint> space_entries() {
+    return {NEUVV_XR_ENTRY(xrEnumerateReferenceSpaces, enumerate_spaces),
+            NEUVV_XR_ENTRY(xrCreateReferenceSpace, create_reference_space),
+            NEUVV_XR_ENTRY(xrGetReferenceSpaceBoundsRect, get_bounds),
+            NEUVV_XR_ENTRY(xrCreateActionSpace, create_action_space),
+            NEUVV_XR_ENTRY(xrLocateSpace, locate_space),
+            NEUVV_XR_ENTRY(xrDestroySpace, destroy_space)};
+}
+
+}  // namespace neuvv::xr_runtime

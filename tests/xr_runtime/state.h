@@ -1,0 +1,207 @@
+// Everything that the runtime knows. There is one of it in a process, behind one mutex that each entry point holds.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "openxr_all.h"
+#include "report.h"
+#include "script.h"
+#include "vulkan_images.h"
+
+namespace neuvv::xr_runtime {
+
+enum class Kind : uint8_t {
+    kInstance = 1,
+    kSession,
+    kSpace,
+    kSwapchain,
+    kActionSet,
+    kAction,
+    kHandTracker,
+    kMessenger
+};
+
+struct Session;
+
+struct ActionSet {
+    static constexpr Kind kKind = Kind::kActionSet;
+    static constexpr const char* kName = "XrActionSet";
+    using Handle = XrActionSet;
+    Handle handle = XR_NULL_HANDLE;
+    std::string name, localized_name;
+    uint32_t priority = 0;
+    bool is_attached = false;
+};
+
+struct Action {
+    static constexpr Kind kKind = Kind::kAction;
+    static constexpr const char* kName = "XrAction";
+    using Handle = XrAction;
+    Handle handle = XR_NULL_HANDLE;
+    std::shared_ptr<ActionSet> set;  // outlives the set's handle: attached actions keep working
+    std::string name, localized_name;
+    XrActionType type = XR_ACTION_TYPE_MAX_ENUM;
+    std::vector<XrPath> subaction_paths;
+};
+
+// One suggested binding; `path` is as the application wrote it.
+struct Binding {
+    std::shared_ptr<Action> action;
+    std::string path;
+};
+
+struct Instance {
+    static constexpr Kind kKind = Kind::kInstance;
+    static constexpr const char* kName = "XrInstance";
+    using Handle = XrInstance;
+    Handle handle = XR_NULL_HANDLE;
+    std::set<std::string> extensions;
+    bool has_system = false, asked_requirements = false, asked_requirements2 = false;
+    std::map<VkInstance, PFN_vkGetInstanceProcAddr> vulkan_instances;  // of xrCreateVulkanInstanceKHR
+    std::map<VkDevice, VkPhysicalDevice> vulkan_devices;               // of xrCreateVulkanDeviceKHR
+    std::map<VkInstance, VkPhysicalDevice> graphics_devices;           // as xrGetVulkanGraphicsDevice(2)KHR answered
+    std::deque<XrEventDataBuffer> events;
+    int64_t last_poll_frame = 0;
+    XrPath first_path = 1;  // paths of another instance are none of this one's
+    std::vector<std::string> paths;
+    std::map<std::string, std::vector<Binding>> suggested;  // by interaction profile
+    bool is_lost = false;
+    int64_t calls_until_loss = -1;  // -1: none pending
+
+    bool has(const char* extension) const { return extensions.contains(extension); }
+};
+
+struct Swapchain {
+    static constexpr Kind kKind = Kind::kSwapchain;
+    static constexpr const char* kName = "XrSwapchain";
+    using Handle = XrSwapchain;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    XrSwapchainCreateInfo info = {};
+    SwapchainImages images;
+    std::deque<uint32_t> acquired;  // the oldest first
+    bool is_oldest_waited = false;
+    uint32_t next = 0;
+    std::optional<uint32_t> released;  // the latest
+    int64_t released_count = 0;
+    int64_t shown_count = 0;  // released_count as of the last xrEndFrame that used it
+};
+
+struct Space {
+    static constexpr Kind kKind = Kind::kSpace;
+    static constexpr const char* kName = "XrSpace";
+    using Handle = XrSpace;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    XrReferenceSpaceType reference = XR_REFERENCE_SPACE_TYPE_MAX_ENUM;  // of reference spaces
+    std::shared_ptr<Action> action;                                     // of action spaces
+    XrPath subaction_path = XR_NULL_PATH;
+    XrPosef offset = {{0, 0, 0, 1}, {0, 0, 0}};
+};
+
+struct HandTracker {
+    static constexpr Kind kKind = Kind::kHandTracker;
+    static constexpr const char* kName = "XrHandTrackerEXT";
+    using Handle = XrHandTrackerEXT;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    Hand hand = kLeft;
+};
+
+struct Messenger {
+    static constexpr Kind kKind = Kind::kMessenger;
+    static constexpr const char* kName = "XrDebugUtilsMessengerEXT";
+    using Handle = XrDebugUtilsMessengerEXT;
+    Handle handle = XR_NULL_HANDLE;
+};
+
+struct Frame {
+    int64_t index = -1;
+    XrTime display_time = 0;
+    bool should_render = false;
+    int locate_count = 0;
+};
+
+// Of one action and one subaction path (or none), as the last xrSyncActions left it.
+struct ActionState {
+    bool is_active = false, has_changed = false;
+    XrVector2f value = {0, 0};
+    XrTime change_time = 0;
+    std::string source;  // the binding's path: for poses, which hand and which of its poses
+};
+
+enum class AfterStop { kNothing, kRestart, kExit };
+
+struct Session {
+    static constexpr Kind kKind = Kind::kSession;
+    static constexpr const char* kName = "XrSession";
+    using Handle = XrSession;
+    Handle handle = XR_NULL_HANDLE;
+    Instance* instance = nullptr;
+    VulkanDevice vulkan;
+    XrSessionState state = XR_SESSION_STATE_UNKNOWN;
+    XrSessionState target = XR_SESSION_STATE_FOCUSED;  // what finished frames lead towards
+    bool is_running = false, is_lost = false;
+    AfterStop after_stop = AfterStop::kNothing;
+    int64_t restart_polls = 0;  // of xrPollEvent that find nothing, in IDLE, before READY comes again
+    int64_t ended_frames = 0;   // since xrBeginSession
+    std::optional<Frame> waited, begun;
+    std::thread::id waiter, beginner;
+    bool is_attached = false, was_synced = false;
+    std::vector<std::shared_ptr<ActionSet>> attached;
+    std::string current_profile;  // empty: none
+    std::map<std::pair<XrAction, XrPath>, ActionState> action_states;
+};
+
+struct Recentre {
+    XrTime change_time;
+    XrReferenceSpaceType space;
+    XrPosef shift;
+};
+
+// Where the script is: outlives instances and sessions, so that it goes on after a loss.
+struct Progress {
+    std::vector<XrTime> display_times;  // by frame
+    XrTime last_wake = 0;               // real time only
+    size_t next_event = 0;
+    int64_t slow_until = 0, slow_periods = 1, untracked_until = 0;
+    std::vector<Recentre> recentres;
+    float refresh_hz = 90;
+    std::string profile;
+    int mask_version = 0;
+    XrTime clock_base = 0;  // XrTime less CLOCK_MONOTONIC, in ns
+
+    int64_t frame() const { return static_cast<int64_t>(display_times.size()) - 1; }
+    XrDuration period() const { return static_cast<XrDuration>(1e9 / static_cast<double>(refresh_hz) + 0.5); }
+};
+
+struct Runtime {
+    std::mutex mutex;
+    std::condition_variable frame_begun;
+    std::string configuration;  // script and folder that the rest goes with
+    Script script;
+    Report report;
+    Progress progress;
+    std::map<uint64_t, std::shared_ptr<void>> objects;
+    uint64_t next_serial = 1;
+    std::shared_ptr<Instance> instance;  // one at a time
+    std::shared_ptr<Session> session;    // likewise
+};
+
+Runtime& runtime();
+
+// The time now, on the application's clock.
+XrTime now();
+// The frame, with its fraction, that is on display at a moment: the scripts' clock.
+double frame_at(XrTime time);
+
+}  // namespace neuvv::xr_runtime
