@@ -66,5 +66,6 @@ void add_render(CLI::App& app, CommonOptions& common);
 void add_stage(CLI::App& app, CommonOptions& common);
 void add_paint(CLI::App& app, CommonOptions& common);
 void add_view(CLI::App& app, CommonOptions& common);
+void add_xr(CLI::App& app, CommonOptions& common);
 
 }  // namespace neuvv

@@ -70,6 +70,7 @@ int run(int argc, char** argv) {
     neuvv::add_stage(app, common);
     neuvv::add_paint(app, common);
     neuvv::add_view(app, common);
+    neuvv::add_xr(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
         "Examples (from the repository's root):\n"

@@ -18,11 +18,6 @@ namespace {
 
 constexpr double kWatchEvery_s = 1;
 
-std::filesystem::path recovery_folder() {
-    const std::filesystem::path folder = state_folder();
-    return folder.empty() ? folder : folder / "recovery";
-}
-
 bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
     return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return path.extension() == e; });
 }

@@ -3,27 +3,13 @@
 #include <cmath>
 
 #include "tools/viewer/pointer.h"
+#include "xr/ray_hit.h"
 
 namespace neuvv {
 
 namespace {
 
 constexpr float kSeenAlpha = 0.5f;
-
-// Metres along the ray to where it enters a box that stands on `world_from_box`; infinite where it misses.
-double distance_to_box(const ViewRay& ray, const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high) {
-    const glm::dmat4 box_from_world = glm::inverse(world_from_box);
-    const glm::dvec3 origin(box_from_world * glm::dvec4(ray.origin, 1)),
-        way(box_from_world * glm::dvec4(ray.direction, 0));
-    double enter = 0, leave = INFINITY;
-    for (int axis = 0; axis < 3; axis++) {
-        const double a = (low[axis] - origin[axis]) / way[axis], b = (high[axis] - origin[axis]) / way[axis];
-        if (std::isnan(a) || std::isnan(b)) continue;  // in a face's plane
-        enter = std::max(enter, std::min(a, b));
-        leave = std::min(leave, std::max(a, b));
-    }
-    return enter <= leave ? enter : INFINITY;
-}
 
 // Möller and Trumbore 1997; both sides.
 double distance_to_triangle(const ViewRay& ray, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
@@ -66,8 +52,8 @@ void see_performers(OnDevice& on_device, const StageInstant& instant, const Came
         if (!performer.visible) continue;
         const Instance& instance = instances[shown++];
         const StageClip& clip = on_device.stage.clips[performer.clip];
-        if (std::isinf(
-                distance_to_box(ray, performer.world_from_performer, clip.box_min, clip.box_min + clip.box_size)))
+        if (!box_hit({ray.origin, ray.direction}, performer.world_from_performer, clip.box_min,
+                     clip.box_min + clip.box_size))
             continue;
         settings.instances = {instance};
         on_device.renderer.frames().draw({&one_pixel, 1}, settings);

@@ -4,7 +4,6 @@
 #include <imgui.h>
 
 #include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_vulkan.h>
 
 #include "tools/viewer/look.h"
 
@@ -17,10 +16,6 @@ struct Screen::Frame {
 };
 
 namespace {
-
-void check_imgui(VkResult result) {
-    if (result < 0) check(result, "Vulkan", "panels");
-}
 
 int32_t edge(int32_t offset, uint32_t extent) {
     return offset + static_cast<int32_t>(extent);
@@ -45,114 +40,29 @@ uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
 }  // namespace
 
 Screen::Screen(const Device& device, Window& window, float scale)
-    : device_(device), window_(window), scale_(scale), swapchain_(device, window.make_surface(device)) {
+    : device_(device), window_(window), swapchain_(device, window.make_surface(device)) {
     for (auto& frame : frames_) frame = std::make_unique<Frame>(device);
     swapchain_.resize(window.framebuffer());
-    make_render_pass();
+    drawing_ = std::make_unique<PanelDrawing>(device, swapchain_.format(), swapchain_.image_count(), scale);
+    ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
     make_framebuffers();
-    start_imgui();
 }
 
 Screen::~Screen() {
     device_.wait_idle();
-    ImGui_ImplVulkan_Shutdown();
     ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
     for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
-    vkDestroyRenderPass(device_.handle(), render_pass_, nullptr);
-    vkDestroyDescriptorPool(device_.handle(), descriptors_, nullptr);
-}
-
-// ImGui's backend knows no dynamic rendering.
-void Screen::make_render_pass() {
-    VkAttachmentDescription colour{};
-    colour.format = swapchain_.format();
-    colour.samples = VK_SAMPLE_COUNT_1_BIT;
-    colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-    colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    colour.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    colour.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    colour.initialLayout = colour.finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-    VkSubpassDescription subpass{};
-    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    subpass.colorAttachmentCount = 1;
-    subpass.pColorAttachments = &reference;
-    VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
-    info.attachmentCount = 1;
-    info.pAttachments = &colour;
-    info.subpassCount = 1;
-    info.pSubpasses = &subpass;
-    check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "vkCreateRenderPass", "panels");
 }
 
 void Screen::make_framebuffers() {
     for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
     framebuffers_.clear();
-    for (uint32_t i = 0; i < swapchain_.image_count(); i++) {
-        const VkImageView view = swapchain_.view(i);
-        VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-        info.renderPass = render_pass_;
-        info.attachmentCount = 1;
-        info.pAttachments = &view;
-        info.width = swapchain_.extent().width;
-        info.height = swapchain_.extent().height;
-        info.layers = 1;
-        check(vkCreateFramebuffer(device_.handle(), &info, nullptr, &framebuffers_.emplace_back()),
-              "vkCreateFramebuffer", "panels");
-    }
-}
-
-void Screen::start_imgui() {
-    constexpr VkDescriptorPoolSize kSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
-    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
-    pool.maxSets = 4;
-    pool.poolSizeCount = 1;
-    pool.pPoolSizes = &kSize;
-    check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &descriptors_), "vkCreateDescriptorPool", "panels");
-
-    ImGui::CreateContext();
-    ImGui::GetIO().ConfigDragClickToInputText = true;
-    ImGui::GetIO().IniFilename = nullptr;  // preferences keep what is to be kept
-    ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
-    start_drawing();
-}
-
-void Screen::start_drawing() {
-    ImGui_ImplVulkan_InitInfo info{};
-    info.Instance = device_.instance();
-    info.PhysicalDevice = device_.physical();
-    info.Device = device_.handle();
-    info.QueueFamily = device_.queue_family();
-    info.Queue = device_.queue();
-    info.PipelineCache = device_.pipeline_cache();
-    info.DescriptorPool = descriptors_;
-    info.MinImageCount = 2;
-    info.ImageCount = std::max<uint32_t>(2, swapchain_.image_count()) + 1;  // its vertex buffers go round by frames
-    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-    info.CheckVkResultFn = check_imgui;
-    ImGui_ImplVulkan_Init(&info, render_pass_);
-    make_letters();
-}
-
-void Screen::make_letters() {
-    apply_look(scale_);
-    run_once(device_, "letters", [](Commands& commands) { ImGui_ImplVulkan_CreateFontsTexture(commands.handle()); });
-    ImGui_ImplVulkan_DestroyFontUploadObjects();
-}
-
-// The backend frees a texture of letters only together with all the rest.
-void Screen::set_scale(float scale) {
-    if (scale == scale_) return;
-    scale_ = scale;
-    device_.wait_idle();
-    ImGui_ImplVulkan_Shutdown();
-    start_drawing();
+    for (uint32_t i = 0; i < swapchain_.image_count(); i++)
+        framebuffers_.push_back(make_framebuffer(device_, *drawing_, swapchain_.view(i), swapchain_.extent()));
 }
 
 void Screen::begin() {
-    ImGui_ImplVulkan_NewFrame();
+    drawing_->new_frame();
     ImGui_ImplGlfw_NewFrame();
     window_.feed_imgui();
     ImGui::NewFrame();
@@ -203,13 +113,7 @@ void Screen::record(Commands& commands, const ScreenPicture& picture, const Pres
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     }
     move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-    begin.renderPass = render_pass_;
-    begin.framebuffer = framebuffers_[target.index];
-    begin.renderArea.extent = target.extent;
-    vkCmdBeginRenderPass(commands.handle(), &begin, VK_SUBPASS_CONTENTS_INLINE);
-    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands.handle());
-    vkCmdEndRenderPass(commands.handle());
+    drawing_->record(commands, framebuffers_[target.index], target.extent);
     VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     if (capture_) {
         move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);

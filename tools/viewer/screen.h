@@ -7,6 +7,7 @@
 #include "gpu/image.h"
 #include "gpu/swapchain.h"
 #include "media/image.h"
+#include "tools/viewer/panel_drawing.h"
 #include "tools/viewer/window.h"
 
 namespace neuvv {
@@ -26,9 +27,9 @@ class Screen {
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    float scale() const { return scale_; }
+    float scale() const { return drawing_->scale(); }
     // Other letters; not between begin() and end().
-    void set_scale(float scale);
+    void set_scale(float scale) { drawing_->set_scale(scale); }
 
     // Then panels may be drawn with ImGui, until end(), which shows them over the picture. False: it could not just
     // now, and another frame is wanted.
@@ -40,19 +41,13 @@ class Screen {
 
   private:
     struct Frame;
-    void make_render_pass();
     void make_framebuffers();
-    void start_imgui();
-    void start_drawing();
-    void make_letters();
     void record(Commands& commands, const ScreenPicture& picture, const PresentTarget& target);
     void record_capture(Commands& commands, const PresentTarget& target);
     const Device& device_;
     Window& window_;
-    float scale_;
     Swapchain swapchain_;
-    VkRenderPass render_pass_ = VK_NULL_HANDLE;
-    VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
+    std::unique_ptr<PanelDrawing> drawing_;
     std::vector<VkFramebuffer> framebuffers_;
     std::unique_ptr<Frame> frames_[2];  // in flight in turn
     size_t turn_ = 0, captured_in_ = 0;

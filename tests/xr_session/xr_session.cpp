@@ -1,0 +1,175 @@
+#include "xr_session/xr_session.h"
+
+#include <fstream>
+#include <glm/gtc/constants.hpp>
+
+#include "edit/operations.h"
+#include "support/child_process.h"
+#include "support/figure.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+
+namespace {
+
+using nlohmann::json;
+constexpr auto kPatience = std::chrono::minutes(4);
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+json list(glm::dvec3 v) {
+    return {v.x, v.y, v.z};
+}
+
+json pose(glm::dvec3 at, glm::dvec3 looks_at) {
+    const glm::dvec3 way = glm::normalize(looks_at - at);
+    return {{"at", list(at)},
+            {"turn_deg", list(glm::degrees(glm::dvec3(std::asin(way.y), std::atan2(-way.x, -way.z), 0)))}};
+}
+
+}  // namespace
+
+XrScript::XrScript()
+    : json{{"width", 192},
+           {"height", 192},
+           {"fov_deg", {{-42, 38, 40, -44}, {-38, 42, 40, -44}}},
+           {"timeline", json::array()},
+           {"events", json::array()},
+           {"save_frames", json::array()}} {
+    head(0, {0, 1.5, 0}, {0, 1.2, -2});
+}
+
+json& XrScript::at(int frame) {
+    json.at("timeline").push_back({{"frame", frame}});
+    return json["timeline"].back();
+}
+
+void XrScript::head(int frame, glm::dvec3 place, glm::dvec3 looks_at) {
+    at(frame)["head"] = pose(place, looks_at);
+}
+
+void XrScript::hand(int frame, const std::string& hand, glm::dvec3 place, glm::dvec3 points_at) {
+    at(frame)[hand] = {{"grip", pose(place, points_at)}, {"aim", pose(place, points_at)}, {"tracked", true}};
+}
+
+void XrScript::loses(int frame, const std::string& hand) {
+    at(frame)[hand] = {{"tracked", false}};
+}
+
+void XrScript::input(int frame, const std::string& hand, const std::string& what, double value) {
+    nlohmann::json as = value;
+    if (what.ends_with("/click")) as = value != 0;
+    at(frame)["input"] = {{"/user/hand/" + hand + "/input/" + what, as}};
+}
+
+void XrScript::stick(int frame, const std::string& hand, glm::dvec2 value) {
+    at(frame)["input"] = {{"/user/hand/" + hand + "/input/thumbstick", {value.x, value.y}}};
+}
+
+void XrScript::click(int frame, const std::string& hand, const std::string& what) {
+    input(frame, hand, what, 1);
+    input(frame + 2, hand, what, 0);
+}
+
+void XrScript::event(int frame, const std::string& what, nlohmann::json more) {
+    more["frame"] = frame;
+    more["do"] = what;
+    json["events"].push_back(more);
+}
+
+void XrScript::save(int frame) {
+    json["save_frames"].push_back(frame);
+}
+
+Image XrRun::picture(int frame, const std::string& which) const {
+    char name[64];
+    std::snprintf(name, sizeof(name), "frame_%04d_%s.png", frame, which.c_str());
+    return read_png(out / name);
+}
+
+XrSession::XrSession() {
+    write_nvv(clip, figure_tree());
+    StageFile file = new_stage(stage);
+    PerformerEdit performer;
+    performer.clip = clip;
+    Placement place;
+    place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -0.8, 0, -2.8, 1);
+    add_performer(file, "anna", performer, place);
+    Placement eyes;
+    eyes.at = glm::dvec3(0, 1.5, 0);
+    eyes.aim = glm::dvec3(0, 1.5, -1);
+    place_node(file, find_node(file, "camera"), eyes);
+    save_stage_file(file, stage);
+}
+
+XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more) {
+    XrRun run;
+    run.out = folder.path / ("run" + std::to_string(++runs_));
+    std::filesystem::create_directories(run.out);
+    const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
+    std::ofstream(path) << script.json.dump(1);
+    std::vector<std::string> words{"/usr/bin/env",
+                                   "XR_RUNTIME_JSON=" NEUVV_XR_RUNTIME,
+                                   "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation",
+                                   "XR_CORE_VALIDATION_EXPORT_TYPE=text",
+                                   "XR_CORE_VALIDATION_FILE_NAME=" + (run.out / "validation.txt").string(),
+                                   "NEUVV_XR_SCRIPT=" + path.string(),
+                                   "NEUVV_XR_OUT=" + run.out.string(),
+                                   "XDG_STATE_HOME=" + (folder.path / "state").string(),
+                                   NEUVV_PROGRAM,
+                                   "xr",
+                                   stage.string(),
+                                   "--validate",
+                                   "--scale",
+                                   "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    ChildProcess program(words, log);
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (!program.ended()) {
+        if (std::chrono::steady_clock::now() > end) throw std::runtime_error("the program hangs: " + read_text(log));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    run.code = program.wait();
+    run.log = read_text(log);
+    run.report = json::parse(read_text(run.out / "report.json"), nullptr, false);
+    return run;
+}
+
+void XrSession::expect_clean(const XrRun& run) {
+    EXPECT_EQ(run.code, 0) << run.log;
+    ASSERT_TRUE(run.report.is_object()) << run.log;
+    EXPECT_EQ(run.report["violations"], json::array());
+    EXPECT_EQ(run.report["warnings"], json::array());
+    EXPECT_EQ(run.report["destroyed_cleanly"], true);
+    const std::string layer = read_text(run.out / "validation.txt");
+    EXPECT_EQ(layer.find("VUID"), std::string::npos) << layer;
+    EXPECT_EQ(run.log.find("validation:"), std::string::npos) << run.log;
+}
+
+json XrSession::saved() const {
+    return json::parse(read_text(stage));
+}
+
+const json& XrSession::node(const json& document, const std::string& name) {
+    for (const json& one : document.at("nodes"))
+        if (one.value("name", "") == name) return one;
+    throw std::runtime_error("there is no node " + name);
+}
+
+glm::dvec3 XrSession::place(const json& node) {
+    if (node.contains("matrix")) return {node["matrix"][12], node["matrix"][13], node["matrix"][14]};
+    const auto at = node.value("translation", std::vector<double>{0, 0, 0});
+    return {at[0], at[1], at[2]};
+}
+
+bool same_pixels(const Image& a, const Image& b, int step) {
+    if (a.width != b.width || a.height != b.height) return false;
+    for (size_t i = 0; i < a.rgba.size(); i++)
+        if (std::abs(a.rgba[i] - b.rgba[i]) > step) return false;
+    return true;
+}
+
+}  // namespace neuvv::test

@@ -1,0 +1,64 @@
+// Painting in the air: a ball or a box at the tip of a hand colours or erases what of the selected performer it
+// touches; a box that is pulled up from corner to corner chooses a region for the panel's buttons.
+//
+// Leaves are looked for and layers made on the thread for files, so that no frame waits: what a stroke touches
+// meanwhile follows with the next job.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tools/headset/hand.h"
+#include "tools/headset/on_stage.h"
+#include "tools/viewer/paint_desk.h"
+#include "tools/viewer/work.h"
+
+namespace neuvv {
+
+// In the performer's space, metres.
+struct PaintRegion {
+    uint32_t node = 0;
+    glm::dvec3 low{0}, high{0};
+};
+
+class BrushHand {
+  public:
+    // `work` must outlive it, or be stopped before.
+    explicit BrushHand(Work& work) : work_(work) {}
+
+    void update(OnStage& on, Hands& hands);
+    // One step of the history; what is still being laid comes into it.
+    void end_stroke(OnStage& on);
+    // Whether jobs of a stroke are under way, or places wait for them.
+    bool busy() const;
+
+    const std::optional<PaintRegion>& region() const { return region_; }
+    void forget_region() { region_.reset(); }
+    // Colours or erases what is in it, as the brush is set.
+    void do_region(OnStage& on);
+
+    // The tip of a hand that paints: world.
+    static glm::dvec3 tip_of(const Pose& world_aim);
+    // "Reading anna, to be painted"; empty: it can be painted, or is not to be.
+    const std::string& waits_for() const { return waits_for_; }
+
+  private:
+    struct Ready;
+    struct Stroke;
+    std::shared_ptr<const Ready> prepare(OnStage& on);
+    void begin(OnStage& on, std::shared_ptr<const Ready> ready);
+    void go_on(OnStage& on);
+    void pull_region(OnStage& on, Hand& hand);
+
+    Work& work_;
+    std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
+    std::shared_ptr<Stroke> stroke_;
+    uint64_t failed_ = 0;  // document of which it cannot be known
+    bool reading_ = false;
+    std::string waits_for_;
+    std::optional<PaintRegion> region_;
+    std::optional<glm::dvec3> corner_;  // the region's first, performer's space, while it is pulled
+};
+
+}  // namespace neuvv

@@ -1,0 +1,35 @@
+// A hand in the stage: where it is, what it presses and what it points at.
+#pragma once
+
+#include <optional>
+
+#include "xr/hands.h"
+#include "xr/press.h"
+
+namespace neuvv {
+
+// Something that a ray meets.
+struct PointedAt {
+    enum class What { kNothing, kPanel, kPerformer, kFloor } what = What::kNothing;
+    double metres = 0;       // along the ray
+    glm::dvec2 on_panel{0};  // 0..1 from the upper left
+    uint32_t performer = 0;  // of Stage::performers
+};
+
+struct Hand {
+    HandInput input;                // of this frame
+    std::optional<Pose> aim, grip;  // world
+    Press select{0.7, 0.4}, grab{0.7, 0.4};
+    Flick flick;
+    PointedAt at;
+    double selecting_s = 0;   // for how long select has been held
+    bool throws_arc = false;  // the stick is pushed for a teleport
+    // What it may feel at the frame's end, 0..1.
+    double pulse = 0;
+
+    void feel(double strength) { pulse = std::max(pulse, strength); }
+};
+
+using Hands = std::array<Hand, kHands>;
+
+}  // namespace neuvv

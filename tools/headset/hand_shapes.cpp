@@ -1,0 +1,109 @@
+#include "tools/headset/hand_shapes.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}, kBlue{0.05f, 0.42f, 0.85f, 1},
+    kWhite{0.9f, 0.9f, 0.9f, 0.8f}, kRay{0.5f, 0.75f, 1, 0.8f}, kFaint{0.5f, 0.75f, 1, 0}, kGreen{0.1f, 0.75f, 0.3f, 1},
+    kRed{0.8f, 0.1f, 0.05f, 1}, kNoRegion{0, 0, 0, 0};
+constexpr double kIdleRay_m = 1.2;
+
+void draw_controller(EyeShapes& shapes, const Hand& hand) {
+    if (!hand.grip) return;
+    const glm::dmat4 grip = matrix_of(*hand.grip);
+    shapes.solid_box(grip, {-0.017, -0.02, -0.03}, {0.017, 0.015, 0.085}, kBody);
+    shapes.solid_box(grip, {-0.024, 0.0, -0.075}, {0.024, 0.022, -0.03}, kTrim);
+    const float pressed = static_cast<float>(std::clamp(hand.input.select, 0.0, 1.0));
+    shapes.solid_box(grip, {-0.008, -0.02, -0.062}, {0.008, 0.0, -0.045},
+                     glm::mix(kTrim, kBlue, hand.select.held() ? 1.0f : 0.5f * pressed));
+}
+
+void draw_ray(EyeShapes& shapes, const Hand& hand, std::optional<double> held_m) {
+    if (!hand.aim) return;
+    const bool meets = hand.at.what == PointedAt::What::kPanel || hand.at.what == PointedAt::What::kPerformer;
+    const double metres = held_m ? *held_m : meets ? hand.at.metres : kIdleRay_m;
+    const Ray ray = ray_of(*hand.aim);
+    const glm::dvec3 end = ray.origin + metres * ray.direction;
+    shapes.line(ray.origin, end, 0.003, kRay, meets || held_m ? kRay : kFaint);
+    if (meets || held_m) shapes.ball(end, held_m ? 0.014 : 0.008, held_m ? kBlue : glm::vec4(0.9f, 0.9f, 0.9f, 1));
+}
+
+void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+    const auto selected = on.selected_performer();
+    for (const InstantPerformer& performer : on.instant.performers) {
+        if (!performer.visible) continue;
+        bool pointed_at = false;
+        for (const Hand& hand : interaction.hands)
+            pointed_at |= hand.at.what == PointedAt::What::kPerformer && hand.at.performer == performer.performer;
+        const bool is_selected = selected == performer.performer;
+        if (!is_selected && !(pointed_at && on.tool == HandTool::kArrange)) continue;
+        const auto [low, high] = box_of(*on.stage, performer.performer);
+        shapes.box_edges(performer.world_from_performer, low, high, is_selected ? 0.006 : 0.003,
+                         is_selected ? kBlue : kWhite);
+    }
+    const auto& region = interaction.brush.region();
+    if (on.tool != HandTool::kRegion || !region) return;
+    for (const InstantPerformer& performer : on.instant.performers)
+        if (on.stage->performers[performer.performer].node == region->node)
+            shapes.box_edges(performer.world_from_performer, region->low, region->high, 0.004, kGreen);
+}
+
+glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
+    if (brush.does == HandBrush::Does::kErase) return {0.6f, 0.6f, 0.6f, alpha};
+    return {glm::pow(brush.colour, glm::vec3(2.2f)), alpha};
+}
+
+void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+    const Hand& hand = interaction.hands[kRight];
+    if (on.tool == HandTool::kArrange || !hand.aim || hand.at.what == PointedAt::What::kPanel) return;
+    const glm::dvec3 tip = BrushHand::tip_of(*hand.aim);
+    if (on.tool == HandTool::kRegion) return shapes.ball(tip, 0.008, kGreen);
+    const glm::vec4 colour = brush_colour(on.brush, hand.select.held() ? 0.6f : 0.35f);
+    const double radius = on.brush.radius_m;
+    if (on.brush.tip == HandBrush::Tip::kBall)
+        shapes.ball(tip, radius, colour);
+    else
+        shapes.solid_box(glm::translate(glm::dmat4(1), tip), glm::dvec3(-radius), glm::dvec3(radius), colour);
+}
+
+void draw_arc(EyeShapes& shapes, const Arc* arc) {
+    if (!arc) return;
+    shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
+    if (arc->landing) shapes.ring(*arc->landing + glm::dvec3(0, 0.01, 0), 0.22, 0.04, kGreen);
+}
+
+}  // namespace
+
+void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+    draw_boxes(shapes, on, interaction);
+    for (int which = 0; which < kHands; which++) {
+        const Hand& hand = interaction.hands[which];
+        draw_controller(shapes, hand);
+        const bool paints = which == kRight && on.tool != HandTool::kArrange && hand.at.what != PointedAt::What::kPanel;
+        if (paints || hand.throws_arc) continue;
+        draw_ray(
+            shapes, hand,
+            interaction.holding.holds(which) ? std::optional(interaction.holding.distance_m(which)) : std::nullopt);
+    }
+    draw_brush(shapes, on, interaction);
+    draw_arc(shapes, interaction.walking.arc());
+    if (interaction.panel) shapes.hole(interaction.panel->world, interaction.panel->size_m);
+}
+
+void draw_joints(EyeShapes& shapes, const HandJoints& joints, const Pose& world_from_tracking) {
+    for (const HandJoint& joint : joints)
+        shapes.ball(world_from_tracking * joint.position, joint.radius_m, {0.75f, 0.6f, 0.5f, 1});
+}
+
+void draw_overlay(EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer) {
+    const auto at = [&](uint32_t joint) {
+        return glm::dvec3(world_from_performer * glm::dvec4(overlay.joints[joint].at, 1));
+    };
+    for (uint32_t joint = 0; joint < overlay.joints.size(); joint++)
+        shapes.ball(at(joint), 0.025, overlay.joints[joint].colour);
+    for (const auto& [a, b] : overlay.bones)
+        shapes.line(at(a), at(b), 0.012, overlay.joints[a].colour, overlay.joints[b].colour);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,358 @@
+#include "tools/headset/headset.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <thread>
+
+#include "base/platform.h"
+#include "tools/headset/hand_shapes.h"
+#include "tools/headset/mirror.h"
+#include "tools/headset/panel.h"
+#include "tools/headset/panel_surface.h"
+#include "tools/options.h"
+#include "tools/viewer/open_file.h"
+#include "xr/actions.h"
+
+namespace neuvv {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double kNotice_s = 6, kMostStep_s = 0.25;
+constexpr double kShare = 0.85;  // of a period of the display that drawing may take
+constexpr int32_t kAhead = 2;    // pictures of the clip whose slices are made ahead
+
+double seconds_since(Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+}
+
+void say(const std::string& line) {
+    fmt::print(stderr, "{}\n", line);
+}
+
+// What outlives sessions and runtimes.
+struct Visit {
+    explicit Visit(const HeadsetOptions& wanted)
+        : options(wanted), work([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {}
+
+    const HeadsetOptions& options;
+    OnStage on;
+    Work work;
+    Interaction interaction = Interaction(work);
+    std::optional<Keeper> keeper;
+    std::vector<Notice> notices;
+    std::unique_ptr<Window> window;  // of the mirror
+    Clock::time_point began = Clock::now();
+    bool placed = false;  // the user stands somewhere
+    bool leaves = false;  // was asked to
+
+    double now_s() const { return seconds_since(began); }
+    void open();
+    void tell();
+};
+
+void Visit::open() {
+    const std::filesystem::path stage = stage_of_file(options.file);
+    std::optional<RecoveryEntry> lost = lost_edits(stage);
+    if (lost && !options.recover) {
+        say(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
+        lost.reset();
+    }
+    on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
+    on.follow_document();
+    on.floor_m = floor_of(*on.stage);
+    on.clock.playing = options.play;
+    on.look_at_instant();
+    keeper.emplace(on, work, lost);
+}
+
+// Notices are shown for a while, and said on the terminal.
+void Visit::tell() {
+    for (Notice& notice : on.editor.take_notices()) {
+        say(notice.text);
+        notice.until_s = now_s() + kNotice_s;
+        notices.push_back(std::move(notice));
+    }
+    std::erase_if(notices, [&](const Notice& notice) { return notice.until_s < now_s(); });
+}
+
+// A stage on a device, for as long as the runtime lives that made it.
+struct OnRuntime {
+    explicit OnRuntime(Visit& of);
+    void follow(Visit& visit);
+
+    Runtime runtime;
+    Device device;
+    std::unique_ptr<StageRenderer> renderer;  // made for the first session's images
+    std::shared_ptr<const Stage> drawn;
+};
+
+OnRuntime::OnRuntime(Visit& of)
+    : device(
+          of.options.device, of.options.validate ? Validation::kOn : Validation::kOff,
+          [this, &of] {
+              DeviceExtensions extensions = runtime.device_extensions();
+              if (!of.window) return extensions;
+              const DeviceExtensions more = of.window->extensions();
+              extensions.instance.insert(extensions.instance.end(), more.instance.begin(), more.instance.end());
+              extensions.device.insert(extensions.device.end(), more.device.begin(), more.device.end());
+              return extensions;
+          }(),
+          runtime.device_maker()) {}
+
+void OnRuntime::follow(Visit& visit) {
+    visit.on.follow_document();
+    if (drawn == visit.on.stage) return;
+    renderer->change(*visit.on.stage);
+    drawn = visit.on.stage;
+}
+
+void tell_validation(const Device& device) {
+    for (const std::string& message : device.drain_validation_messages()) say("validation: " + message);
+}
+
+// A session's images and hands.
+struct InSession {
+    InSession(Visit& visit, OnRuntime& at)
+        : session(at.runtime, at.device),
+          actions(session),
+          fingers(session),
+          eyes(at.device, session, visit.options.quality),
+          panel(at.device, session) {}
+    Session session;
+    Actions actions;
+    HandTracking fingers;
+    EyeImages eyes;
+    PanelSurface panel;
+    std::unique_ptr<Mirror> mirror;
+    EyeShapes shapes;
+    XrTime last_display = 0;
+    double pictures_a_second = 0;
+};
+
+void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
+    if (at.renderer) return;
+    const PaintSource paint = [&visit](const std::filesystem::path& path, const PaintedField&) {
+        const auto& edited = visit.on.editor.document().paint;
+        const auto found = edited.find(absolute_path(path));
+        return found != edited.end() ? found->second : nullptr;
+    };
+    at.drawn = visit.on.stage;
+    at.renderer =
+        std::make_unique<StageRenderer>(at.device, *at.drawn, eyes.capacity(), StageRenderer::Loaded{}, paint);
+}
+
+void hear(const SessionNews& news, InSession& in) {
+    if (news.controllers) {
+        in.actions.look_at_controllers();
+        for (const int hand : {kLeft, kRight})
+            if (const std::string controller = in.actions.controller(hand); !controller.empty())
+                say(fmt::format("{} hand: {}", hand == kLeft ? "left" : "right", controller));
+    }
+    for (uint32_t eye = 0; eye < kEyes; eye++)
+        if (news.mask[eye]) in.eyes.look_at_mask(eye);
+}
+
+// Slices of what will be seen next.
+std::vector<NextSlice> slices_ahead(const Visit& visit, const StageRenderer& renderer) {
+    std::vector<NextSlice> next;
+    if (!visit.on.clock.playing) return next;
+    for (int32_t n = 1; n <= kAhead; n++)
+        for (const Instance& instance :
+             renderer.settings_at(stage_at(*visit.on.stage, visit.on.clock.shown_after_s(n))).instances)
+            next.push_back({{instance.frame, instance.paint}, instance.field});
+    return next;
+}
+
+// Hands, time and edits up to the instant at which this frame is seen.
+void live(Visit& visit, InSession& in, const FrameTime& time, double dt_s) {
+    OnStage& on = visit.on;
+    HandInputs inputs = in.actions.sample(time.display);
+    in.fingers.locate(time.display);
+    for (const int hand : {kLeft, kRight}) in.fingers.stand_in(inputs[hand], hand);
+    const auto head = in.session.locate(in.session.head_space(), time.display);
+    if (head && !visit.placed) {
+        on.rig = first_rig(on, *head);
+        if (!in.session.knows_floor()) on.rig.position.y += 1.6 - head->position.y;
+        visit.placed = true;
+    }
+    visit.work.run_told();
+    on.follow_document();
+    on.clock.tick(dt_s);
+    on.look_at_instant();
+    if (head) visit.interaction.update(on, inputs, *head, dt_s);
+    for (const int hand : {kLeft, kRight})
+        if (const double pulse = visit.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
+    visit.keeper->tick(visit.now_s());
+    visit.tell();
+}
+
+void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
+    if (!visit.interaction.panel) return;
+    PanelAsks asks;
+    const PanelFacts facts{visit.notices, in.pictures_a_second, in.eyes.scale(), visit.keeper->saving()};
+    in.panel.draw(visit.interaction.panel_pointer(), dt_s,
+                  [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
+    if (asks.save) visit.keeper->save();
+    if (asks.leave) visit.leaves = true;
+}
+
+// The stage as it is now for both eyes. False: there is nothing to be shown yet.
+bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time) {
+    OnStage& on = visit.on;
+    at.follow(visit);
+    const StageInstant& instant =
+        on.instant.performers.size() == on.stage->performers.size() ? on.instant : (on.look_at_instant(), on.instant);
+    at.renderer->show(instant);
+    const Pose world = world_from_tracking(on.rig);
+    const auto head = in.session.locate(in.session.head_space(), time.display);
+    in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
+    draw_interaction(in.shapes, on, visit.interaction);
+    for (const int hand : {kLeft, kRight}) draw_joints(in.shapes, in.fingers.joints(hand), world);
+    const std::vector<NextSlice> next = slices_ahead(visit, *at.renderer);
+    // As late as may be: all that does not depend on where the head is has been done.
+    const auto eyes = in.session.locate_eyes(time.display);
+    if (!eyes) return false;
+    in.eyes.draw(*at.renderer, instant, *eyes, world, next, in.shapes, visit.interaction.walking.vignette(),
+                 kShare * static_cast<double>(time.period) / 1e6);
+    return true;
+}
+
+void frame(Visit& visit, OnRuntime& at, InSession& in) {
+    const FrameTime time = in.session.wait();
+    const double dt_s = in.last_display > 0
+                            ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMostStep_s)
+                            : 0;
+    in.last_display = time.display;
+    if (dt_s > 0) in.pictures_a_second += 0.1 * (1 / dt_s - in.pictures_a_second);
+    in.session.begin();
+    live(visit, in, time, dt_s);
+    std::vector<const XrCompositionLayerBaseHeader*> layers;
+    if (time.render) {
+        draw_panel_of(visit, in, dt_s);
+        if (draw_eyes(visit, at, in, time)) {
+            const auto& panel = visit.interaction.panel;
+            if (panel)
+                layers.push_back(in.panel.layer(in.session, inverse(world_from_tracking(visit.on.rig)) * panel->world,
+                                                panel->size_m));
+            layers.push_back(in.eyes.layer(in.session, panel.has_value()));
+        }
+    }
+    in.session.end(time, layers);
+    if (in.mirror && !in.mirror->show(in.eyes.left())) visit.leaves = true;
+}
+
+void ask_for_rate(const Visit& visit, InSession& in) {
+    if (!visit.options.refresh_hz) return;
+    const std::vector<float> rates = in.session.refresh_rates();
+    if (rates.empty()) return say("the runtime's refresh rate cannot be chosen");
+    const auto wanted = static_cast<float>(*visit.options.refresh_hz);
+    const float nearest = *std::min_element(
+        rates.begin(), rates.end(), [&](float a, float b) { return std::abs(a - wanted) < std::abs(b - wanted); });
+    in.session.request_refresh_rate(nearest);
+}
+
+// Until it ends. kLost: another session may be begun.
+SessionDoes run_session(Visit& visit, OnRuntime& at) {
+    InSession in(visit, at);
+    make_renderer(visit, at, in.eyes);
+    in.actions.look_at_controllers();
+    if (visit.window) in.mirror = std::make_unique<Mirror>(at.device, *visit.window, in.eyes.size());
+    bool asked = false, rated = false;
+    for (;;) {
+        SessionNews news;
+        const SessionDoes does = in.session.poll(news);
+        hear(news, in);
+        if (does == SessionDoes::kEnd || does == SessionDoes::kLost) {
+            visit.interaction.holding.put_down(visit.on);
+            return does;
+        }
+        if ((visit.leaves || stop_requested()) && !std::exchange(asked, true)) in.session.request_exit();
+        if (does == SessionDoes::kWait) {
+            visit.work.run_told();
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            continue;
+        }
+        if (!std::exchange(rated, true)) ask_for_rate(visit, in);
+        frame(visit, at, in);
+    }
+}
+
+bool is_session_loss(const XrFailure& failure) {
+    return failure.result == XR_ERROR_SESSION_LOST;
+}
+
+bool is_instance_loss(const XrFailure& failure) {
+    return failure.result == XR_ERROR_INSTANCE_LOST || failure.result == XR_ERROR_RUNTIME_FAILURE ||
+           failure.result == XR_ERROR_RUNTIME_UNAVAILABLE;
+}
+
+// Sessions on one runtime, until the user leaves. Throws XrFailure where the runtime is lost.
+void run_sessions(Visit& visit, OnRuntime& at) {
+    say(fmt::format("{}, \"{}\", on {}", at.runtime.name(), at.runtime.headset(), at.device.summary().name));
+    for (int losses = 0;;) {
+        try {
+            if (run_session(visit, at) == SessionDoes::kEnd) return tell_validation(at.device);
+        } catch (const XrFailure& failure) {
+            visit.interaction.holding.put_down(visit.on);
+            if (!is_session_loss(failure)) throw;
+        }
+        tell_validation(at.device);
+        if (stop_requested()) return;
+        if (++losses > 5) throw RuntimeFailure("the headset's runtime ends every session; restart it");
+        visit.on.editor.tell("the headset's session was lost; another one begins");
+        visit.tell();
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+}
+
+void run_runtimes(Visit& visit) {
+    Clock::time_point lost{};
+    std::string why;
+    for (bool first = true;; first = false) {
+        try {
+            OnRuntime at(visit);
+            why.clear();
+            run_sessions(visit, at);
+            return;
+        } catch (const XrFailure& failure) {
+            if (!is_instance_loss(failure)) throw;
+            visit.interaction.holding.put_down(visit.on);
+            if (why.empty()) lost = Clock::now();
+            why = failure.what();
+            say("the headset's runtime was lost; waiting for it");
+        } catch (const RuntimeFailure& failure) {
+            if (first || why.empty()) throw;
+            why = failure.what();
+        }
+        if (stop_requested()) return;
+        if (seconds_since(lost) > visit.options.retry_s)
+            throw RuntimeFailure(fmt::format("the headset's runtime does not come back: {}", why));
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+}
+
+}  // namespace
+
+void watch_in_headset(const HeadsetOptions& options) {
+    catch_stop_signals();
+    Visit visit(options);
+    visit.open();
+    if (options.mirror) visit.window = std::make_unique<Window>("NeuVV in a headset", WindowPlace{});
+    const auto keep = [&] {
+        visit.work.stop();
+        if (visit.keeper->store_now())
+            say(fmt::format("unsaved edits of {} are kept: `neuvv xr --recover` or `neuvv view` takes them",
+                            visit.on.editor.file().path.string()));
+    };
+    try {
+        run_runtimes(visit);
+    } catch (...) {
+        keep();
+        throw;
+    }
+    keep();
+}
+
+}  // namespace neuvv

@@ -1,0 +1,31 @@
+// A stage in a headset: the loop from frame to frame, and what begins anew when a session or the runtime is lost.
+//
+//     Runtime ─► Device ─► StageRenderer ─► Session ─► frame: wait ─► hands ─► stage ─► eyes ─► end
+//        ▲                                     ▲                                              │
+//        └────────── instance lost ────────────┴─────────────── session lost ─────────────────┘
+//
+// Document, history, time and the user's place outlive both.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "tools/headset/eye_images.h"
+#include "tools/headset/keeper.h"
+
+namespace neuvv {
+
+struct HeadsetOptions {
+    std::filesystem::path file;
+    std::string device;
+    EyeQuality quality;
+    std::optional<double> refresh_hz;
+    bool mirror = false, validate = false, recover = false, play = false;
+    double retry_s = 20;  // for so long a lost runtime is waited for
+};
+
+// Until its user leaves. Throws RuntimeFailure or InputError, in a line; unsaved edits are stored by then.
+void watch_in_headset(const HeadsetOptions& options);
+
+}  // namespace neuvv

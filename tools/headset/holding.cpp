@@ -1,0 +1,74 @@
+#include "tools/headset/holding.h"
+
+#include "edit/operations.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kReach_m_per_s = 2.5, kLongSelect_s = 0.35;
+
+// Controllers without a grip hold what is selected for long.
+bool wants_to_hold(const Hand& hand) {
+    return hand.input.has_grab ? hand.grab.went_down() : hand.selecting_s > kLongSelect_s;
+}
+
+bool lets_go(const Hand& hand) {
+    return hand.input.has_grab ? !hand.grab.held() : !hand.select.held();
+}
+
+}  // namespace
+
+void Holding::take(OnStage& on, Hand& hand, int which) {
+    if (!hand.aim || hand.at.what != PointedAt::What::kPerformer) return;
+    const uint32_t node = on.stage->performers[hand.at.performer].node;
+    if (is_locked(on.editor.file(), node)) return on.editor.tell("it is locked: unlock it to move it", true);
+    if (grab_ && node != node_) return;  // the other hand holds another one
+    if (!grab_) grab_.emplace(on.instant.pose.world_from_node[node], GrabSettings{settings.upright});
+    node_ = node;
+    grab_->take(which, *hand.aim, hand.at.metres);
+    on.editor.select(node);
+    hand.feel(0.7);
+}
+
+void Holding::update(OnStage& on, Hands& hands, double dt_s) {
+    for (int which = 0; which < kHands; which++) {
+        Hand& hand = hands[which];
+        if (holds(which) && lets_go(hand)) {
+            if (grab_->holds(1 - which))
+                grab_->let_go(which);
+            else
+                put_down(on);
+            hand.feel(0.3);
+        } else if (!holds(which) && on.tool == HandTool::kArrange && wants_to_hold(hand)) {
+            take(on, hand, which);
+        }
+    }
+    if (!grab_) return;
+    for (int which = 0; which < kHands; which++) {
+        if (!holds(which) || !hands[which].aim) continue;
+        grab_->move(which, *hands[which].aim);
+        grab_->reach(which, hands[which].input.stick.y * kReach_m_per_s * dt_s);
+    }
+    if (node_ < on.instant.pose.world_from_node.size()) carry(on.instant, *on.stage, node_, grab_->world_from_node());
+}
+
+void Holding::put_down(OnStage& on) {
+    if (!grab_) return;
+    glm::dmat4 world_from_node = grab_->world_from_node();
+    grab_.reset();
+    if (node_ >= on.stage->scene.nodes.size()) return;
+    if (const auto performer = on.selected_performer(); performer && settings.snaps_to_floor) {
+        const auto [low, high] = box_of(*on.stage, *performer);
+        if (is_near_floor(world_from_node, low, high, on.floor_m, kSnap_m))
+            world_from_node = on_floor(world_from_node, low, high, on.floor_m);
+    }
+    const int32_t parent = on.stage->scene.nodes[node_].parent;
+    const glm::dmat4 world_from_parent =
+        parent < 0 ? glm::dmat4(1) : on.instant.pose.world_from_node[static_cast<size_t>(parent)];
+    Placement placement;
+    placement.to = glm::inverse(world_from_parent) * world_from_node;
+    on.editor.edit([&](Document& document) { return place_node(document.file, node_, placement); });
+}
+
+}  // namespace neuvv

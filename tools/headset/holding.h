@@ -1,0 +1,38 @@
+// Holding performers: a grip takes what its hand points at; one hand moves and turns it, two scale it, too. It stands
+// where the hands hold it without an edit; letting go is one.
+#pragma once
+
+#include <optional>
+
+#include "tools/headset/hand.h"
+#include "tools/headset/on_stage.h"
+#include "xr/grab.h"
+
+namespace neuvv {
+
+struct HoldSettings {
+    bool upright = true;         // performers do not tilt
+    bool snaps_to_floor = true;  // let go within kSnap_m of it they stand on it
+};
+constexpr double kSnap_m = 0.15;
+
+class Holding {
+  public:
+    HoldSettings settings;
+
+    // Takes, moves, lets go, by what the hands press this frame. Before the instant is shown: it changes it.
+    void update(OnStage& on, Hands& hands, double dt_s);
+    // What is held is put down where it is, as an edit; before others edit, and before a session ends.
+    void put_down(OnStage& on);
+    bool holds(int hand) const { return grab_ && grab_->holds(hand); }
+    bool any() const { return grab_.has_value(); }
+    // Along the hand's ray to where it holds it.
+    double distance_m(int hand) const { return grab_->distance_m(hand); }
+
+  private:
+    void take(OnStage& on, Hand& hand, int which);
+    std::optional<Grab> grab_;
+    uint32_t node_ = 0;
+};
+
+}  // namespace neuvv

@@ -1,0 +1,198 @@
+#include "tools/headset/interaction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "edit/operations.h"
+#include "xr/ray_hit.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.12, kFarthest_m = 30;
+constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
+
+// In front of the head, upright, turned to it.
+Pose panel_before(const Pose& world_head) {
+    const glm::dquat turned = turn_by(yaw_of(world_head.rotation));
+    return {world_head.position + turned * glm::dvec3(0, -kPanelBelow_m, -kPanelAway_m), turned};
+}
+
+// Above the wrist, tilted to who looks down at it.
+Pose panel_on(const Pose& world_grip) {
+    const Pose above{{0, 0.16, 0.02}, glm::angleAxis(glm::radians(-50.0), glm::dvec3(1, 0, 0))};
+    return world_grip * above;
+}
+
+size_t node_count(const OnStage& on) {
+    return on.editor.node_count();
+}
+
+}  // namespace
+
+void duplicate_selected(OnStage& on) {
+    if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
+    const size_t before = node_count(on);
+    CopySettings copies;
+    copies.distance_m = 0.8;
+    const bool done = on.editor.edit(
+        [&](Document& document) { return duplicate_node(document.file, *on.editor.selected(), copies); });
+    if (done && node_count(on) > before) on.editor.select(static_cast<uint32_t>(before));
+}
+
+void delete_selected(OnStage& on) {
+    if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
+    if (is_locked(on.editor.file(), *on.editor.selected()))
+        return on.editor.tell("it is locked: unlock it to delete it", true);
+    if (on.editor.edit([&](Document& document) { return remove_node(document.file, *on.editor.selected()); }))
+        on.editor.select({});
+}
+
+void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head, double dt_s) {
+    place_hands(on, inputs, dt_s);
+    place_panel(on, head);
+    point(on);
+    press_buttons(on);
+    select(on);
+    holding.update(on, hands, dt_s);
+    brush.update(on, hands);
+    std::array<bool, kHands> free{};
+    for (int which = 0; which < kHands; which++)
+        free[which] = !holding.holds(which) && hands[which].at.what != PointedAt::What::kPanel;
+    walking.update(on, hands, free, head, dt_s);
+}
+
+void Interaction::place_hands(const OnStage& on, const HandInputs& inputs, double dt_s) {
+    const Pose world = world_from_tracking(on.rig);
+    for (int which = 0; which < kHands; which++) {
+        Hand& hand = hands[which];
+        hand.input = inputs[which];
+        hand.pulse = 0;
+        hand.aim.reset();
+        hand.grip.reset();
+        if (hand.input.aim && is_sound(*hand.input.aim)) hand.aim = world * *hand.input.aim;
+        if (hand.input.grip && is_sound(*hand.input.grip)) hand.grip = world * *hand.input.grip;
+        hand.select.update(hand.input.select);
+        hand.grab.update(hand.input.grab);
+        hand.flick.update(hand.input.stick);
+        hand.selecting_s = hand.select.held() ? hand.selecting_s + dt_s : 0;
+        if (hand.input.menu) panel_was_shown_ = false;  // shown anew, it comes to where one looks
+    }
+}
+
+void Interaction::place_panel(OnStage& on, const Pose& head) {
+    if (hands[kLeft].input.menu || hands[kRight].input.menu) on.panel_shown = !on.panel_shown;
+    if (!on.panel_shown) {
+        panel.reset();
+        panel_was_shown_ = false;
+        return;
+    }
+    if (!panel) panel.emplace();
+    if (on.panel_on_wrist) {
+        panel->size_m = {0.36, 0.27};
+        if (hands[kLeft].grip) panel->world = panel_on(*hands[kLeft].grip);
+    } else if (!panel_was_shown_) {
+        panel->size_m = {0.72, 0.54};
+        panel->world = panel_before(world_from_tracking(on.rig) * head);
+    }
+    panel_was_shown_ = !on.panel_on_wrist;
+}
+
+void Interaction::point(const OnStage& on) {
+    for (int which = 0; which < kHands; which++) {
+        Hand& hand = hands[which];
+        hand.at = {};
+        if (!hand.aim) continue;
+        const Ray ray = ray_of(*hand.aim);
+        if (panel && !(on.panel_on_wrist && which == kLeft))
+            if (const auto hit = rectangle_hit(ray, panel->world, panel->size_m)) {
+                hand.at = {PointedAt::What::kPanel, hit->metres, hit->at};
+                continue;
+            }
+        double nearest = kFarthest_m;
+        for (const InstantPerformer& performer : on.instant.performers) {
+            if (!performer.visible) continue;
+            const auto [low, high] = box_of(*on.stage, performer.performer);
+            const auto metres = box_hit(ray, performer.world_from_performer, low, high);
+            if (!metres || *metres >= nearest) continue;
+            nearest = *metres;
+            hand.at = {PointedAt::What::kPerformer, nearest, {}, performer.performer};
+        }
+        const double down = -ray.direction.y, to_floor = (ray.origin.y - on.floor_m) / down;
+        if (hand.at.what == PointedAt::What::kNothing && down > 1e-3 && to_floor > 0 && to_floor < kFarthest_m)
+            hand.at = {PointedAt::What::kFloor, to_floor};
+    }
+}
+
+void Interaction::press_buttons(OnStage& on) {
+    for (Hand& hand : hands) {
+        const bool edits = hand.input.undo || hand.input.duplicate;
+        if (edits) {
+            holding.put_down(on);
+            brush.end_stroke(on);
+            hand.feel(0.4);
+        }
+        if (hand.input.play) on.clock.play_or_pause();
+        if (hand.input.undo) on.editor.undo();
+        if (hand.input.duplicate) duplicate_selected(on);
+    }
+    if (!holding.holds(kRight)) change_speed(on, hands[kRight]);
+    if (!holding.holds(kLeft)) step_through(on, hands[kLeft]);
+}
+
+// The right stick up and down: how fast it plays, backwards below the slowest.
+void Interaction::change_speed(OnStage& on, Hand& hand) {
+    const int steps = hand.flick.went_up() - hand.flick.went_down();
+    if (steps == 0 || hand.at.what == PointedAt::What::kPanel) return;
+    const auto now = std::min_element(std::begin(kSpeeds), std::end(kSpeeds), [&](double a, double b) {
+        return std::abs(a - on.clock.speed) < std::abs(b - on.clock.speed);
+    });
+    const auto last = static_cast<std::ptrdiff_t>(std::size(kSpeeds)) - 1;
+    on.clock.speed = kSpeeds[std::clamp<std::ptrdiff_t>(now - std::begin(kSpeeds) + steps, 0, last)];
+    hand.feel(0.15);
+}
+
+// The left stick to the sides: a picture forwards or backwards; a second while it plays.
+void Interaction::step_through(OnStage& on, Hand& hand) {
+    const int steps = hand.flick.went_right() - hand.flick.went_left();
+    if (steps == 0 || hand.at.what == PointedAt::What::kPanel || on.comfort.smooth_walk) return;
+    if (on.clock.playing)
+        on.clock.scrub(std::clamp(on.clock.time_s() + steps, on.clock.in_s(), on.clock.last_s()));
+    else
+        on.clock.step(steps);
+    hand.feel(0.15);
+}
+
+void Interaction::select(OnStage& on) {
+    for (int which = 0; which < kHands; which++) {
+        Hand& hand = hands[which];
+        if (!hand.select.went_down()) continue;
+        if (hand.at.what == PointedAt::What::kPanel) {
+            panel_hand_ = which;
+            hand.feel(0.2);
+            continue;
+        }
+        if (on.tool != HandTool::kArrange || holding.any()) continue;
+        if (hand.at.what == PointedAt::What::kPerformer) {
+            on.editor.select(on.stage->performers[hand.at.performer].node);
+            hand.feel(0.5);
+        } else if (hand.aim) {
+            on.editor.select({});
+        }
+    }
+}
+
+PanelPointer Interaction::panel_pointer() const {
+    PanelPointer pointer;
+    int which = panel_hand_;
+    if (hands[which].at.what != PointedAt::What::kPanel && !hands[which].select.held()) which = 1 - which;
+    const Hand& hand = hands[which];
+    if (hand.at.what != PointedAt::What::kPanel) return pointer;
+    pointer.at = hand.at.on_panel;
+    pointer.pressed = hand.select.held();
+    pointer.wheel = std::abs(hand.input.stick.y) > 0.3 ? hand.input.stick.y : 0;
+    return pointer;
+}
+
+}  // namespace neuvv

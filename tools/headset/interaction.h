@@ -1,0 +1,54 @@
+// What both hands do to a stage in a frame: they point, select, hold, walk, paint, and press the panel.
+#pragma once
+
+#include "tools/headset/brush_hand.h"
+#include "tools/headset/holding.h"
+#include "tools/headset/walking.h"
+
+namespace neuvv {
+
+// The panel in the world; X to its right, Y to its top.
+struct PanelStand {
+    Pose world;
+    glm::dvec2 size_m{0.72, 0.54};
+};
+
+// A mouse, as a hand is one on the panel.
+struct PanelPointer {
+    std::optional<glm::dvec2> at;  // 0..1 from the upper left; none: nobody points at it
+    bool pressed = false;
+    double wheel = 0;
+};
+
+class Interaction {
+  public:
+    // `work` must outlive it, or be stopped before.
+    explicit Interaction(Work& work) : brush(work) {}
+
+    Hands hands;
+    Holding holding;
+    Walking walking;
+    BrushHand brush;
+    std::optional<PanelStand> panel;  // while it is shown
+
+    // A frame: `on.instant` is of its time, and is changed where hands hold something. `head` in the tracking space.
+    void update(OnStage& on, const HandInputs& inputs, const Pose& head, double dt_s);
+    PanelPointer panel_pointer() const;
+
+  private:
+    void place_hands(const OnStage& on, const HandInputs& inputs, double dt_s);
+    void place_panel(OnStage& on, const Pose& head);
+    void point(const OnStage& on);
+    void press_buttons(OnStage& on);
+    void select(OnStage& on);
+    void change_speed(OnStage& on, Hand& hand);
+    void step_through(OnStage& on, Hand& hand);
+    int panel_hand_ = kRight;  // whose ray is the panel's mouse
+    bool panel_was_shown_ = false;
+};
+
+// A copy stands beside the one that is selected, and is selected then.
+void duplicate_selected(OnStage& on);
+void delete_selected(OnStage& on);
+
+}  // namespace neuvv

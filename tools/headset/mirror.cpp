@@ -1,0 +1,67 @@
+#include "tools/headset/mirror.h"
+
+#include <algorithm>
+
+namespace neuvv {
+
+Mirror::Mirror(const Device& device, Window& window, VkExtent2D eye)
+    : device_(device),
+      window_(window),
+      swapchain_(device, window.make_surface(device)),
+      values_(device, "mirror",
+              {eye.width, eye.height, VK_FORMAT_R8G8B8A8_UNORM,
+               VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
+      commands_(device, "mirror", 4) {
+    swapchain_.resize(window.framebuffer());
+}
+
+bool Mirror::show(const DeviceImage* picture) {
+    window_.poll();
+    if (window_.asked_to_close()) return false;
+    if (!picture) return true;
+    const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
+    if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
+    commands_.wait();
+    if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
+        swapchain_.resize(framebuffer);
+    CommandSemaphores semaphores;
+    const std::optional<PresentTarget> target = swapchain_.acquire(semaphores);
+    if (!target) return true;
+    commands_.begin();
+    record(*picture, *target);
+    commands_.submit(semaphores);
+    swapchain_.present(*target);
+    return true;
+}
+
+void Mirror::record(const DeviceImage& picture, const PresentTarget& target) {
+    move_layout(commands_, values_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkImageCopy part{};
+    part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    part.extent = {values_.shape.width, values_.shape.height, 1};
+    vkCmdCopyImage(commands_.handle(), picture.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, values_.image,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
+    move_layout(commands_, values_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+
+    move_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const VkClearColorValue black{};
+    const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(commands_.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &all);
+    full_barrier(commands_);
+    const double fits = std::min(static_cast<double>(target.extent.width) / values_.shape.width,
+                                 static_cast<double>(target.extent.height) / values_.shape.height);
+    const auto width = static_cast<int32_t>(values_.shape.width * fits),
+               height = static_cast<int32_t>(values_.shape.height * fits);
+    const VkOffset3D first{(static_cast<int32_t>(target.extent.width) - width) / 2,
+                           (static_cast<int32_t>(target.extent.height) - height) / 2, 0};
+    VkImageBlit blit{};
+    blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    blit.srcOffsets[1] = {static_cast<int32_t>(values_.shape.width), static_cast<int32_t>(values_.shape.height), 1};
+    blit.dstOffsets[0] = first;
+    blit.dstOffsets[1] = {first.x + width, first.y + height, 1};
+    vkCmdBlitImage(commands_.handle(), values_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
+    move_layout(commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+}  // namespace neuvv

@@ -1,0 +1,28 @@
+// A window on the desktop that shows what the left eye sees.
+#pragma once
+
+#include "gpu/image.h"
+#include "gpu/swapchain.h"
+#include "tools/viewer/window.h"
+
+namespace neuvv {
+
+class Mirror {
+  public:
+    // `eye`: pixels of what is shown. The window outlives it, and was made before the device.
+    Mirror(const Device& device, Window& window, VkExtent2D eye);
+
+    // The picture (R8G8B8A8 sRGB, layout TRANSFER_SRC) in the middle of the window, as large as it fits. False: the
+    // window was closed.
+    bool show(const DeviceImage* picture);
+
+  private:
+    void record(const DeviceImage& picture, const PresentTarget& target);
+    const Device& device_;
+    Window& window_;
+    Swapchain swapchain_;
+    DeviceImage values_;  // the picture's sRGB values as they are
+    Commands commands_;
+};
+
+}  // namespace neuvv

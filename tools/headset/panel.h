@@ -1,0 +1,25 @@
+// What the panel shows: time, the tools, the selected performer, light, comfort.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/headset/interaction.h"
+
+namespace neuvv {
+
+// What is asked of whoever has files.
+struct PanelAsks {
+    bool save = false, leave = false;
+};
+
+struct PanelFacts {
+    std::vector<Notice> notices;  // the latest last
+    double pictures_a_second = 0, scale = 1;
+    bool saving = false;
+};
+
+// Between ImGui::NewFrame() and Render(); fills ImGui's whole display.
+PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& facts);
+
+}  // namespace neuvv

@@ -1,0 +1,41 @@
+// ImGui's panels on the device: letters, pipelines, and drawing into images of one format. Of a window or a headset.
+#pragma once
+
+#include "gpu/image.h"
+
+namespace neuvv {
+
+// ImGui has a context as long as this lives, which begins one.
+class PanelDrawing {
+  public:
+    // Into UNORM images, whose values are sRGB; so many may be in flight at once. `scale`: of letters and panels.
+    PanelDrawing(const Device& device, VkFormat format, uint32_t images, float scale);
+    ~PanelDrawing();
+    PanelDrawing(const PanelDrawing&) = delete;
+    PanelDrawing& operator=(const PanelDrawing&) = delete;
+
+    // Framebuffers are made for it.
+    VkRenderPass render_pass() const { return render_pass_; }
+    float scale() const { return scale_; }
+    // Other letters; not between two frames of ImGui.
+    void set_scale(float scale);
+    void new_frame();
+    // What ImGui::Render() left, over what the image shows (layout COLOR_ATTACHMENT_OPTIMAL, and stays so).
+    void record(Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent);
+
+  private:
+    void make_render_pass();
+    void start();
+    void make_letters();
+    const Device& device_;
+    VkFormat format_;
+    uint32_t images_;
+    float scale_;
+    VkRenderPass render_pass_ = VK_NULL_HANDLE;
+    VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
+};
+
+// One image view of that render pass.
+VkFramebuffer make_framebuffer(const Device& device, const PanelDrawing& drawing, VkImageView view, VkExtent2D extent);
+
+}  // namespace neuvv

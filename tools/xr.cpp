@@ -1,0 +1,107 @@
+// neuvv xr: a headset to watch and edit in.
+#include "tools/commands.h"
+#include "tools/headset/headset.h"
+#include "tools/options.h"
+#include "xr/actions.h"
+#include "xr/bindings.h"
+
+namespace neuvv {
+
+namespace {
+
+struct XrOptions {
+    std::string file;
+    HeadsetOptions headset;
+    bool check = false, no_mask = false, no_depth = false;
+    double refresh_hz = 0, inset = 0;
+};
+
+const char* yes_or_no(bool yes) {
+    return yes ? "yes" : "no";
+}
+
+void print_extensions(const Runtime& runtime) {
+    fmt::print("\nVulkan: {}\n",
+               runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
+    for (const OptionalExtension& one : optional_extensions())
+        fmt::print("{:3} {}: {}\n", yes_or_no(runtime.has(one.name)), one.name,
+                   runtime.has(one.name) ? one.brings : one.without);
+}
+
+void print_session(const Runtime& runtime, const Device& device) {
+    const Session session(runtime, device);
+    fmt::print("\nfloor: {}\n", session.knows_floor() ? "the runtime knows it (STAGE space)"
+                                                      : "unknown (LOCAL space): eyes are taken to be 1.6 m above it");
+    const std::vector<float> rates = session.refresh_rates();
+    if (!rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(rates, ", "));
+    const EyeImages eyes(device, session, {});
+    fmt::print("images: {}x{} an eye, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
+    fmt::print("controllers with bindings:");
+    for (const ControllerProfile& profile : controller_profiles())
+        if (!profile.extension || runtime.has(profile.extension)) fmt::print(" {};", profile.title);
+    fmt::print(" others as their runtime translates them\n");
+}
+
+// What there is, and what is missing, without a stage.
+void check_headset(const std::string& choice) {
+    Runtime runtime;
+    fmt::print("runtime: {}\nheadset: {}, {}\n", runtime.name(), runtime.headset(),
+               runtime.tracks_position() ? "position and orientation are tracked" : "only its orientation is tracked");
+    const VkExtent2D most = runtime.most_eye_size();
+    fmt::print("eyes: {}x{} recommended, {}x{} at most\n", runtime.eye_size().width, runtime.eye_size().height,
+               most.width, most.height);
+    std::vector<std::string> modes;
+    for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(blend_mode_name(mode));
+    fmt::print("surroundings: {} (the first is used)\n", fmt::join(modes, ", "));
+    print_extensions(runtime);
+    const Device device(choice, Validation::kOff, runtime.device_extensions(), runtime.device_maker());
+    fmt::print("\ndevice: {} ({})\n", device.summary().name, device.summary().driver);
+    print_session(runtime, device);
+    fmt::print("\nready: `neuvv xr STAGE` shows a stage there\n");
+}
+
+}  // namespace
+
+void add_xr(CLI::App& app, CommonOptions& common) {
+    auto options = std::make_shared<XrOptions>();
+    HeadsetOptions& headset = options->headset;
+    CLI::App* verb = app.add_subcommand("xr", "Watch and edit clips and stages in a headset (OpenXR)");
+    verb->add_option("file", options->file,
+                     "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder of clips");
+    verb->add_flag("--check", options->check, "Say what the runtime and its headset offer, and what is missing");
+    verb->add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
+    verb->add_flag("--play", headset.play, "Play from the start");
+    verb->add_option("--scale", headset.quality.scale,
+                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
+        ->check(number_between(0.2, 1));
+    verb->add_option("--inset", options->inset,
+                     "The middle of each eye gets all rays, this share of its side; beside it half of them")
+        ->check(number_between(0.1, 0.95));
+    verb->add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
+        ->check(number_between(1, 1000));
+    verb->add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
+    verb->add_flag("--no-depth", options->no_depth, "Keep depth from the compositor");
+    verb->add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
+    verb->add_flag("--validate", headset.validate, "With Vulkan's validation layers");
+    verb->footer(
+        "Controls: xr/README.md has a picture. The trigger selects, the grip holds, Y or the menu button shows the "
+        "panel.\n\n"
+        "Examples:\n"
+        "  neuvv xr --check\n"
+        "  neuvv xr demo/stage.gltf --mirror");
+    verb->callback([options, &common] {
+        if (options->check) return check_headset(common.device);
+        if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
+        HeadsetOptions& wanted = options->headset;
+        wanted.file = options->file;
+        wanted.device = common.device;
+        wanted.quality.mask = !options->no_mask;
+        wanted.quality.depth = !options->no_depth;
+        wanted.quality.keep_pictures = wanted.mirror;
+        if (options->inset > 0) wanted.quality.inset = options->inset;
+        if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
+        watch_in_headset(wanted);
+    });
+}
+
+}  // namespace neuvv
