@@ -12,6 +12,7 @@ namespace {
 struct XrOptions {
     std::string file;
     HeadsetOptions headset;
+    std::string report;
     bool check = false, no_mask = false, no_depth = false;
     double refresh_hz = 0, inset = 0;
 };
@@ -82,6 +83,9 @@ void add_xr(CLI::App& app, CommonOptions& common) {
     verb->add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
     verb->add_flag("--no-depth", options->no_depth, "Keep depth from the compositor");
     verb->add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
+    verb->add_option("--report", options->report,
+                     "At the end, write into this JSON file what was seen last and where the panel's buttons are, for "
+                     "programs that drive it");
     verb->add_flag("--validate", headset.validate, "With Vulkan's validation layers");
     verb->footer(
         "Controls: xr/README.md has a picture. The trigger selects, the grip holds, Y or the menu button shows the "
@@ -95,6 +99,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
         HeadsetOptions& wanted = options->headset;
         wanted.file = options->file;
         wanted.device = common.device;
+        wanted.report = options->report;
         wanted.quality.mask = !options->no_mask;
         wanted.quality.depth = !options->no_depth;
         wanted.quality.keep_pictures = wanted.mirror;

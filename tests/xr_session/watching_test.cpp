@@ -1,4 +1,4 @@
-// To watch: what both eyes see.
+// To watch: what both eyes see, and where their user stands.
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
@@ -18,6 +18,115 @@ TEST_F(Watching, BothEyesSeeTheStage) {
     expect_clean(run);
     EXPECT_EQ(check_golden("xr_left", run.picture(4, "left")), "");
     EXPECT_EQ(check_golden("xr_right", run.picture(4, "right")), "");
+}
+
+// As the script has it: the head in the middle between them, 64 mm apart.
+EyeView eye_of(const XrScript& script, int eye) {
+    const auto& fov = script.json["fov_deg"][static_cast<size_t>(eye)];
+    EyeView view;
+    view.pose.position = {eye == 0 ? -0.032 : 0.032, 1.5, 0};
+    view.pose.rotation = glm::angleAxis(std::asin(-0.3 / std::hypot(0.3, 2.0)), glm::dvec3(1, 0, 0));
+    const auto angle = [&](size_t i) { return static_cast<float>(glm::radians(fov[i].get<double>())); };
+    view.fov = {angle(0), angle(1), angle(2), angle(3)};
+    return view;
+}
+
+TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
+    XrScript script;
+    script.json["profile"] = "";  // no hands in the picture
+    script.save(4);
+    script.end(6);
+    const XrRun run = this->run(script, {"--no-mask"});
+    expect_clean(run);
+
+    const Device device;
+    const Stage on_stage = load_stage(stage);
+    StageRenderer renderer(device, on_stage, {192, 192});
+    const StageInstant instant = stage_at(on_stage, 0);
+    renderer.show(instant);
+    FrameSettings settings = renderer.settings_at(instant);
+    settings.width = settings.height = 192;
+    settings.mode = TraceMode::kPlay;
+    for (const int eye : {0, 1}) {
+        const Image truth = renderer.frames().render(eye_camera(eye_of(script, eye), {}, {192, 192}), settings);
+        const Image seen = run.picture(4, eye == 0 ? "left" : "right");
+        EXPECT_TRUE(same_pixels(truth, seen)) << eye;
+        const Image other = renderer.frames().render(eye_camera(eye_of(script, 1 - eye), {}, {192, 192}), settings);
+        EXPECT_FALSE(same_pixels(other, seen)) << "the comparison tells eyes apart";
+    }
+}
+
+TEST_F(Watching, OtherFormatsShowTheSame) {
+    XrScript script;
+    script.save(4);
+    script.end(6);
+    const XrRun plain = run(script);
+    for (const char* format : {"B8G8R8A8_SRGB", "R16G16B16A16_SFLOAT"}) {
+        script.json["formats"] = {format, "R8G8B8A8_SRGB", "D32_SFLOAT"};
+        const XrRun other = run(script);
+        expect_clean(other);
+        // Half floats blend what is clear without rounding in between.
+        EXPECT_TRUE(same_pixels(plain.picture(4, "left_seen"), other.picture(4, "left_seen"), 2)) << format;
+    }
+}
+
+TEST_F(Watching, CoarseDepthWillDo) {
+    XrScript script;
+    script.json["formats"] = {"R8G8B8A8_SRGB", "D16_UNORM"};
+    script.save(4);
+    script.end(6);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.report["layers"][0]["depth"], true);
+}
+
+TEST_F(Watching, WithoutExtensionsItGoesOn) {
+    XrScript script;
+    script.json["extensions"] = {"XR_KHR_vulkan_enable"};
+    script.json["spaces"] = {"view", "local"};
+    script.save(4);
+    script.end(6);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.report["layers"][0]["depth"], false);
+}
+
+TEST_F(Watching, AStickTeleportsAndTurns) {
+    XrScript script;
+    script.hand(0, "left", kLeftHand, {-0.2, 0, -1.5});
+    script.hand(0, "right", kRightHand, {3, 1, 0});
+    script.stick(kReady, "left", {0, 1});
+    script.save(8);
+    script.stick(10, "left", {0, 0});
+    script.stick(14, "right", {1, 0});
+    script.stick(16, "right", {0, 0});
+    script.end(20);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_NEAR(run.seen["turned_deg"].get<double>(), -30, 1e-6);
+    EXPECT_LT(run.seen["stands"][2].get<double>(), -0.5) << "before where it stood";
+    EXPECT_EQ(check_golden("xr_teleport", run.picture(8, "left")), "");
+}
+
+TEST_F(Watching, ItPlaysByTheDisplaysTime) {
+    XrScript script;
+    script.click(kReady, "right", "a/click");
+    script.end(46);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["playing"], true);
+    // Of a clip of two frames at 25 Hz, 40 displays at 90 Hz later.
+    const double shown = std::fmod(40 / 90.0, 0.08);
+    EXPECT_NEAR(run.seen["time_s"].get<double>(), shown, 2.5 / 90);
+}
+
+TEST_F(Watching, CheckSaysWhatThereIs) {
+    XrScript script;
+    script.json["extensions"] = {"XR_KHR_vulkan_enable2", "XR_KHR_visibility_mask"};
+    const XrRun run = this->run(script, {"--check"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_NE(run.log.find("yes XR_KHR_visibility_mask"), std::string::npos) << run.log;
+    EXPECT_NE(run.log.find("no  XR_KHR_composition_layer_depth"), std::string::npos) << run.log;
 }
 
 }  // namespace

@@ -36,37 +36,48 @@ XrScript::XrScript()
     : json{{"width", 192},
            {"height", 192},
            {"fov_deg", {{-42, 38, 40, -44}, {-38, 42, 40, -44}}},
-           {"timeline", json::array()},
            {"events", json::array()},
            {"save_frames", json::array()}} {
     head(0, {0, 1.5, 0}, {0, 1.2, -2});
 }
 
-json& XrScript::at(int frame) {
-    json.at("timeline").push_back({{"frame", frame}});
-    return json["timeline"].back();
+std::string XrScript::text() const {
+    nlohmann::json whole = json;
+    whole["timeline"] = nlohmann::json::array();
+    for (const auto& [frame, key] : timeline_) {
+        whole["timeline"].push_back(key);
+        whole["timeline"].back()["frame"] = frame;
+    }
+    return whole.dump(1);
 }
 
 void XrScript::head(int frame, glm::dvec3 place, glm::dvec3 looks_at) {
-    at(frame)["head"] = pose(place, looks_at);
+    timeline_[frame]["head"] = pose(place, looks_at);
 }
 
 void XrScript::hand(int frame, const std::string& hand, glm::dvec3 place, glm::dvec3 points_at) {
-    at(frame)[hand] = {{"grip", pose(place, points_at)}, {"aim", pose(place, points_at)}, {"tracked", true}};
+    if (last_.contains(hand) && frame > 0 && !timeline_[frame - 1].contains(hand))
+        timeline_[frame - 1][hand] = last_[hand];
+    moves(frame, hand, place, points_at);
+}
+
+void XrScript::moves(int frame, const std::string& hand, glm::dvec3 place, glm::dvec3 points_at) {
+    timeline_[frame][hand] = {{"grip", pose(place, points_at)}, {"aim", pose(place, points_at)}, {"tracked", true}};
+    last_[hand] = timeline_[frame][hand];
 }
 
 void XrScript::loses(int frame, const std::string& hand) {
-    at(frame)[hand] = {{"tracked", false}};
+    timeline_[frame][hand] = {{"tracked", false}};
 }
 
 void XrScript::input(int frame, const std::string& hand, const std::string& what, double value) {
     nlohmann::json as = value;
     if (what.ends_with("/click")) as = value != 0;
-    at(frame)["input"] = {{"/user/hand/" + hand + "/input/" + what, as}};
+    timeline_[frame]["input"]["/user/hand/" + hand + "/input/" + what] = as;
 }
 
 void XrScript::stick(int frame, const std::string& hand, glm::dvec2 value) {
-    at(frame)["input"] = {{"/user/hand/" + hand + "/input/thumbstick", {value.x, value.y}}};
+    timeline_[frame]["input"]["/user/hand/" + hand + "/input/thumbstick"] = {value.x, value.y};
 }
 
 void XrScript::click(int frame, const std::string& hand, const std::string& what) {
@@ -110,7 +121,7 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     run.out = folder.path / ("run" + std::to_string(++runs_));
     std::filesystem::create_directories(run.out);
     const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
-    std::ofstream(path) << script.json.dump(1);
+    std::ofstream(path) << script.text();
     std::vector<std::string> words{"/usr/bin/env",
                                    "XR_RUNTIME_JSON=" NEUVV_XR_RUNTIME,
                                    "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation",
@@ -122,6 +133,8 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
                                    NEUVV_PROGRAM,
                                    "xr",
                                    stage.string(),
+                                   "--report",
+                                   (run.out / "seen.json").string(),
                                    "--validate",
                                    "--scale",
                                    "1"};
@@ -134,8 +147,26 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     }
     run.code = program.wait();
     run.log = read_text(log);
+    run.seen = json::parse(read_text(run.out / "seen.json"), nullptr, false);
     run.report = json::parse(read_text(run.out / "report.json"), nullptr, false);
     return run;
+}
+
+json XrSession::panel_after(XrScript script, int end_frame) {
+    script.end(end_frame);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    return run.seen.value("panel", json::object());
+}
+
+void XrSession::press(XrScript& script, int frame, const json& items, const std::string& item) {
+    if (!items.contains(item)) throw std::runtime_error("the panel has no " + item);
+    const glm::dvec3 middle(0, 1.5 - 0.12, -0.75);
+    const double u = items[item][0], v = items[item][1];
+    const glm::dvec3 at = middle + glm::dvec3((u - 0.5) * 0.72, (0.5 - v) * 0.54, 0);
+    script.hand(frame, "right", kRightHand, at);
+    script.input(frame + 2, "right", "trigger/value", 1);
+    script.input(frame + 5, "right", "trigger/value", 0);
 }
 
 void XrSession::expect_clean(const XrRun& run) {

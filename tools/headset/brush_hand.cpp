@@ -137,8 +137,10 @@ void BrushHand::update(OnStage& on, Hands& hands) {
     if (on.tool == HandTool::kRegion) return pull_region(on, hand);
     if (stroke_ && !stroke_->released && !hand.select.held()) end_stroke(on);
     const bool off_panel = hand.at.what != PointedAt::What::kPanel;
-    if (!stroke_ && ready && hand.aim && hand.select.went_down() && off_panel) {
+    wants_stroke_ = hand.select.held() && (wants_stroke_ || (hand.select.went_down() && off_panel));
+    if (!stroke_ && ready && hand.aim && wants_stroke_) {  // may come later than the press, where a clip was read first
         begin(on, ready);
+        wants_stroke_ = false;
         hand.feel(0.3);
     }
     if (!stroke_ || stroke_->released || !hand.aim) return;

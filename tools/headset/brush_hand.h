@@ -55,7 +55,7 @@ class BrushHand {
     std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
     std::shared_ptr<Stroke> stroke_;
     uint64_t failed_ = 0;  // document of which it cannot be known
-    bool reading_ = false;
+    bool reading_ = false, wants_stroke_ = false;
     std::string waits_for_;
     std::optional<PaintRegion> region_;
     std::optional<glm::dvec3> corner_;  // the region's first, performer's space, while it is pulled

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/platform.h"
@@ -46,6 +47,7 @@ struct Visit {
     Clock::time_point began = Clock::now();
     bool placed = false;  // the user stands somewhere
     bool leaves = false;  // was asked to
+    std::map<std::string, glm::dvec2> panel_items;
 
     double now_s() const { return seconds_since(began); }
     void open();
@@ -194,6 +196,7 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
     const PanelFacts facts{visit.notices, in.pictures_a_second, in.eyes.scale(), visit.keeper->saving()};
     in.panel.draw(visit.interaction.panel_pointer(), dt_s,
                   [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
+    visit.panel_items = asks.items;
     if (asks.save) visit.keeper->save();
     if (asks.leave) visit.leaves = true;
 }
@@ -333,6 +336,19 @@ void run_runtimes(Visit& visit) {
     }
 }
 
+void write_report(const Visit& visit) {
+    nlohmann::json report;
+    for (const auto& [name, at] : visit.panel_items) report["panel"][name] = {at.x, at.y};
+    report["time_s"] = visit.on.clock.time_s();
+    report["speed"] = visit.on.clock.speed;
+    report["playing"] = visit.on.clock.playing;
+    report["stands"] = {visit.on.rig.position.x, visit.on.rig.position.y, visit.on.rig.position.z};
+    report["turned_deg"] = glm::degrees(visit.on.rig.yaw_rad);
+    report["modified"] = visit.on.editor.modified();
+    const std::string text = report.dump(1);
+    write_file_atomically(visit.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+}
+
 }  // namespace
 
 void watch_in_headset(const HeadsetOptions& options) {
@@ -342,6 +358,7 @@ void watch_in_headset(const HeadsetOptions& options) {
     if (options.mirror) visit.window = std::make_unique<Window>("NeuVV in a headset", WindowPlace{});
     const auto keep = [&] {
         visit.work.stop();
+        if (!visit.options.report.empty()) write_report(visit);
         if (visit.keeper->store_now())
             say(fmt::format("unsaved edits of {} are kept: `neuvv xr --recover` or `neuvv view` takes them",
                             visit.on.editor.file().path.string()));

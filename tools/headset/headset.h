@@ -22,6 +22,8 @@ struct HeadsetOptions {
     EyeQuality quality;
     std::optional<double> refresh_hz;
     bool mirror = false, validate = false, recover = false, play = false;
+    std::filesystem::path
+        report;           // what was seen last and where its buttons are, for programs that drive it; empty: none
     double retry_s = 20;  // for so long a lost runtime is waited for
 };
 

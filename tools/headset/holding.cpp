@@ -63,12 +63,16 @@ void Holding::put_down(OnStage& on) {
         if (is_near_floor(world_from_node, low, high, on.floor_m, kSnap_m))
             world_from_node = on_floor(world_from_node, low, high, on.floor_m);
     }
-    const int32_t parent = on.stage->scene.nodes[node_].parent;
+    stand_at(on, node_, world_from_node);
+}
+
+void stand_at(OnStage& on, uint32_t node, const glm::dmat4& world_from_node) {
+    const int32_t parent = on.stage->scene.nodes[node].parent;
     const glm::dmat4 world_from_parent =
         parent < 0 ? glm::dmat4(1) : on.instant.pose.world_from_node[static_cast<size_t>(parent)];
     Placement placement;
     placement.to = glm::inverse(world_from_parent) * world_from_node;
-    on.editor.edit([&](Document& document) { return place_node(document.file, node_, placement); });
+    on.editor.edit([&](Document& document) { return place_node(document.file, node, placement); });
 }
 
 }  // namespace neuvv

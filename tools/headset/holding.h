@@ -35,4 +35,7 @@ class Holding {
     uint32_t node_ = 0;
 };
 
+// An edit: the node stands there.
+void stand_at(OnStage& on, uint32_t node, const glm::dmat4& world_from_node);
+
 }  // namespace neuvv

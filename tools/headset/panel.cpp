@@ -6,67 +6,97 @@
 #include <cmath>
 
 #include "edit/operations.h"
+#include "edit/time_edit.h"
 #include "tools/viewer/signs.h"
 
 namespace neuvv {
 
 namespace {
 
-float width_of(int columns, int of) {
+constexpr double kLater_s = 0.5, kSpin_deg_per_s = 30;
+
+// The panel while it is put up: what its rows need, and where its buttons are.
+struct Rows {
+    OnStage& on;
+    Interaction& interaction;
+    const PanelFacts& facts;
+    PanelAsks asks;
+
+    // The item that was put up last can be found by this name.
+    void note(const char* name) {
+        const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax(), size = ImGui::GetIO().DisplaySize;
+        asks.items[name] = {0.5 * (low.x + high.x) / size.x, 0.5 * (low.y + high.y) / size.y};
+    }
+    bool button(const char* name, const char* label, float width, bool is_on = false) {
+        ImGui::PushID(name);
+        if (is_on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.2f});
+        if (is_on) ImGui::PopStyleColor();
+        ImGui::PopID();
+        note(name);
+        return pressed;
+    }
+    bool checkbox(const char* name, const char* label, bool* value) {
+        const bool changed = ImGui::Checkbox(label, value);
+        note(name);
+        return changed;
+    }
+    // What is held is put down and what is painted ended, before others edit.
+    void let_go() {
+        interaction.holding.put_down(on);
+        interaction.brush.end_stroke(on);
+    }
+};
+
+// Of `of` columns as wide as what is left.
+float width_of(int of) {
     const float gap = ImGui::GetStyle().ItemSpacing.x;
-    return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(of - 1)) / static_cast<float>(of) *
-               static_cast<float>(columns) +
-           gap * static_cast<float>(columns - 1);
+    return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(of - 1)) / static_cast<float>(of);
 }
 
-bool button(const char* label, float width, bool on = false) {
-    if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.25f});
-    if (on) ImGui::PopStyleColor();
-    return pressed;
-}
-
-void time_rows(OnStage& on) {
-    StageClock& clock = on.clock;
-    const float one = width_of(1, 6);
-    if (button(SIGN_START "##start", one)) clock.scrub(clock.in_s());
+void time_rows(Rows& rows) {
+    StageClock& clock = rows.on.clock;
+    const float one = width_of(6);
+    if (rows.button("start", SIGN_START, one)) clock.scrub(clock.in_s());
     ImGui::SameLine();
-    if (button(SIGN_STEP_BACK "##back", one)) clock.step(-1);
+    if (rows.button("back", SIGN_STEP_BACK, one)) clock.step(-1);
     ImGui::SameLine();
-    if (button(clock.playing ? SIGN_PAUSE "##play" : SIGN_PLAY "##play", one, clock.playing)) clock.play_or_pause();
+    if (rows.button("play", clock.playing ? SIGN_PAUSE : SIGN_PLAY, one, clock.playing)) clock.play_or_pause();
     ImGui::SameLine();
-    if (button(SIGN_STEP "##step", one)) clock.step(1);
+    if (rows.button("step", SIGN_STEP, one)) clock.step(1);
     ImGui::SameLine();
-    if (button(SIGN_REVERSE "##reverse", one, clock.speed < 0)) clock.speed = -clock.speed;
+    if (rows.button("backwards", SIGN_REVERSE, one, clock.speed < 0)) clock.speed = -clock.speed;
     ImGui::SameLine();
-    if (button(SIGN_LOOP "##loop", one, clock.loops)) clock.loops = !clock.loops;
+    if (rows.button("loop", SIGN_LOOP, one, clock.loops)) clock.loops = !clock.loops;
 
     auto seconds = static_cast<float>(clock.time_s());
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##time", &seconds, 0, static_cast<float>(clock.duration_s()),
                            fmt::format("%.2f of {:.2f} s", clock.duration_s()).c_str()))
         clock.scrub(seconds);
+    rows.note("time");
     auto speed = static_cast<float>(std::abs(clock.speed));
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##speed", &speed, 0.1f, 4, "speed %.2f", ImGuiSliderFlags_Logarithmic))
         clock.speed = std::copysign(speed, clock.speed);
+    rows.note("speed");
 }
 
-void tool_row(OnStage& on) {
-    const float one = width_of(1, 3);
-    const auto tool = [&](const char* label, HandTool which) {
-        if (button(label, one, on.tool == which)) on.tool = which;
+void tool_row(Rows& rows) {
+    const float one = width_of(3);
+    const auto tool = [&](const char* name, const char* label, HandTool which) {
+        if (rows.button(name, label, one, rows.on.tool == which)) rows.on.tool = which;
     };
-    tool(SIGN_MOVE " Arrange", HandTool::kArrange);
+    tool("arrange", SIGN_MOVE " Arrange", HandTool::kArrange);
     ImGui::SameLine();
-    tool(SIGN_BRUSH " Paint", HandTool::kPaint);
+    tool("paint", SIGN_BRUSH " Paint", HandTool::kPaint);
     ImGui::SameLine();
-    tool(SIGN_BOX " Region", HandTool::kRegion);
+    tool("region", SIGN_BOX " Region", HandTool::kRegion);
 }
 
-const PerformerSettings* settings_of(const OnStage& on) {
+const StagePerformer* selected(const OnStage& on) {
     const auto performer = on.selected_performer();
-    return performer ? &on.stage->performers[*performer].settings : nullptr;
+    return performer ? &on.stage->performers[*performer] : nullptr;
 }
 
 void set(OnStage& on, const PerformerEdit& edit) {
@@ -79,50 +109,79 @@ void snap_to_floor(OnStage& on) {
     if (!performer) return;
     const uint32_t node = on.stage->performers[*performer].node;
     const auto [low, high] = box_of(*on.stage, *performer);
-    const int32_t parent = on.stage->scene.nodes[node].parent;
-    const glm::dmat4 world_from_parent =
-        parent < 0 ? glm::dmat4(1) : on.instant.pose.world_from_node[static_cast<size_t>(parent)];
-    Placement placement;
-    placement.to =
-        glm::inverse(world_from_parent) * on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m);
-    on.editor.edit([&](Document& document) { return place_node(document.file, node, placement); });
+    stand_at(on, node, on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
 }
 
-void arrange_rows(OnStage& on, Interaction& interaction) {
-    const PerformerSettings* performer = settings_of(on);
-    const auto index = on.selected_performer();
-    ImGui::TextUnformatted(index ? on.stage->performers[*index].name.c_str()
-                                 : "Point at a performer and pull the trigger");
-    ImGui::BeginDisabled(!performer);
-    const float one = width_of(1, 4);
-    if (button(SIGN_COPY " Copy", one)) duplicate_selected(on);
-    ImGui::SameLine();
-    if (button(SIGN_TRASH " Delete", one)) delete_selected(on);
-    ImGui::SameLine();
-    if (button(SIGN_MAGNET " Floor", one)) snap_to_floor(on);
-    ImGui::SameLine();
-    const double spin = performer ? performer->spin_deg_per_s : 0;
-    if (button(SIGN_ROTATE " Spin", one, spin != 0) && performer) set(on, {.spin_deg_per_s = spin == 0 ? 30 : 0});
-    ImGui::EndDisabled();
-    ImGui::Checkbox("Upright", &interaction.holding.settings.upright);
-    ImGui::SameLine();
-    ImGui::Checkbox("Stand on the floor", &interaction.holding.settings.snaps_to_floor);
+// Each edit of a map may find that the map cannot have it: that is told, as an operation's failure is.
+template <typename Edit>
+void retime(OnStage& on, const StagePerformer& performer, const Edit& edit) {
+    const StageClip& clip = on.stage->clips[performer.clip];
+    on.editor.edit([&](Document& document) {
+        PerformerEdit timed;
+        timed.time = edit(performer.settings.time, ClipRate{clip.frames, clip.fps});
+        return set_performer(document.file, performer.node, timed);
+    });
 }
 
-void brush_rows(OnStage& on) {
-    HandBrush& brush = on.brush;
+void retime_row(Rows& rows, const StagePerformer& performer) {
+    OnStage& on = rows.on;
+    const float one = width_of(5);
+    if (rows.button("slower", "half speed", one))
+        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 0.5); });
+    ImGui::SameLine();
+    if (rows.button("faster", "double", one))
+        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 2); });
+    ImGui::SameLine();
+    if (rows.button("reverse", "reverse", one))
+        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return reversed(map, clip); });
+    ImGui::SameLine();
+    if (rows.button("earlier", "earlier", one))
+        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, -kLater_s); });
+    ImGui::SameLine();
+    if (rows.button("later", "later", one))
+        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, kLater_s); });
+}
+
+void arrange_rows(Rows& rows) {
+    OnStage& on = rows.on;
+    const StagePerformer* performer = selected(on);
+    if (!performer) {
+        ImGui::TextWrapped("Point at a performer and pull the trigger to select it; the grip holds it.");
+    } else {
+        const float one = width_of(4);
+        if (rows.button("copy", SIGN_COPY " Copy", one)) duplicate_selected(on);
+        ImGui::SameLine();
+        if (rows.button("delete", SIGN_TRASH " Delete", one)) delete_selected(on);
+        ImGui::SameLine();
+        if (rows.button("floor", SIGN_MAGNET " Floor", one)) snap_to_floor(on);
+        ImGui::SameLine();
+        const double spin = performer->settings.spin_deg_per_s;
+        if (rows.button("spin", SIGN_ROTATE " Spin", one, spin != 0))
+            set(on, {.spin_deg_per_s = spin == 0 ? kSpin_deg_per_s : 0});
+        retime_row(rows, *performer);
+    }
+    rows.checkbox("upright", "Upright", &rows.interaction.holding.settings.upright);
+    ImGui::SameLine();
+    rows.checkbox("snaps", "Stand on the floor", &rows.interaction.holding.settings.snaps_to_floor);
+}
+
+void brush_rows(Rows& rows) {
+    HandBrush& brush = rows.on.brush;
+    ImGui::SetNextItemWidth(0.3f * ImGui::GetContentRegionAvail().x);  // so that all rows fit below it
     ImGui::ColorPicker3("##colour", &brush.colour.x,
                         ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
                             ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoAlpha);
     ImGui::SameLine();
     ImGui::BeginGroup();
-    const float half = width_of(1, 2);
-    if (button(SIGN_BRUSH " Colour", half, brush.does == HandBrush::Does::kPaint)) brush.does = HandBrush::Does::kPaint;
+    const float half = width_of(2);
+    if (rows.button("colour", SIGN_BRUSH " Colour", half, brush.does == HandBrush::Does::kPaint))
+        brush.does = HandBrush::Does::kPaint;
     ImGui::SameLine();
-    if (button(SIGN_ERASER " Erase", half, brush.does == HandBrush::Does::kErase)) brush.does = HandBrush::Does::kErase;
-    if (button("Ball", half, brush.tip == HandBrush::Tip::kBall)) brush.tip = HandBrush::Tip::kBall;
+    if (rows.button("erase", SIGN_ERASER " Erase", half, brush.does == HandBrush::Does::kErase))
+        brush.does = HandBrush::Does::kErase;
+    if (rows.button("ball", "Ball", half, brush.tip == HandBrush::Tip::kBall)) brush.tip = HandBrush::Tip::kBall;
     ImGui::SameLine();
-    if (button("Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
+    if (rows.button("box", "Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
     auto centimetres = static_cast<float>(100 * brush.radius_m);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##radius", &centimetres, 1, 40, "radius %.0f cm", ImGuiSliderFlags_Logarithmic))
@@ -130,19 +189,19 @@ void brush_rows(OnStage& on) {
     auto opacity = static_cast<float>(100 * brush.opacity);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##opacity", &opacity, 5, 100, "opacity %.0f %%")) brush.opacity = opacity / 100;
-    ImGui::Checkbox("Through the whole clip", &brush.whole_clip);
+    rows.checkbox("whole clip", "Through the whole clip", &brush.whole_clip);
     ImGui::EndGroup();
 }
 
-void region_rows(OnStage& on, Interaction& interaction) {
-    brush_rows(on);
-    ImGui::BeginDisabled(!interaction.brush.region());
-    const float half = width_of(1, 2);
-    if (button(on.brush.does == HandBrush::Does::kErase ? SIGN_ERASER " Erase the box" : SIGN_BRUSH " Colour the box",
-               half))
-        interaction.brush.do_region(on);
+void region_rows(Rows& rows) {
+    brush_rows(rows);
+    ImGui::BeginDisabled(!rows.interaction.brush.region());
+    const float half = width_of(2);
+    const bool erases = rows.on.brush.does == HandBrush::Does::kErase;
+    if (rows.button("do region", erases ? SIGN_ERASER " Erase the box" : SIGN_BRUSH " Colour the box", half))
+        rows.interaction.brush.do_region(rows.on);
     ImGui::SameLine();
-    if (button("Forget the box", half)) interaction.brush.forget_region();
+    if (rows.button("forget region", "Forget the box", half)) rows.interaction.brush.forget_region();
     ImGui::EndDisabled();
 }
 
@@ -150,50 +209,51 @@ void set(OnStage& on, const StageEdit& edit) {
     on.editor.edit([&](Document& document) { return set_stage(document.file, edit); });
 }
 
-void light_row(OnStage& on) {
-    bool shadows = on.stage->settings.shadows, falloff = on.stage->settings.falloff;
-    if (ImGui::Checkbox("Shadows", &shadows)) set(on, StageEdit{.shadows = shadows});
+void light_row(Rows& rows) {
+    bool shadows = rows.on.stage->settings.shadows, falloff = rows.on.stage->settings.falloff;
+    if (rows.checkbox("shadows", "Shadows", &shadows)) set(rows.on, StageEdit{.shadows = shadows});
     ImGui::SameLine();
-    if (ImGui::Checkbox("Lights on performers", &falloff)) set(on, StageEdit{.falloff = falloff});
+    if (rows.checkbox("falloff", "Lights on performers", &falloff)) set(rows.on, StageEdit{.falloff = falloff});
 }
 
-void comfort_rows(OnStage& on) {
-    ImGui::Checkbox("Walk smoothly", &on.comfort.smooth_walk);
+void comfort_rows(Rows& rows) {
+    Comfort& comfort = rows.on.comfort;
+    rows.checkbox("smooth walk", "Walk smoothly", &comfort.smooth_walk);
     ImGui::SameLine();
-    ImGui::Checkbox("Turn smoothly", &on.comfort.smooth_turn);
+    rows.checkbox("smooth turn", "Turn smoothly", &comfort.smooth_turn);
     ImGui::SameLine();
-    ImGui::Checkbox("Dark edges", &on.comfort.vignette);
-    ImGui::Checkbox("Panel on the left wrist", &on.panel_on_wrist);
+    rows.checkbox("vignette", "Dark edges", &comfort.vignette);
+    rows.checkbox("wrist", "Panel on the left wrist", &rows.on.panel_on_wrist);
 }
 
-PanelAsks file_row(OnStage& on, Interaction& interaction, const PanelFacts& facts) {
-    PanelAsks asks;
-    const float one = width_of(1, 4);
-    const auto put_down = [&] {
-        interaction.holding.put_down(on);
-        interaction.brush.end_stroke(on);
-    };
-    ImGui::BeginDisabled(!on.editor.history().next_undo());
-    if (button(SIGN_UNDO " Undo", one)) {
-        put_down();
-        on.editor.undo();
+void file_row(Rows& rows) {
+    Editor& editor = rows.on.editor;
+    const float one = width_of(4);
+    ImGui::BeginDisabled(!editor.history().next_undo());
+    if (rows.button("undo", SIGN_UNDO " Undo", one)) {
+        rows.let_go();
+        editor.undo();
     }
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!on.editor.history().next_redo());
-    if (button(SIGN_REDO " Redo", one)) on.editor.redo();
+    ImGui::BeginDisabled(!editor.history().next_redo());
+    if (rows.button("redo", SIGN_REDO " Redo", one)) {
+        rows.let_go();
+        editor.redo();
+    }
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!on.editor.modified() || facts.saving);
-    asks.save = button(SIGN_SAVE " Save", one);
+    ImGui::BeginDisabled(!editor.modified() || rows.facts.saving);
+    rows.asks.save = rows.button("save", SIGN_SAVE " Save", one);
     ImGui::EndDisabled();
     ImGui::SameLine();
-    asks.leave = button("Leave", one);
-    return asks;
+    rows.asks.leave = rows.button("leave", "Leave", one);
 }
 
-void notice_rows(const BrushHand& brush, const PanelFacts& facts) {
-    if (!brush.waits_for().empty()) ImGui::TextDisabled("%s", brush.waits_for().c_str());
+void notice_rows(const Rows& rows) {
+    const PanelFacts& facts = rows.facts;
+    if (const std::string& waits = rows.interaction.brush.waits_for(); !waits.empty())
+        ImGui::TextDisabled("%s", waits.c_str());
     if (facts.notices.empty()) {
         ImGui::TextDisabled("%s", fmt::format("{:.0f} pictures a second, {:.0f} % of the rays", facts.pictures_a_second,
                                               100 * facts.scale * facts.scale)
@@ -209,27 +269,28 @@ void notice_rows(const BrushHand& brush, const PanelFacts& facts) {
 }  // namespace
 
 PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& facts) {
+    Rows rows{on, interaction, facts, {}};
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize(ImGui::GetIO().DisplaySize);
     ImGui::SetNextWindowBgAlpha(1);
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-    time_rows(on);
+    time_rows(rows);
     ImGui::Separator();
-    tool_row(on);
-    if (on.tool == HandTool::kArrange) arrange_rows(on, interaction);
-    if (on.tool == HandTool::kPaint) brush_rows(on);
-    if (on.tool == HandTool::kRegion) region_rows(on, interaction);
+    tool_row(rows);
+    if (on.tool == HandTool::kPaint) brush_rows(rows);
+    if (on.tool == HandTool::kRegion) region_rows(rows);
     if (on.tool == HandTool::kArrange) {
+        arrange_rows(rows);
         ImGui::Separator();
-        light_row(on);
-        comfort_rows(on);
+        light_row(rows);
+        comfort_rows(rows);
     }
     ImGui::Separator();
-    const PanelAsks asks = file_row(on, interaction, facts);
-    notice_rows(interaction.brush, facts);
+    file_row(rows);
+    notice_rows(rows);
     ImGui::End();
-    return asks;
+    return rows.asks;
 }
 
 }  // namespace neuvv

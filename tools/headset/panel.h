@@ -1,6 +1,7 @@
 // What the panel shows: time, the tools, the selected performer, light, comfort.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace neuvv {
 // What is asked of whoever has files.
 struct PanelAsks {
     bool save = false, leave = false;
+    std::map<std::string, glm::dvec2> items;  // the middles of what can be pressed, 0..1 from the upper left
 };
 
 struct PanelFacts {

@@ -1,0 +1,164 @@
+// To edit: what hands do to the stage, and what of it is saved.
+#include "golden/golden.h"
+#include "xr_session/xr_session.h"
+
+namespace neuvv::test {
+namespace {
+
+using nlohmann::json;
+
+struct Editing : XrSession {
+    // Anna is selected by frame 9.
+    static XrScript selecting() {
+        XrScript script;
+        script.hand(0, "right", kRightHand, kAnna);
+        script.hand(0, "left", kLeftHand, {-3, 1, -4});
+        script.click(kReady, "right", "trigger/value");
+        return script;
+    }
+    // And by frame 13 the panel is shown.
+    static XrScript with_panel() {
+        XrScript script = selecting();
+        script.click(kReady + 4, "left", "y/click");
+        return script;
+    }
+    // The last thing that a script does: saves by the panel, and ends.
+    static void save(XrScript& script, int frame, const json& items) {
+        press(script, frame, items, "save");
+        script.end(frame + kPress + 6);
+    }
+    // The same with the panel hidden so far.
+    static void show_and_save(XrScript& script, int frame, const json& items) {
+        script.click(frame, "left", "y/click");
+        save(script, frame + 3, items);
+    }
+};
+
+TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = selecting();
+    const glm::dvec3 moved(0.4, 0.3, 0.2);
+    script.input(12, "right", "squeeze/value", 1);
+    script.hand(14, "right", kRightHand, kAnna);
+    script.moves(20, "right", kRightHand + moved, kAnna + moved);
+    script.save(22);
+    script.input(24, "right", "squeeze/value", 0);
+    show_and_save(script, 26, items);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const glm::dvec3 was(-0.8, 0, -2.8);
+    EXPECT_LT(glm::distance(place(node(saved(), "anna")), was + moved), 1e-3) << run.log;
+    EXPECT_EQ(run.seen["modified"], false);
+    EXPECT_EQ(check_golden("xr_grab", run.picture(22, "left")), "");
+    EXPECT_FALSE(run.report["haptics"].empty()) << "hands feel what they take";
+}
+
+TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = selecting();
+    const glm::dvec3 moved(0.4, 0.1, 0);
+    script.input(12, "right", "squeeze/value", 1);
+    script.hand(14, "right", kRightHand, kAnna);
+    script.moves(20, "right", kRightHand + moved, kAnna + moved);
+    script.input(24, "right", "squeeze/value", 0);
+    show_and_save(script, 26, items);
+    expect_clean(run(script));
+    EXPECT_LT(glm::distance(place(node(saved(), "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
+}
+
+TEST_F(Editing, TwoHandsScale) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = selecting();
+    const glm::dvec3 right(0.3, 0.8, -1.9), left(-0.3, 0.8, -1.9);
+    script.hand(11, "right", {0.3, 1, -0.4}, right);
+    script.hand(11, "left", {-0.3, 1, -0.4}, left);
+    script.input(13, "right", "squeeze/value", 1);
+    script.input(13, "left", "squeeze/value", 1);
+    script.hand(15, "right", {0.3, 1, -0.4}, right);
+    script.hand(15, "left", {-0.3, 1, -0.4}, left);
+    script.moves(21, "right", {0.45, 1, -0.4}, right + glm::dvec3(0.15, 0, 0));
+    script.moves(21, "left", {-0.45, 1, -0.4}, left - glm::dvec3(0.15, 0, 0));
+    script.save(22);
+    script.input(24, "right", "squeeze/value", 0);
+    script.input(24, "left", "squeeze/value", 0);
+    show_and_save(script, 26, items);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const json document = saved();
+    const json& matrix = node(document, "anna")["matrix"];
+    EXPECT_NEAR(matrix[0].get<double>(), 1.6 * 1.5, 0.01) << "from 0.6 m apart to 0.9 m";
+    EXPECT_NEAR(matrix[5].get<double>(), 1.6 * 1.5, 0.01);
+    EXPECT_EQ(check_golden("xr_scale", run.picture(22, "right")), "");
+}
+
+TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
+    const json items = panel_after(with_panel(), 18);
+    const size_t before = saved()["nodes"].size();
+    XrScript script = selecting();
+    script.click(12, "right", "b/click");
+    script.save(16);
+    show_and_save(script, 18, items);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(check_golden("xr_copy", run.picture(16, "left")), "");
+    EXPECT_EQ(saved()["nodes"].size(), before + 1);
+
+    XrScript undone = selecting();
+    undone.click(12, "right", "b/click");
+    undone.click(16, "left", "x/click");
+    undone.end(22);
+    const XrRun second = this->run(undone);
+    expect_clean(second);
+    EXPECT_EQ(second.seen["modified"], false) << "taken back";
+}
+
+TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = with_panel();
+    int frame = 16;
+    for (const char* item : {"slower", "spin", "shadows", "falloff"}) {
+        press(script, frame, items, item);
+        frame += kPress;
+    }
+    script.save(frame);
+    save(script, frame + 1, items);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const json document = saved();
+    const json& performer = node(document, "anna")["extensions"]["NEUVV_performer"];
+    EXPECT_EQ(performer["time"], json::parse(R"([{"operator": "speed", "factor": 0.5}])")) << run.log;
+    EXPECT_EQ(performer["spin"], 30) << performer;
+    const json& settings = document["scenes"][0]["extensions"]["NEUVV_stage"];
+    EXPECT_EQ(settings["shadows"], false);
+    EXPECT_EQ(settings["falloff"], false);
+    EXPECT_EQ(check_golden("xr_panel", run.picture(frame, "left_seen")), "");
+}
+
+TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
+    XrScript to_paint = with_panel();
+    const json arrange = panel_after(to_paint, 18);
+    press(to_paint, 14, arrange, "paint");
+    const json paint = panel_after(to_paint, 28);
+    XrScript script = to_paint;
+    script.click(26, "left", "y/click");  // the panel is out of the way
+    const glm::dvec3 head(-0.08, 0.99, -1.62);
+    script.head(27, {0, 1.5, 0}, {0, 1.2, -2});
+    script.hand(30, "right", head + glm::dvec3(-0.1, 0, 0.08), head + glm::dvec3(-0.1, 0, -1));
+    script.input(64, "right", "trigger/value", 1);
+    script.hand(66, "right", head + glm::dvec3(-0.1, 0, 0.08), head + glm::dvec3(-0.1, 0, -1));
+    script.moves(74, "right", head + glm::dvec3(0.2, 0.1, 0.08), head + glm::dvec3(0.2, 0.1, -1));
+    script.input(76, "right", "trigger/value", 0);
+    script.save(99);
+    script.click(101, "left", "y/click");
+    save(script, 108, paint);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const json document = saved();
+    const json layers = node(document, "anna")["extensions"]["NEUVV_performer"].value("paint", json::array());
+    ASSERT_EQ(layers.size(), 1u) << run.log << run.seen;
+    EXPECT_TRUE(std::filesystem::exists(folder.path / layers[0]["uri"].get<std::string>()));
+    EXPECT_EQ(check_golden("xr_paint", run.picture(99, "left")), "");
+}
+
+}  // namespace
+}  // namespace neuvv::test

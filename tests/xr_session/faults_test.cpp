@@ -1,0 +1,153 @@
+// Faults: each ends in recovery or in one clear line; nothing that was edited is lost.
+#include "edit/recovery.h"
+#include "xr_session/xr_session.h"
+
+namespace neuvv::test {
+namespace {
+
+using nlohmann::json;
+
+struct Faults : XrSession {
+    // Anna is copied by frame 12.
+    static XrScript editing() {
+        XrScript script;
+        script.hand(0, "right", kRightHand, kAnna);
+        script.click(kReady, "right", "trigger/value");
+        script.click(10, "right", "b/click");
+        return script;
+    }
+    std::vector<RecoveryEntry> kept() const { return find_recovery(folder.path / "state/neuvv/recovery", stage); }
+    void expect_copy_is_kept() const {
+        const auto entries = kept();
+        ASSERT_EQ(entries.size(), 1u);
+        EXPECT_EQ(restore(entries[0]).file.json["nodes"].size(), saved()["nodes"].size() + 1);
+    }
+    static void expect_no_violations(const XrRun& run) {
+        ASSERT_TRUE(run.report.is_object()) << run.log;
+        EXPECT_EQ(run.report["violations"], json::array());
+    }
+    static size_t count(const std::string& text, const std::string& word) {
+        size_t found = 0;
+        for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) found++;
+        return found;
+    }
+};
+
+TEST_F(Faults, ALostSessionIsBegunAnew) {
+    XrScript script = editing();
+    script.event(14, "lose_session");
+    script.save(24);
+    script.end(28);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+    EXPECT_EQ(count(run.log, "another one begins"), 1u) << run.log;
+    EXPECT_EQ(run.picture(24, "left").width, 192u) << "it is shown again";
+    expect_copy_is_kept();
+}
+
+TEST_F(Faults, ALostRuntimeIsWaitedFor) {
+    XrScript script = editing();
+    script.event(14, "lose_instance");
+    script.save(24);
+    script.end(28);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+    EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
+    EXPECT_EQ(run.picture(24, "left").width, 192u) << "it is shown again";
+    expect_copy_is_kept();
+}
+
+TEST_F(Faults, ARefusedFormatIsReplaced) {
+    XrScript script = editing();
+    script.json["refuse"] = {{"formats", {"R8G8B8A8_SRGB"}}};
+    script.save(12);
+    script.end(16);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.picture(12, "left").width, 192u);
+}
+
+TEST_F(Faults, WithoutFocusHandsDoNothing) {
+    XrScript script;
+    script.hand(0, "right", kRightHand, kAnna);
+    script.click(kReady, "right", "trigger/value");
+    script.event(9, "visible");
+    script.click(10, "right", "b/click");
+    script.event(12, "synchronized");
+    script.event(16, "focus");
+    script.end(22);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["modified"], false);
+}
+
+TEST_F(Faults, AGrabOutlivesALostPose) {
+    XrScript script;
+    script.hand(0, "right", kRightHand, kAnna);
+    script.input(kReady, "right", "squeeze/value", 1);
+    script.loses(9, "right");
+    script.hand(12, "right", kRightHand + glm::dvec3(0.3, 0, 0), kAnna + glm::dvec3(0.3, 0, 0));
+    script.input(16, "right", "squeeze/value", 0);
+    script.end(20);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const auto entries = kept();
+    ASSERT_EQ(entries.size(), 1u);
+    const json document = restore(entries[0]).file.json;
+    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
+}
+
+TEST_F(Faults, ALostHeadIsShownWhereItWas) {
+    XrScript script;
+    script.event(6, "no_tracking", {{"frames", 4}});
+    script.save(8);
+    script.end(14);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+}
+
+TEST_F(Faults, ASlowCompositorAndARecentreAreFollowed) {
+    XrScript script;
+    script.event(4, "slow", {{"frames", 4}});
+    script.event(10, "recentre", {{"shift", {{"at", {0.2, 0, 0.1}}, {"turn_deg", {0, 20, 0}}}}});
+    script.event(14, "mask_changed");
+    script.event(16, "refresh", {{"hz", 72}});
+    script.event(18, "profile", {{"profile", "/interaction_profiles/valve/index_controller"}});
+    script.end(24);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_NE(run.log.find("Valve Index"), std::string::npos) << run.log;
+}
+
+TEST_F(Faults, AStopIsFollowedByAnotherStart) {
+    XrScript script = editing();
+    script.event(14, "stop", {{"restart", true}});
+    script.save(20);
+    script.end(26);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.picture(20, "left").width, 192u);
+}
+
+TEST_F(Faults, NoHeadsetIsOneLine) {
+    XrScript script;
+    script.json["system"] = "unavailable";
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 1);
+    EXPECT_NE(run.log.find("plug it in"), std::string::npos) << run.log;
+}
+
+TEST_F(Faults, AFailingRuntimeIsOneLineAndEditsAreKept) {
+    XrScript script = editing();
+    script.json["fail"] = {{{"function", "xrEndFrame"}, {"result", "XR_ERROR_OUT_OF_MEMORY"}, {"skip", 18}}};
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 1);
+    EXPECT_NE(run.log.find("xrEndFrame failed"), std::string::npos) << run.log;
+    expect_copy_is_kept();
+}
+
+}  // namespace
+}  // namespace neuvv::test
