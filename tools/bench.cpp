@@ -70,6 +70,7 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     add_bench_instances(*verb, common);
     add_bench_stereo(*verb, common);
     add_bench_stage(*verb, common);
+    add_bench_xr(*verb, common);
     add_bench_train(*verb, common);
 }
 

@@ -16,6 +16,7 @@ void add_bench_open(CLI::App& bench, CommonOptions& common);
 void add_bench_render(CLI::App& bench, CommonOptions& common);
 void add_bench_slice(CLI::App& bench, CommonOptions& common);
 void add_bench_stage(CLI::App& bench, CommonOptions& common);
+void add_bench_xr(CLI::App& bench, CommonOptions& common);
 
 // The value that a share `p` of the values does not exceed; 0 of none.
 double quantile(std::vector<double> values, double p);

@@ -52,6 +52,7 @@ void delete_selected(OnStage& on) {
 void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head, double dt_s) {
     place_hands(on, inputs, dt_s);
     place_panel(on, head);
+    move_panel(on);
     point(on);
     press_buttons(on);
     select(on);
@@ -97,6 +98,21 @@ void Interaction::place_panel(OnStage& on, const Pose& head) {
         panel->world = panel_before(world_from_tracking(on.rig) * head);
     }
     panel_was_shown_ = !on.panel_on_wrist;
+}
+
+// A grip on the panel holds it as it is.
+void Interaction::move_panel(const OnStage& on) {
+    if (held_panel_ && !hands[held_panel_->first].grab.held()) held_panel_.reset();
+    if (!panel || on.panel_on_wrist) return held_panel_.reset();
+    for (int which = 0; which < kHands; which++) {
+        Hand& hand = hands[which];
+        if (held_panel_ || !hand.aim || !hand.grab.went_down()) continue;
+        if (!rectangle_hit(ray_of(*hand.aim), panel->world, panel->size_m)) continue;
+        held_panel_.emplace(which, inverse(*hand.aim) * panel->world);
+        hand.feel(0.4);
+    }
+    if (held_panel_ && hands[held_panel_->first].aim)
+        panel->world = *hands[held_panel_->first].aim * held_panel_->second;
 }
 
 void Interaction::point(const OnStage& on) {

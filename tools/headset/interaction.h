@@ -43,7 +43,9 @@ class Interaction {
     void select(OnStage& on);
     void change_speed(OnStage& on, Hand& hand);
     void step_through(OnStage& on, Hand& hand);
-    int panel_hand_ = kRight;  // whose ray is the panel's mouse
+    void move_panel(const OnStage& on);
+    int panel_hand_ = kRight;                         // whose ray is the panel's mouse
+    std::optional<std::pair<int, Pose>> held_panel_;  // by which hand, and where it is in its frame
     bool panel_was_shown_ = false;
 };
 

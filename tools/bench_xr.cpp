@@ -1,0 +1,199 @@
+// neuvv bench xr: what a frame of a headset costs on the device, and the second eye beside the first.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "edit/operations.h"
+#include "render/stage_renderer.h"
+#include "tools/bench.h"
+#include "tools/options.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "voctree/nvv.h"
+#include "xr/eye_camera.h"
+#include "xr/eye_pass.h"
+
+namespace neuvv {
+
+namespace {
+
+struct BenchXrOptions {
+    std::string scene, size = "2064x2208";
+    uint32_t frames = 360;
+    double hz = 90, scale = 1;
+    bool json = false;
+};
+
+// A floor, a spotlight and a performer, or a stage as it is.
+Stage stage_of(const BenchXrOptions& options) {
+    if (is_stage(options.scene)) return load_stage(options.scene);
+    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
+    StageFile file = new_stage(clip.parent_path() / "bench.gltf");  // never written
+    const NvvHead head = summarise_nvv(clip).head;
+    Placement place;
+    place.at = glm::dvec3(0, -head.box_min.y, 0);
+    PerformerEdit performer;
+    performer.clip = clip;
+    performer.time = parse_time_map("loop", "bench", "");
+    add_performer(file, "performer", performer, place);
+    return make_stage(std::move(file));
+}
+
+// A person two metres before the performers who sways a little; 104 by 96 degrees an eye, as headsets have them.
+EyeViews eyes_at(const Stage& stage, double time_s) {
+    const auto [low, high] = performers_box(stage, stage_at(stage, 0));
+    const glm::dvec3 middle = 0.5 * (low + high);
+    const glm::dvec3 head(middle.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
+    EyeViews eyes;
+    for (uint32_t eye = 0; eye < kEyes; eye++) {
+        eyes.eye[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
+        eyes.eye[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
+        const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
+        const double out = 54, in = 50;
+        eyes.eye[eye].fov = {rad(eye == 0 ? -out : -in), rad(eye == 0 ? in : out), rad(46), rad(-50)};
+    }
+    return eyes;
+}
+
+struct EyeTargets {
+    EyeTargets(const Device& device, PictureSize size)
+        : colour(device, "eyes",
+                 {size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                  VK_SAMPLE_COUNT_1_BIT, 1, kEyes}),
+          depth(device, "depth of eyes",
+                {size.width, size.height, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                 VK_SAMPLE_COUNT_1_BIT, 1, kEyes}),
+          target{colour.image, depth.image, colour.view, depth.view, {size.width, size.height}} {}
+    DeviceImage colour, depth;
+    EyeTarget target;
+};
+
+struct Result {
+    std::vector<double> both_ms, left_ms, eye_pass_ms;  // of each frame
+    std::vector<PassSum> passes;                        // of both
+};
+
+// Software devices leave compute passes out of the timestamps of frames that draw: there the host's clock counts.
+double milliseconds(const Device& device, const FrameRenderer& frames) {
+    if (device.summary().kind == "cpu") return frames.milliseconds();
+    double sum = 0;
+    for (const PassTime& pass : frames.pass_times()) sum += pass.milliseconds;
+    return sum;
+}
+
+Result measure(const Device& device, const Stage& stage, const BenchXrOptions& options) {
+    const PictureSize size = parse_size(options.size);
+    FrameCapacity capacity{size.width, size.height};
+    capacity.views = kEyes;
+    StageRenderer renderer(device, stage, capacity);
+    const EyeTargets images(device, size);
+    EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
+    Result result;
+    Progress progress("frames", options.frames);
+    constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
+    for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
+        const double time_s = i / options.hz;
+        const double shown_s = std::floor(time_s * stage.fps) / stage.fps;
+        const StageInstant instant = stage_at(stage, shown_s);
+        renderer.show(instant);
+        FrameSettings settings = renderer.settings_at(instant);
+        settings.width = size.width;
+        settings.height = size.height;
+        settings.mode = TraceMode::kPlay;
+        settings.scale = options.scale;
+        for (const Instance& next : renderer.settings_at(stage_at(stage, shown_s + 1 / stage.fps)).instances)
+            settings.next_slices.push_back({{next.frame, next.paint}, next.field});
+        const EyeViews eyes = eyes_at(stage, time_s);
+        std::array<Camera, kEyes> cameras;
+        for (uint32_t eye = 0; eye < kEyes; eye++)
+            cameras[eye] = eye_camera(eyes.eye[eye], {}, {size.width, size.height});
+        const Buffer& pictures = renderer.frames().draw(cameras, settings);
+        const double both = milliseconds(device, renderer.frames());
+        const std::vector<PassTime> passes = renderer.frames().pass_times();
+        pass.draw(renderer, pictures, cameras, {}, 0, images.target);
+        double eye_pass = 0;
+        for (const PassTime& one : pass.pass_times()) eye_pass += one.milliseconds;
+        // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
+        renderer.frames().draw(cameras, settings);
+        const double again = milliseconds(device, renderer.frames());
+        renderer.frames().draw({cameras.data(), 1}, settings);
+        const double left = milliseconds(device, renderer.frames());
+        if (i < kWarm) continue;
+        result.both_ms.push_back(both + eye_pass);
+        result.eye_pass_ms.push_back(eye_pass);
+        result.left_ms.push_back(left / again);
+        add_picture(result.passes, passes);
+        progress.update(i - kWarm + 1);
+    }
+    return result;
+}
+
+// What the second eye adds, in shares of what the first costs.
+double second_eye(const Result& result) {
+    const double first = median(result.left_ms);
+    return first > 0 ? (1 - first) / first : 0;
+}
+
+void print(const Result& result, const Device& device, const BenchXrOptions& options) {
+    const double budget_ms = 1000 / options.hz;
+    fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
+    fmt::print("a frame of both eyes: {:.1f} ms median, {:.1f} ms p99, {:.0f} % of {:.0f} Hz\n", median(result.both_ms),
+               quantile(result.both_ms, 0.99), 100 * quantile(result.both_ms, 0.99) / budget_ms, options.hz);
+    fmt::print("of which bringing them to the headset's images: {:.1f} ms\n", median(result.eye_pass_ms));
+    fmt::print("the second eye costs {:.2f} times the first\n", second_eye(result));
+    fmt::print("passes, ms: {}\n", passes_text(result.passes));
+}
+
+nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchXrOptions& options) {
+    auto passes = nlohmann::ordered_json::object();
+    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
+    return {{"device", device.summary().name},
+            {"scene", options.scene},
+            {"size", options.size},
+            {"ms", median(result.both_ms)},
+            {"p99_ms", quantile(result.both_ms, 0.99)},
+            {"eye_pass_ms", median(result.eye_pass_ms)},
+            {"second_eye", second_eye(result)},
+            {"passes_ms", passes}};
+}
+
+void run(const BenchXrOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const Stage stage = stage_of(options);
+    const Device device(common.device);
+    const Result result = measure(device, stage, options);
+    expect_not_stopped();
+    if (options.json)
+        fmt::print("{}", json_text(json_of(result, device, options)));
+    else
+        print(result, device, options);
+}
+
+}  // namespace
+
+void add_bench_xr(CLI::App& bench, CommonOptions& common) {
+    CLI::App* verb = bench.add_subcommand("xr", "A frame in a headset, of a stage");
+    const auto options = std::make_shared<BenchXrOptions>();
+    verb->add_option("scene", options->scene, "A stage, or a .nvv that is put on one")->required();
+    verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
+    verb->add_option("--frames", options->frames, "Frames that are drawn")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    verb->add_option("--hz", options->hz, "Of the display")->check(number_between(1, 1000))->capture_default_str();
+    verb->add_option("--scale", options->scale, "Rays a pixel along each side")
+        ->check(number_between(0.2, 1))
+        ->capture_default_str();
+    verb->add_flag("--json", options->json, "Print JSON");
+    verb->footer(
+        std::string("Plays the stage before a head that sways, with slices made ahead, and prints the device's "
+                    "time of each frame.\nNo headset and no OpenXR runtime are needed.\n") +
+        kDeviceHelp + kExamplesHead +
+        "  neuvv bench xr demo/performer.nvv\n"
+        "  neuvv bench xr demo/stage.gltf --size 516x552 --frames 40");
+    verb->callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv
