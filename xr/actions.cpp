@@ -25,6 +25,10 @@ XrActionType type_of(ActionKind kind) {
     return XR_ACTION_TYPE_BOOLEAN_INPUT;
 }
 
+bool is_bound(BoundHands hands, int hand) {
+    return hands == BoundHands::kBoth || (hands == BoundHands::kLeftHand) == (hand == kLeft);
+}
+
 }  // namespace
 
 Actions::Actions(const Session& session) : session_(session) {
@@ -61,7 +65,11 @@ void Actions::suggest_bindings() const {
     for (const ControllerProfile& profile : controller_profiles()) {
         if (profile.extension && !runtime.has(profile.extension)) continue;
         std::vector<XrActionSuggestedBinding> bindings;
-        for (const Binding& one : profile.bindings) bindings.push_back({action(one.action), runtime.path(one.path)});
+        for (const Binding& one : profile.bindings)
+            for (int hand = 0; hand < kHands; hand++)
+                if (is_bound(one.hands, hand))
+                    bindings.push_back(
+                        {action(one.action), runtime.path((std::string(kHandPaths[hand]) + one.path).c_str())});
         XrInteractionProfileSuggestedBinding info{XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING};
         info.interactionProfile = runtime.path(profile.path);
         info.countSuggestedBindings = static_cast<uint32_t>(bindings.size());

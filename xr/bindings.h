@@ -34,9 +34,12 @@ struct ActionName {
 };
 ActionName name_of(HandAction action);
 
+enum class BoundHands { kLeftHand, kRightHand, kBoth };
+
 struct Binding {
     HandAction action;
-    const char* path;  // "/user/hand/left/input/trigger/value"
+    BoundHands hands;
+    const char* path;  // below the hand's: "/input/trigger/value"
 };
 
 struct ControllerProfile {

@@ -1,4 +1,5 @@
 // To edit: what hands do to the stage, and what of it is saved.
+#include "edit/recovery.h"
 #include "golden/golden.h"
 #include "xr_session/xr_session.h"
 
@@ -158,6 +159,82 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     ASSERT_EQ(layers.size(), 1u) << run.log << run.seen;
     EXPECT_TRUE(std::filesystem::exists(folder.path / layers[0]["uri"].get<std::string>()));
     EXPECT_EQ(check_golden("xr_paint", run.picture(99, "left")), "");
+}
+
+TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
+    XrScript to_region = with_panel();
+    const json arrange = panel_after(to_region, 18);
+    press(to_region, 14, arrange, "region");
+    const json region = panel_after(to_region, 28);
+    XrScript script = to_region;
+    press(script, 22, region, "erase");
+    script.click(32, "left", "y/click");
+    const glm::dvec3 head(-0.08, 0.99, -2), hand = head + glm::dvec3(-0.5, 0, 0.58);
+    script.hand(60, "right", hand, hand - glm::dvec3(0, 0, 1));
+    script.input(62, "right", "trigger/value", 1);
+    script.hand(64, "right", hand, hand - glm::dvec3(0, 0, 1));
+    const glm::dvec3 last = hand + glm::dvec3(1, 0.5, -1.1);
+    script.moves(72, "right", last, last - glm::dvec3(0, 0, 1));
+    script.input(74, "right", "trigger/value", 0);
+    script.save(76);
+    script.click(78, "left", "y/click");
+    press(script, 84, region, "do region");
+    script.click(124, "left", "y/click");
+    script.save(128);
+    script.end(132);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(check_golden("xr_region", run.picture(76, "left")), "");
+    EXPECT_EQ(check_golden("xr_erased", run.picture(128, "left")), "");
+    EXPECT_EQ(run.seen["modified"], true);
+}
+
+TEST_F(Editing, WhatWasDeletedComesBack) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = with_panel();
+    press(script, 16, items, "delete");
+    script.save(25);
+    script.click(28, "left", "x/click");
+    script.save(34);
+    script.end(38);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_FALSE(same_pixels(run.picture(25, "left"), run.picture(34, "left"))) << "gone, and back";
+    EXPECT_EQ(run.seen["modified"], false);
+}
+
+TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
+    XrScript script;
+    script.json["profile"] = "/interaction_profiles/khr/simple_controller";
+    script.hand(0, "right", kRightHand, kAnna);
+    script.hand(0, "left", kLeftHand, {-3, 1, -4});
+    script.input(kReady, "right", "select/click", 1);
+    script.hand(50, "right", kRightHand, kAnna);
+    script.moves(58, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.input(62, "right", "select/click", 0);
+    script.end(66);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const auto kept = find_recovery(folder.path / "state/neuvv/recovery", stage);
+    ASSERT_EQ(kept.size(), 1u) << run.log;
+    const json document = restore(kept[0]).file.json;
+    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
+}
+
+TEST_F(Editing, AGripMovesThePanel) {
+    XrScript script = with_panel();
+    const glm::dvec3 on_panel(0.1, 1.38, -0.75), aside(-0.3, 0.1, 0);
+    script.hand(14, "right", kRightHand, on_panel);
+    script.input(16, "right", "squeeze/value", 1);
+    script.hand(18, "right", kRightHand, on_panel);
+    script.moves(24, "right", kRightHand + aside, on_panel + aside);
+    script.input(26, "right", "squeeze/value", 0);
+    script.save(28);
+    script.end(30);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(check_golden("xr_panel_moved", run.picture(28, "left_seen")), "");
+    EXPECT_EQ(run.seen["modified"], false) << "the performer behind it stays";
 }
 
 }  // namespace

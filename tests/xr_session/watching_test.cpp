@@ -8,6 +8,8 @@
 namespace neuvv::test {
 namespace {
 
+using nlohmann::json;
+
 struct Watching : XrSession {};
 
 TEST_F(Watching, BothEyesSeeTheStage) {
@@ -106,6 +108,58 @@ TEST_F(Watching, AStickTeleportsAndTurns) {
     EXPECT_NEAR(run.seen["turned_deg"].get<double>(), -30, 1e-6);
     EXPECT_LT(run.seen["stands"][2].get<double>(), -0.5) << "before where it stood";
     EXPECT_EQ(check_golden("xr_teleport", run.picture(8, "left")), "");
+}
+
+TEST_F(Watching, BareHandsAreSeen) {
+    XrScript script;
+    script.json["profile"] = "";
+    script.json["hand_joints"] = true;
+    script.hand(0, "right", {0.15, 1.35, -0.5}, {0.15, 1.5, -2});
+    script.hand(0, "left", {-0.15, 1.35, -0.5}, {-0.15, 1.5, -2});
+    script.save(6);
+    script.end(8);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(check_golden("xr_fingers", run.picture(6, "left")), "");
+}
+
+TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
+    XrScript script;
+    script.json["profile"] = "";
+    script.save(6);
+    script.end(8);
+    const XrRun whole = run(script), inset = run(script, {"--inset", "0.5"});
+    expect_clean(inset);
+    const Image a = whole.picture(6, "left"), b = inset.picture(6, "left");
+    // About the eye's axis; beside it there are half as many rays a side.
+    uint32_t inside = 0, beside = 0;
+    for (uint32_t y = 0; y < a.height; y++)
+        for (uint32_t x = 0; x < a.width; x++) {
+            const size_t i = 4 * (size_t{y} * a.width + x);
+            const bool other = std::abs(a.rgba[i] - b.rgba[i]) > 8;
+            const bool middle = x > 60 && x < 140 && y > 54 && y < 130;
+            (middle ? inside : beside) += other;
+        }
+    EXPECT_LT(inside, 20u);
+    EXPECT_GT(beside, 20u) << "the inset does something";
+}
+
+TEST_F(Watching, WalkingSmoothlyDarkensTheEdges) {
+    XrScript to_panel;
+    to_panel.hand(0, "left", kLeftHand, {-3, 1, -4});
+    to_panel.hand(0, "right", kRightHand, kAnna);
+    to_panel.click(kReady, "left", "y/click");
+    const json items = panel_after(to_panel, 14);
+    XrScript script = to_panel;
+    press(script, 10, items, "smooth walk");
+    script.click(20, "left", "y/click");
+    script.stick(24, "left", {1, 0});
+    script.save(40);
+    script.end(44);
+    const XrRun run = this->run(script, {"--no-mask"});
+    expect_clean(run);
+    EXPECT_NEAR(run.seen["stands"][0].get<double>(), 1.6 * 20 / 90, 0.05) << "to the right at 1.6 m/s";
+    EXPECT_EQ(check_golden("xr_vignette", run.picture(40, "left")), "");
 }
 
 TEST_F(Watching, ItPlaysByTheDisplaysTime) {

@@ -1,9 +1,8 @@
 // Files of a session in a headset: what is saved, and unsaved edits that outlive a crash, as the viewer's do.
 #pragma once
 
-#include "edit/recovery.h"
 #include "tools/headset/on_stage.h"
-#include "tools/viewer/work.h"
+#include "tools/viewer/stored_edits.h"
 
 namespace neuvv {
 
@@ -16,18 +15,15 @@ class Keeper {
     void save();
     bool saving() const { return saving_; }
     // Each frame: unsaved edits are stored now and then.
-    void tick(double now_s);
+    void tick(double now_s) { stored_.tick(now_s); }
     // At the end, once `work` has stopped: stores what is unsaved. Whether anything is.
-    bool store_now();
+    bool store_now() { return stored_.store_now(); }
 
   private:
     OnStage& on_;
     Work& work_;
-    std::shared_ptr<RecoveryWriter> writer_;  // used by jobs alone, one after the other; null: nowhere to store
-    std::optional<RecoveryEntry> recovered_;
-    bool saving_ = false, storing_ = false;
-    uint64_t stored_id_ = 0;
-    double stored_s_ = 0;
+    StoredEdits stored_;
+    bool saving_ = false;
 };
 
 // Edits of this stage that an earlier program left behind, the latest; of none that still runs.

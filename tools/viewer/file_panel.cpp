@@ -82,7 +82,7 @@ void Files::unsaved_panel() {
     }
     if (button(viewer_, "Discard")) {
         close_question();
-        forget_stored();
+        stored_.forget();
         afterwards();
         return;
     }

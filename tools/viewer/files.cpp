@@ -24,7 +24,7 @@ bool is_one_of(const std::filesystem::path& path, std::initializer_list<const ch
 
 }  // namespace
 
-Files::Files(Viewer& viewer) : viewer_(viewer) {}
+Files::Files(Viewer& viewer) : viewer_(viewer), stored_(viewer.editor, viewer.work) {}
 
 // An export's pictures are all of one stage.
 bool Files::refused_by_export() {
@@ -90,21 +90,18 @@ void Files::recover(const RecoveryEntry& entry) {
     viewer_.work.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
         auto document = std::make_shared<Document>(restore(entry));
         return [this, document, entry] {
-            opened(std::move(*document), true);
-            recovered_ = entry;
+            opened(std::move(*document), true, entry);
             viewer_.editor.tell("recovered unsaved edits; save to keep them");
         };
     });
 }
 
-void Files::opened(Document document, bool modified) {
-    recovery_ = recovery_folder().empty() ? nullptr : std::make_shared<RecoveryWriter>(recovery_folder());
-    recovered_.reset();
+void Files::opened(Document document, bool modified, std::optional<RecoveryEntry> from) {
+    stored_.opened(std::move(from));
     viewer_.gizmo.reset();
     viewer_.held_light.reset();
     viewer_.timeline.key.reset();
     viewer_.paint.leave_alone({});
-    stored_id_ = 0;
     clips_.clear();
     viewer_.editor.open(std::move(document), modified);
     viewer_.redraw();
@@ -150,7 +147,7 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
                                viewer_.editor.saved(*document, number, id);
                                if (left && number == viewer_.editor.opened())
                                    viewer_.paint.leave_alone(worn_layers(document->file));
-                               if (!viewer_.editor.modified()) forget_stored();
+                               if (!viewer_.editor.modified()) stored_.forget();
                                viewer_.editor.tell(fmt::format("saved {}{}", path.string(), also));
                                remember_file(viewer_.preferences, std::filesystem::absolute(path));
                                if (then) then();
@@ -220,7 +217,7 @@ void Files::when_saved_or_given_up(std::function<void()> then) {
     if (question_ || refused_by_export()) return;
     viewer_.editor.end_drag();
     if (!viewer_.editor.modified()) {
-        forget_stored();
+        stored_.forget();
         return then();
     }
     question_ = FileQuestion{};
@@ -235,46 +232,8 @@ void Files::close_question() {
 }
 
 void Files::tick() {
-    if (viewer_.now_s - stored_s_ >= kStoreEvery_s) store();
+    stored_.tick(viewer_.now_s);
     if (viewer_.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
-}
-
-// One at a time, of a copy.
-void Files::store() {
-    const Editor& editor = viewer_.editor;
-    if (!recovery_ || storing_ || !editor.is_open() || editor.id() == stored_id_) return;
-    stored_s_ = viewer_.now_s;
-    storing_ = true;
-    const bool modified = editor.modified() || editor.dragging();
-    viewer_.work.start("", [this, modified, id = editor.id(), document = std::make_shared<Document>(editor.document()),
-                            writer = recovery_, from = recovered_] {
-        std::string problem;
-        try {
-            if (modified)
-                writer->store(*document);
-            else
-                writer->discard();
-            if (from) discard(*from);
-        } catch (const std::exception& error) {
-            problem = error.what();
-        }
-        return [this, modified, id, problem] {
-            storing_ = false;
-            recovered_.reset();
-            stored_id_ = id;
-            if (!problem.empty()) viewer_.editor.tell("unsaved edits cannot be kept for recovery: " + problem, true);
-        };
-    });
-}
-
-// Behind what is being stored.
-void Files::forget_stored() {
-    if (!recovery_) return;
-    viewer_.work.start("", [writer = recovery_, from = std::exchange(recovered_, std::nullopt)]() -> Work::Then {
-        writer->discard();
-        if (from) discard(*from);
-        return {};
-    });
 }
 
 // A training run writes its clip anew with each checkpoint.

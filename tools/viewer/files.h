@@ -11,14 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "edit/recovery.h"
 #include "tools/viewer/preferences.h"
+#include "tools/viewer/stored_edits.h"
 
 namespace neuvv {
 
 class Viewer;
-
-constexpr double kStoreEvery_s = 2;
 
 // What the user is asked: one at a time, each in a modal.
 struct FileQuestion {
@@ -66,14 +64,12 @@ class Files {
   private:
     void open_now(const std::filesystem::path& path);
     void read(const std::filesystem::path& path);
-    void opened(Document document, bool modified);
+    void opened(Document document, bool modified, std::optional<RecoveryEntry> from = {});
     void recover(const RecoveryEntry& entry);
     // `then` is called with `path` unless they are recovered.
     void ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesystem::path& path,
                         std::function<void(const std::filesystem::path&)> then);
     void save_to(const std::filesystem::path& path, std::function<void()> then);
-    void store();
-    void forget_stored();
     bool refused_by_export();
     void watch_clips();
     void path_panel();
@@ -92,12 +88,8 @@ class Files {
     std::vector<Listed> listed_;       // of the question's folder
     std::filesystem::path confirmed_;  // the user was told that this file will be replaced
     std::optional<FileQuestion> question_;
-    // Used by jobs alone, one after the other, until the last of them has gone.
-    std::shared_ptr<RecoveryWriter> recovery_;
-    std::optional<RecoveryEntry> recovered_;  // what the document came from; kept until it is stored anew
-    bool storing_ = false;
-    uint64_t stored_id_ = 0;
-    double stored_s_ = 0, watched_s_ = 0;
+    StoredEdits stored_;
+    double watched_s_ = 0;
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;
 };
 

@@ -1,0 +1,64 @@
+#include "tools/viewer/stored_edits.h"
+
+#include <utility>
+
+namespace neuvv {
+
+void StoredEdits::opened(std::optional<RecoveryEntry> from) {
+    writer_ = recovery_folder().empty() ? nullptr : std::make_shared<RecoveryWriter>(recovery_folder());
+    stored_id_ = 0;
+    from_ = std::move(from);
+}
+
+// One at a time, of a copy.
+void StoredEdits::tick(double now_s) {
+    if (now_s - stored_s_ < kStoreEvery_s) return;
+    if (!writer_ || storing_ || !editor_.is_open() || editor_.id() == stored_id_) return;
+    stored_s_ = now_s;
+    storing_ = true;
+    const bool modified = editor_.modified() || editor_.dragging();
+    work_.start("",
+                [this, modified, id = editor_.id(), document = std::make_shared<Document>(editor_.document()),
+                 writer = writer_, from = from_]() -> Work::Then {
+                    std::string problem;
+                    try {
+                        if (modified)
+                            writer->store(*document);
+                        else
+                            writer->discard();
+                        if (from) discard(*from);
+                    } catch (const std::exception& error) {
+                        problem = error.what();
+                    }
+                    return [this, writer, id, problem] {
+                        storing_ = false;
+                        if (writer != writer_) return;  // another document was opened since
+                        from_.reset();
+                        stored_id_ = id;
+                        if (!problem.empty())
+                            editor_.tell("unsaved edits cannot be kept for recovery: " + problem, true);
+                    };
+                });
+}
+
+void StoredEdits::forget() {
+    if (!writer_) return;
+    work_.start("", [writer = writer_, from = std::exchange(from_, std::nullopt)]() -> Work::Then {
+        writer->discard();
+        if (from) discard(*from);
+        return {};
+    });
+}
+
+bool StoredEdits::store_now() {
+    editor_.end_drag();
+    if (!writer_) return editor_.modified();
+    if (editor_.modified())
+        writer_->store(editor_.document());
+    else
+        writer_->discard();
+    if (from_) discard(*from_);
+    return editor_.modified();
+}
+
+}  // namespace neuvv
