@@ -6,12 +6,10 @@ namespace neuvv {
 
 namespace {
 
-constexpr Pose kHere{};
-
-XrOwnedSpace reference_space(XrSession session, XrReferenceSpaceType type) {
+XrOwnedSpace reference_space(XrSession session, XrReferenceSpaceType type, const Pose& origin = {}) {
     XrReferenceSpaceCreateInfo info{XR_TYPE_REFERENCE_SPACE_CREATE_INFO};
     info.referenceSpaceType = type;
-    info.poseInReferenceSpace = xr_pose(kHere);
+    info.poseInReferenceSpace = xr_pose(origin);
     XrOwnedSpace space;
     check(xrCreateReferenceSpace(session, &info, space.out()), "xrCreateReferenceSpace", "session");
     return space;
@@ -58,7 +56,9 @@ void Session::make_spaces() {
                                      return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
                                  });
     knows_floor_ = std::find(types.begin(), types.end(), XR_REFERENCE_SPACE_TYPE_STAGE) != types.end();
-    tracking_ = reference_space(handle(), knows_floor_ ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL);
+    tracking_ = knows_floor_
+                    ? reference_space(handle(), XR_REFERENCE_SPACE_TYPE_STAGE)
+                    : reference_space(handle(), XR_REFERENCE_SPACE_TYPE_LOCAL, {{0, -kEyesAbove_m, 0}, {1, 0, 0, 0}});
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
 }
 
@@ -104,9 +104,6 @@ SessionDoes Session::poll(SessionNews& news) {
                 break;
             case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
                 throw XrFailure(XR_ERROR_INSTANCE_LOST, "xrPollEvent", runtime_.name());
-            case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
-                news.recentred = true;
-                break;
             case XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED:
                 news.controllers = true;
                 break;
@@ -118,7 +115,7 @@ SessionDoes Session::poll(SessionNews& news) {
                 news.refresh_hz = as(XrEventDataDisplayRefreshRateChangedFB{}).toDisplayRefreshRate;
                 break;
             default:
-                break;  // of extensions that this program does not use, and lost events, which nothing depends on
+                break;  // recentring: poses say it; extensions that are not used; lost events, which nothing depends on
         }
     }
     if (lost_) return SessionDoes::kLost;

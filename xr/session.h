@@ -26,11 +26,12 @@ enum class SessionDoes {
 
 // What the events of a poll said besides.
 struct SessionNews {
-    bool recentred = false;          // poses of the tracking space are others now
     bool controllers = false;        // other ones are held: Session::controllers
     std::array<bool, kEyes> mask{};  // the lens of an eye hides another part of it
     std::optional<float> refresh_hz;
 };
+
+constexpr double kEyesAbove_m = 1.6;
 
 struct FrameTime {
     XrTime display = 0;     // when its light reaches the eyes, ns of the runtime's time
@@ -55,8 +56,8 @@ class Session {
 
     XrSession handle() const { return session_.get(); }
     const Runtime& runtime() const { return runtime_; }
-    // STAGE: its origin lies on the floor in the middle of where the user may walk; or LOCAL, whose origin is at the
-    // height of the eyes.
+    // STAGE: its origin lies on the floor in the middle of where the user may walk. Where the runtime knows no floor:
+    // kEyesAbove_m below LOCAL's origin, which is at the height of the eyes.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
     XrSpace head_space() const { return head_.get(); }

@@ -38,7 +38,7 @@ void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interac
             pointed_at |= hand.at.what == PointedAt::What::kPerformer && hand.at.performer == performer.performer;
         const bool is_selected = selected == performer.performer;
         if (!is_selected && !(pointed_at && on.tool == HandTool::kArrange)) continue;
-        const auto [low, high] = box_of(*on.stage, performer.performer);
+        const auto [low, high] = box_of(on, performer.performer);
         shapes.box_edges(performer.world_from_performer, low, high, is_selected ? 0.006 : 0.003,
                          is_selected ? kBlue : kWhite);
     }

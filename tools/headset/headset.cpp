@@ -63,7 +63,6 @@ void Visit::open() {
     }
     on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
     on.follow_document();
-    on.floor_m = floor_of(*on.stage);
     on.clock.playing = options.play;
     on.look_at_instant();
     keeper.emplace(on, work, lost);
@@ -103,11 +102,18 @@ OnRuntime::OnRuntime(Visit& of)
           }(),
           runtime.device_maker()) {}
 
+void know_leaves(OnStage& on, const StageRenderer& renderer) {
+    on.leaf_boxes.clear();
+    for (uint32_t clip = 0; clip < on.stage->clips.size(); clip++)
+        on.leaf_boxes.emplace_back(renderer.field(clip).leaves_min, renderer.field(clip).leaves_max);
+}
+
 void OnRuntime::follow(Visit& visit) {
     visit.on.follow_document();
     if (drawn == visit.on.stage) return;
     renderer->change(*visit.on.stage);
     drawn = visit.on.stage;
+    know_leaves(visit.on, *renderer);
 }
 
 void tell_validation(const Device& device) {
@@ -143,6 +149,9 @@ void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
     at.drawn = visit.on.stage;
     at.renderer =
         std::make_unique<StageRenderer>(at.device, *at.drawn, eyes.capacity(), StageRenderer::Loaded{}, paint);
+    know_leaves(visit.on, *at.renderer);
+    visit.on.look_at_instant();
+    visit.on.floor_m = floor_of(visit.on);
 }
 
 void hear(const SessionNews& news, InSession& in) {
@@ -168,7 +177,7 @@ std::vector<NextSlice> slices_ahead(const Visit& visit, const StageRenderer& ren
 }
 
 // Hands, time and edits up to the instant at which this frame is seen.
-void live(Visit& visit, InSession& in, const FrameTime& time, double dt_s) {
+void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, double dt_s) {
     OnStage& on = visit.on;
     HandInputs inputs = in.actions.sample(time.display);
     in.fingers.locate(time.display);
@@ -176,11 +185,10 @@ void live(Visit& visit, InSession& in, const FrameTime& time, double dt_s) {
     const auto head = in.session.locate(in.session.head_space(), time.display);
     if (head && !visit.placed) {
         on.rig = first_rig(on, *head);
-        if (!in.session.knows_floor()) on.rig.position.y += 1.6 - head->position.y;
         visit.placed = true;
     }
     visit.work.run_told();
-    on.follow_document();
+    at.follow(visit);  // what is edited from here on is seen in the next frame
     on.clock.tick(dt_s);
     on.look_at_instant();
     if (head) visit.interaction.update(on, inputs, *head, dt_s);
@@ -194,8 +202,9 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
     if (!visit.interaction.panel) return;
     PanelAsks asks;
     const PanelFacts facts{visit.notices, in.pictures_a_second, in.eyes.scale(), visit.keeper->saving()};
-    in.panel.draw(visit.interaction.panel_pointer(), dt_s,
-                  [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
+    PanelPointer pointer = visit.interaction.panel_pointer();
+    if (visit.on.is_behind()) pointer.pressed = false;  // hands have edited what the panel shows
+    in.panel.draw(pointer, dt_s, [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
     visit.panel_items = asks.items;
     if (asks.save) visit.keeper->save();
     if (asks.leave) visit.leaves = true;
@@ -204,10 +213,7 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
 // The stage as it is now for both eyes. False: there is nothing to be shown yet.
 bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time) {
     OnStage& on = visit.on;
-    at.follow(visit);
-    const StageInstant& instant =
-        on.instant.performers.size() == on.stage->performers.size() ? on.instant : (on.look_at_instant(), on.instant);
-    at.renderer->show(instant);
+    at.renderer->show(on.instant);
     const Pose world = world_from_tracking(on.rig);
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
@@ -217,7 +223,7 @@ bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
     if (!eyes) return false;
-    in.eyes.draw(*at.renderer, instant, *eyes, world, next, in.shapes, visit.interaction.walking.vignette(),
+    in.eyes.draw(*at.renderer, on.instant, *eyes, world, next, in.shapes, visit.interaction.walking.vignette(),
                  kShare * static_cast<double>(time.period) / 1e6);
     return true;
 }
@@ -230,7 +236,7 @@ void frame(Visit& visit, OnRuntime& at, InSession& in) {
     in.last_display = time.display;
     if (dt_s > 0) in.pictures_a_second += 0.1 * (1 / dt_s - in.pictures_a_second);
     in.session.begin();
-    live(visit, in, time, dt_s);
+    live(visit, at, in, time, dt_s);
     std::vector<const XrCompositionLayerBaseHeader*> layers;
     if (time.render) {
         draw_panel_of(visit, in, dt_s);

@@ -59,10 +59,11 @@ void Holding::put_down(OnStage& on) {
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
     if (const auto performer = on.selected_performer(); performer && settings.snaps_to_floor) {
-        const auto [low, high] = box_of(*on.stage, *performer);
+        const auto [low, high] = box_of(on, *performer);
         if (is_near_floor(world_from_node, low, high, on.floor_m, kSnap_m))
             world_from_node = on_floor(world_from_node, low, high, on.floor_m);
     }
+    carry(on.instant, *on.stage, node_, world_from_node);  // until the edit is shown
     stand_at(on, node_, world_from_node);
 }
 

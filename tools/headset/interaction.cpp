@@ -55,9 +55,9 @@ void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head
     move_panel(on);
     point(on);
     press_buttons(on);
-    select(on);
-    holding.update(on, hands, dt_s);
-    brush.update(on, hands);
+    if (!on.is_behind()) select(on);
+    if (!on.is_behind()) holding.update(on, hands, dt_s);
+    if (!on.is_behind()) brush.update(on, hands);
     std::array<bool, kHands> free{};
     for (int which = 0; which < kHands; which++)
         free[which] = !holding.holds(which) && hands[which].at.what != PointedAt::What::kPanel;
@@ -129,7 +129,7 @@ void Interaction::point(const OnStage& on) {
         double nearest = kFarthest_m;
         for (const InstantPerformer& performer : on.instant.performers) {
             if (!performer.visible) continue;
-            const auto [low, high] = box_of(*on.stage, performer.performer);
+            const auto [low, high] = box_of(on, performer.performer);
             const auto metres = box_hit(ray, performer.world_from_performer, low, high);
             if (!metres || *metres >= nearest) continue;
             nearest = *metres;

@@ -1,6 +1,9 @@
 #include "tools/headset/on_stage.h"
 
+#include <cmath>
+
 #include "base/error.h"
+#include "xr/grab.h"
 
 namespace neuvv {
 
@@ -27,15 +30,23 @@ std::optional<uint32_t> OnStage::selected_performer() const {
     return std::nullopt;
 }
 
-std::pair<glm::dvec3, glm::dvec3> box_of(const Stage& stage, uint32_t performer) {
-    const StageClip& clip = stage.clips[stage.performers[performer].clip];
+std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer) {
+    const uint32_t of = on.stage->performers[performer].clip;
+    const StageClip& clip = on.stage->clips[of];
+    if (of < on.leaf_boxes.size()) return on.leaf_boxes[of];
     return {clip.box_min, clip.box_min + clip.box_size};
 }
 
-double floor_of(const Stage& stage) {
-    for (const GltfNode& node : stage.scene.nodes)
+double floor_of(const OnStage& on) {
+    for (const GltfNode& node : on.stage->scene.nodes)
         if (node.draws_mesh()) return 0;
-    return performers_box(stage, stage_at(stage, 0)).first.y;
+    double lowest = INFINITY;
+    for (const InstantPerformer& performer : on.instant.performers) {
+        const auto [low, high] = box_of(on, performer.performer);
+        const glm::dmat4 raised = on_floor(performer.world_from_performer, low, high, 0);
+        lowest = std::min(lowest, performer.world_from_performer[3].y - raised[3].y);
+    }
+    return std::isfinite(lowest) ? lowest : 0;
 }
 
 XrRig first_rig(const OnStage& on, const Pose& head) {

@@ -35,6 +35,8 @@ struct OnStage {
     StageClock clock;
     std::shared_ptr<const Stage> stage;  // of the document with id `stage_id`
     uint64_t stage_id = 0;
+    // By clip: around its leaves, low and high, performer's space; a clip's own box is wider. None while not known.
+    std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
     StageInstant instant;  // of `stage`, with what a hand holds where it holds it
     XrRig rig;
     double floor_m = 0;  // world: where the user and performers stand
@@ -47,18 +49,20 @@ struct OnStage {
     // for the first one.
     void follow_document();
     void look_at_instant();
+    // The document was edited since: numbers of `stage` may mean other things there.
+    bool is_behind() const { return stage_id != editor.id(); }
     // The performer on the selected node, of stage->performers.
     std::optional<uint32_t> selected_performer() const;
 };
 
-// The box of a performer, in its own space.
-std::pair<glm::dvec3, glm::dvec3> box_of(const Stage& stage, uint32_t performer);
+// The box of a performer, in its own space: around its leaves, where they are known.
+std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer);
 
 // Where a user first stands: where the stage's first camera does, but upright on the floor; without one, in front of
 // its performers. `head` in the tracking space.
 XrRig first_rig(const OnStage& on, const Pose& head);
 // A set stands at 0; performers alone stand on the lowest of their boxes.
-double floor_of(const Stage& stage);
+double floor_of(const OnStage& on);
 
 // All that hangs on a node goes along with it: performers, meshes, lights. Where the node was moved to, in the world.
 void carry(StageInstant& instant, const Stage& stage, uint32_t node, const glm::dmat4& world_from_node);

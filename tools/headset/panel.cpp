@@ -108,7 +108,7 @@ void snap_to_floor(OnStage& on) {
     const auto performer = on.selected_performer();
     if (!performer) return;
     const uint32_t node = on.stage->performers[*performer].node;
-    const auto [low, high] = box_of(*on.stage, *performer);
+    const auto [low, high] = box_of(on, *performer);
     stand_at(on, node, on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
 }
 
