@@ -12,6 +12,7 @@ constexpr double kApart_m = 0.05, kTouch_m = 0.015;
 
 HandTracking::HandTracking(const Session& session) : session_(session) {
     if (!session.runtime().tracks_hands()) return;
+    destroy_ = session.runtime().function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT");
     const auto create = session.runtime().function<PFN_xrCreateHandTrackerEXT>("xrCreateHandTrackerEXT");
     for (int hand = 0; hand < kHands; hand++) {
         const XrHandTrackerCreateInfoEXT info{XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT, nullptr,
@@ -23,8 +24,7 @@ HandTracking::HandTracking(const Session& session) : session_(session) {
 
 HandTracking::~HandTracking() {
     for (XrHandTrackerEXT tracker : trackers_)
-        if (tracker != XR_NULL_HANDLE)
-            session_.runtime().function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT")(tracker);
+        if (tracker != XR_NULL_HANDLE) destroy_(tracker);
 }
 
 void HandTracking::locate(XrTime time) {

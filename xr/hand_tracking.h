@@ -29,6 +29,7 @@ class HandTracking {
 
   private:
     const Session& session_;
+    PFN_xrDestroyHandTrackerEXT destroy_ = nullptr;  // a lost instance finds no functions any more
     std::array<XrHandTrackerEXT, kHands> trackers_{};
     std::array<HandJoints, kHands> joints_;
 };

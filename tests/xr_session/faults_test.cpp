@@ -59,6 +59,35 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     expect_copy_is_kept();
 }
 
+TEST_F(Faults, ARuntimeThatIsLostWithHandsInViewIsWaitedFor) {
+    XrScript script;
+    script.json["profile"] = "";
+    script.json["hand_joints"] = true;
+    script.event(8, "lose_instance");
+    script.end(16);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+}
+
+TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
+    XrScript script = editing();
+    const glm::dvec3 copy(0.72, 0.99, -1.62);  // where its head's surface is
+    XrScript panel = editing();
+    panel.click(14, "left", "y/click");
+    const json items = panel_after(panel, 20);
+    press(panel, 18, items, "paint");
+    panel.click(28, "left", "y/click");
+    panel.hand(60, "right", copy + glm::dvec3(0, 0, 0.08), copy - glm::dvec3(0, 0, 1));
+    panel.input(62, "right", "trigger/value", 1);
+    panel.end(66);
+    const XrRun run = this->run(panel);
+    EXPECT_EQ(run.code, 0) << run.log;
+    const auto entries = kept();
+    ASSERT_EQ(entries.size(), 2u) << run.log;  // the first run's edits, too; the latest comes first
+    EXPECT_EQ(restore(entries[0]).paint.size(), 1u) << "the layer that was painted";
+}
+
 TEST_F(Faults, ARefusedFormatIsReplaced) {
     XrScript script = editing();
     script.json["refuse"] = {{"formats", {"R8G8B8A8_SRGB"}}};

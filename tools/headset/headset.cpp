@@ -20,7 +20,7 @@ namespace neuvv {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kNotice_s = 6, kMostStep_s = 0.25;
+constexpr double kNotice_s = 6, kMostStep_s = 0.25, kFinish_s = 60;
 constexpr double kShare = 0.85;  // of a period of the display that drawing may take
 constexpr int32_t kAhead = 2;    // pictures of the clip whose slices are made ahead
 
@@ -52,6 +52,7 @@ struct Visit {
     double now_s() const { return seconds_since(began); }
     void open();
     void tell();
+    void finish();
 };
 
 void Visit::open() {
@@ -66,6 +67,18 @@ void Visit::open() {
     on.clock.playing = options.play;
     on.look_at_instant();
     keeper.emplace(on, work, lost);
+}
+
+// What is held is put down, and what is being painted or saved comes to its end.
+void Visit::finish() {
+    interaction.holding.put_down(on);
+    interaction.brush.end_stroke(on);
+    const Clock::time_point from = Clock::now();
+    do {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        work.run_told();
+    } while ((!work.idle() || work.has_told()) && seconds_since(from) < kFinish_s);
+    tell();
 }
 
 // Notices are shown for a while, and said on the terminal.
@@ -363,6 +376,7 @@ void watch_in_headset(const HeadsetOptions& options) {
     visit.open();
     if (options.mirror) visit.window = std::make_unique<Window>("NeuVV in a headset", WindowPlace{});
     const auto keep = [&] {
+        visit.finish();
         visit.work.stop();
         if (!visit.options.report.empty()) write_report(visit);
         if (visit.keeper->store_now())
