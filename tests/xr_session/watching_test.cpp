@@ -2,6 +2,7 @@
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
+#include "viewer_window/hands.h"
 #include "xr/eye_camera.h"
 #include "xr_session/xr_session.h"
 
@@ -172,6 +173,19 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
     // Of a clip of two frames at 25 Hz, 40 displays at 90 Hz later.
     const double shown = std::fmod(40 / 90.0, 0.08);
     EXPECT_NEAR(run.seen["time_s"].get<double>(), shown, 2.5 / 90);
+}
+
+TEST_F(Watching, AMirrorShowsTheLeftEye) {
+    if (const std::string missing = why_no_hands(); !missing.empty()) GTEST_SKIP() << missing;
+    const VirtualScreen screen(folder.path);
+    setenv("DISPLAY", screen.display().c_str(), 1);
+    XrScript script;
+    script.save(10);
+    script.end(14);
+    const XrRun plain = run(script), mirrored = run(script, {"--mirror"});
+    expect_clean(mirrored);
+    EXPECT_TRUE(same_pixels(plain.picture(10, "left"), mirrored.picture(10, "left")))
+        << "the headset is shown the same";
 }
 
 TEST_F(Watching, CheckSaysWhatThereIs) {

@@ -57,9 +57,10 @@ EyeImages::EyeImages(const Device& device, const Session& session, const EyeQual
                                  {size.width, size.height, VK_FORMAT_D32_SFLOAT,
                                   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_SAMPLE_COUNT_1_BIT, 1, kEyes});
     if (!quality.keep_pictures) return;
-    left_.emplace(device, "left eye",
-                  ImageShape{size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
-                             VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    left_.emplace(
+        device, "left eye",
+        ImageShape{size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
+                   VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
 }
 
 FrameCapacity EyeImages::capacity() const {
@@ -132,6 +133,7 @@ void EyeImages::draw(StageRenderer& renderer, const StageInstant& instant, const
 }
 
 void EyeImages::keep_left(VkImage image) {
+    kept_left_ = true;
     constexpr VkImageSubresourceRange kLayers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes};
     commands_.begin();
     move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,

@@ -44,7 +44,7 @@ class EyeImages {
     double scale() const { return drawn_scale_; }
     double milliseconds() const { return milliseconds_; }
     // The left eye's picture (layout TRANSFER_SRC), where pictures are kept.
-    const DeviceImage* left() const { return left_ ? &*left_ : nullptr; }
+    const DeviceImage* left() const { return kept_left_ ? &*left_ : nullptr; }
 
   private:
     void hide(StageRenderer& renderer, const EyeViews& eyes);
@@ -65,6 +65,7 @@ class EyeImages {
     double drawn_scale_ = 1, milliseconds_ = 0;
     EyeViews drawn_;
     std::optional<DeviceImage> left_;
+    bool kept_left_ = false;  // it holds a picture
     Commands commands_;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
     std::array<XrCompositionLayerProjectionView, kEyes> views_{};

@@ -10,7 +10,7 @@ Mirror::Mirror(const Device& device, Window& window, VkExtent2D eye)
       swapchain_(device, window.make_surface(device)),
       values_(device, "mirror",
               {eye.width, eye.height, VK_FORMAT_R8G8B8A8_UNORM,
-               VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
+               VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),
       commands_(device, "mirror", 4) {
     swapchain_.resize(window.framebuffer());
 }
