@@ -59,6 +59,19 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     expect_copy_is_kept();
 }
 
+TEST_F(Faults, WhatWasKeptIsRecovered) {
+    XrScript script = editing();
+    script.end(18);
+    EXPECT_EQ(run(script).seen["modified"], true);
+    XrScript watching;
+    watching.end(10);
+    const XrRun without = run(watching), with = run(watching, {"--recover"});
+    EXPECT_NE(without.log.find("--recover takes them"), std::string::npos) << without.log;
+    EXPECT_EQ(without.seen["modified"], false);
+    EXPECT_EQ(with.seen["modified"], true);
+    expect_copy_is_kept();
+}
+
 TEST_F(Faults, ARuntimeThatIsLostWithHandsInViewIsWaitedFor) {
     XrScript script;
     script.json["profile"] = "";

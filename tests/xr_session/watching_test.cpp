@@ -1,4 +1,5 @@
 // To watch: what both eyes see, and where their user stands.
+#include "edit/operations.h"
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
@@ -109,6 +110,26 @@ TEST_F(Watching, AStickTeleportsAndTurns) {
     EXPECT_NEAR(run.seen["turned_deg"].get<double>(), -30, 1e-6);
     EXPECT_LT(run.seen["stands"][2].get<double>(), -0.5) << "before where it stood";
     EXPECT_EQ(check_golden("xr_teleport", run.picture(8, "left")), "");
+}
+
+TEST_F(Watching, WhereTheRoomIsSeenTheStageHasNoBackground) {
+    StageFile file = read_stage_file(stage);
+    StageEdit edit;
+    edit.background = glm::dvec3(0.2, 0.5, 0.9);
+    set_stage(file, edit);
+    save_stage_file(file, stage);
+    XrScript script;
+    script.json["profile"] = "";
+    script.save(6);
+    script.end(8);
+    const XrRun opaque = run(script, {"--no-mask"});
+    script.json["blend_modes"] = {"alpha_blend", "opaque"};
+    const XrRun mixed = run(script, {"--no-mask"});
+    expect_clean(mixed);
+    const size_t above = 4 * 96, floor = 4 * (170 * 192 + 96);
+    EXPECT_EQ(opaque.picture(6, "left").rgba[above + 3], 255);
+    EXPECT_EQ(mixed.picture(6, "left").rgba[above + 3], 0);
+    EXPECT_EQ(mixed.picture(6, "left").rgba[floor + 3], 255);
 }
 
 TEST_F(Watching, BareHandsAreSeen) {

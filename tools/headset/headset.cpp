@@ -226,7 +226,7 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
 // The stage as it is now for both eyes. False: there is nothing to be shown yet.
 bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time) {
     OnStage& on = visit.on;
-    at.renderer->show(on.instant);
+    at.renderer->show(on.instant, at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE);
     const Pose world = world_from_tracking(on.rig);
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
