@@ -151,6 +151,9 @@ HandInputs Actions::sample(XrTime time) {
         input.play = pressed(HandAction::kPlay, hand);
         input.undo = pressed(HandAction::kUndo, hand);
         input.duplicate = pressed(HandAction::kDuplicate, hand);
+        input.lacks_menu =
+            profiles_[hand] && std::none_of(profiles_[hand]->bindings.begin(), profiles_[hand]->bindings.end(),
+                                            [](const Binding& b) { return b.action == HandAction::kMenu; });
         input.has_grab = !profiles_[hand] || profiles_[hand]->has_grab;
     }
     return hands;
@@ -162,7 +165,7 @@ void Actions::pulse(int hand, double amplitude, double seconds) {
     vibration.duration = static_cast<XrDuration>(seconds * 1e9);
     vibration.frequency = XR_FREQUENCY_UNSPECIFIED;
     const XrHapticActionInfo info{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, action(HandAction::kHaptic), paths_[hand]};
-    check(xrApplyHapticFeedback(session_.handle(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)),
+    works(xrApplyHapticFeedback(session_.handle(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)),
           "xrApplyHapticFeedback", kHandPaths[hand]);
 }
 

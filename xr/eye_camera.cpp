@@ -28,12 +28,12 @@ std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, cons
     if (!runtime.has(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) return {};
     const auto get = runtime.function<PFN_xrGetVisibilityMaskKHR>("xrGetVisibilityMaskKHR");
     const auto ask = [&](XrVisibilityMaskKHR& mask) {
-        check(get(session.handle(), runtime.view_configuration(), eye, XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR,
-                  &mask),
-              "xrGetVisibilityMaskKHR", runtime.headset());
+        return works(get(session.handle(), runtime.view_configuration(), eye,
+                         XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask),
+                     "xrGetVisibilityMaskKHR", runtime.headset());
     };
     XrVisibilityMaskKHR mask{XR_TYPE_VISIBILITY_MASK_KHR};
-    ask(mask);
+    if (!ask(mask)) return {};
     std::vector<XrVector2f> vertices(mask.vertexCountOutput);
     std::vector<uint32_t> indices(mask.indexCountOutput);
     if (vertices.empty() || indices.empty()) return {};
@@ -41,7 +41,7 @@ std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, cons
     mask.indexCapacityInput = mask.indexCountOutput;
     mask.vertices = vertices.data();
     mask.indices = indices.data();
-    ask(mask);
+    if (!ask(mask)) return {};
     indices.resize(std::min<size_t>(indices.size(), mask.indexCountOutput) / 3 * 3);
     const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
     const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);

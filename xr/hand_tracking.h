@@ -25,7 +25,8 @@ class HandTracking {
     void locate(XrTime time);
     const HandJoints& joints(int hand) const { return joints_[hand]; }
     // A hand without a controller points along its index finger's root and selects by a pinch.
-    void stand_in(HandInput& input, int hand) const;
+    // Whether it does.
+    bool stand_in(HandInput& input, int hand) const;
 
   private:
     const Session& session_;

@@ -17,7 +17,8 @@ struct HandInput {
     glm::dvec2 stick{0};            // x to the right, y away; 0 while a touch pad is not pressed
     // Since the last sample.
     bool menu = false, play = false, undo = false, duplicate = false, stick_click = false;
-    bool has_grab = true;  // else what is selected for long is grabbed
+    bool lacks_menu = false;  // a long press of the left hand on nothing shows the panel
+    bool has_grab = true;     // else what is selected for long is grabbed
 };
 
 using HandInputs = std::array<HandInput, kHands>;

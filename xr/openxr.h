@@ -25,6 +25,9 @@ struct XrFailure : RuntimeFailure {
 // more than XR_SUCCESS.
 XrResult check(XrResult result, const char* call, const std::string& object);
 
+// For what one can do without: whether it worked. Throws XrFailure only where session or instance are lost.
+bool works(XrResult result, const char* call, const std::string& object);
+
 // "XR_ERROR_SESSION_LOST".
 std::string result_name(XrResult result);
 

@@ -111,11 +111,8 @@ SessionDoes Session::poll(SessionNews& news) {
                 if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
                     news.mask[eye] = true;
                 break;
-            case XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB:
-                news.refresh_hz = as(XrEventDataDisplayRefreshRateChangedFB{}).toDisplayRefreshRate;
-                break;
             default:
-                break;  // recentring: poses say it; extensions that are not used; lost events, which nothing depends on
+                break;  // recentring and refresh rates: poses and times say them; extensions that are not used
         }
     }
     if (lost_) return SessionDoes::kLost;

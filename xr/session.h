@@ -26,9 +26,8 @@ enum class SessionDoes {
 
 // What the events of a poll said besides.
 struct SessionNews {
-    bool controllers = false;        // other ones are held: Session::controllers
+    bool controllers = false;        // other ones are held: Actions::look_at_controllers
     std::array<bool, kEyes> mask{};  // the lens of an eye hides another part of it
-    std::optional<float> refresh_hz;
 };
 
 constexpr double kEyesAbove_m = 1.6;
@@ -64,9 +63,6 @@ class Session {
 
     // Takes all events, begins and ends the session as they want it.
     SessionDoes poll(SessionNews& news);
-    // Frames are seen, and hands are this program's alone.
-    bool is_focused() const { return state_ == XR_SESSION_STATE_FOCUSED; }
-    bool is_visible() const { return is_focused() || state_ == XR_SESSION_STATE_VISIBLE; }
     // Asks the runtime for an end, which comes as kEnd.
     void request_exit();
 

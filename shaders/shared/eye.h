@@ -11,8 +11,6 @@ CONSTEXPR uint kEyeDepth = 2u;
 CONSTEXPR uint kEyeCameras = 3u;
 CONSTEXPR uint kEyeSetDepth = 4u;
 
-CONSTEXPR uint kEyeCount = 2u;
-
 struct EyePush {
     uint width;  // pixels of an eye
     uint height;

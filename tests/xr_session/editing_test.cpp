@@ -203,6 +203,35 @@ TEST_F(Editing, WhatWasDeletedComesBack) {
     EXPECT_EQ(run.seen["modified"], false);
 }
 
+TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
+    XrScript script = selecting();
+    script.input(12, "right", "squeeze/value", 1);
+    script.hand(14, "right", kRightHand, kAnna);
+    script.moves(18, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.click(20, "left", "x/click");
+    script.save(24);
+    script.input(26, "right", "squeeze/value", 0);
+    script.end(30);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["modified"], false);
+}
+
+TEST_F(Editing, APressThatBeganElsewherePressesNothing) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = with_panel();
+    script.hand(16, "right", kRightHand, {3, 1, 0});
+    script.input(18, "right", "trigger/value", 1);
+    const double u = items["delete"][0], v = items["delete"][1];
+    const glm::dvec3 item(0.72 * (u - 0.5), 1.38 + 0.54 * (0.5 - v), -0.75);
+    script.hand(20, "right", kRightHand, item);
+    script.input(24, "right", "trigger/value", 0);
+    script.end(30);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["modified"], false) << "nothing was deleted";
+}
+
 TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
     XrScript script;
     script.json["profile"] = "/interaction_profiles/khr/simple_controller";

@@ -143,12 +143,15 @@ TEST_F(Faults, AGrabOutlivesALostPose) {
 
 TEST_F(Faults, ALostHeadIsShownWhereItWas) {
     XrScript script;
+    script.json["profile"] = "";  // no hands in the picture
     script.event(6, "no_tracking", {{"frames", 4}});
+    script.save(5);
     script.save(8);
     script.end(14);
     const XrRun run = this->run(script);
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
+    EXPECT_TRUE(same_pixels(run.picture(5, "left"), run.picture(8, "left")));
 }
 
 TEST_F(Faults, ASlowCompositorAndARecentreAreFollowed) {

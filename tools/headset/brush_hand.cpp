@@ -92,7 +92,8 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on) {
     const bool own = !layers->empty() && !is_shared(on.editor.file(), performer.node, layers->back().path);
     const std::filesystem::path clip_path = on.stage->clips[performer.clip].path;
     const bool same = ready_ && ready_->node == performer.node && ready_->clip_path == clip_path &&
-                      (own ? ready_->layer_path == layers->back().path : ready_->is_new);
+                      (own ? ready_->layer_path == layers->back().path
+                           : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path));
     if (same) return ready_;
     waits_for_ = fmt::format("Reading {}, to be painted", performer.name);
     if (reading_ || failed_ == on.editor.id()) return nullptr;
@@ -134,8 +135,8 @@ void BrushHand::update(OnStage& on, Hands& hands) {
     }
     Hand& hand = hands[kRight];
     const auto ready = prepare(on);
+    if (stroke_ && !stroke_->released && (!hand.select.held() || on.tool == HandTool::kRegion)) end_stroke(on);
     if (on.tool == HandTool::kRegion) return pull_region(on, hand);
-    if (stroke_ && !stroke_->released && !hand.select.held()) end_stroke(on);
     const bool off_panel = hand.at.what != PointedAt::What::kPanel;
     wants_stroke_ = hand.select.held() && (wants_stroke_ || (hand.select.went_down() && off_panel));
     if (!stroke_ && ready && hand.aim && wants_stroke_) {  // may come later than the press, where a clip was read first

@@ -15,7 +15,7 @@ struct EyeQuality {
     double scale = 0;                // rays a pixel along each side; 0: as many as the refresh rate allows
     std::optional<double> inset;     // so much of a picture's side has all rays, what is beside it half
     bool mask = true, depth = true;  // where the runtime knows them
-    bool keep_pictures = false;      // for take_left
+    bool keep_pictures = false;      // for left()
 };
 
 class EyeImages {

@@ -45,8 +45,10 @@ struct Visit {
     std::vector<Notice> notices;
     std::unique_ptr<Window> window;  // of the mirror
     Clock::time_point began = Clock::now();
-    bool placed = false;  // the user stands somewhere
-    bool leaves = false;  // was asked to
+    bool placed = false;       // the user stands somewhere
+    bool leaves = false;       // was asked to
+    std::optional<Pose> head;  // tracking space: where it was last
+    uint64_t frames = 0;       // drawn, of the runtime that is there
     std::map<std::string, glm::dvec2> panel_items;
 
     double now_s() const { return seconds_since(began); }
@@ -124,7 +126,12 @@ void know_leaves(OnStage& on, const StageRenderer& renderer) {
 void OnRuntime::follow(Visit& visit) {
     visit.on.follow_document();
     if (drawn == visit.on.stage) return;
-    renderer->change(*visit.on.stage);
+    try {
+        renderer->change(*visit.on.stage);
+    } catch (const InputError& error) {  // a clip or a layer that is not there: the last edit cannot be shown
+        visit.on.stage = drawn;
+        return visit.on.editor.take_back(error.what());
+    }
     drawn = visit.on.stage;
     know_leaves(visit.on, *renderer);
 }
@@ -148,6 +155,7 @@ struct InSession {
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
     EyeShapes shapes;
+    std::array<bool, kHands> is_bare{};  // seen without a controller
     XrTime last_display = 0;
     double pictures_a_second = 0;
 };
@@ -194,8 +202,9 @@ void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, dou
     OnStage& on = visit.on;
     HandInputs inputs = in.actions.sample(time.display);
     in.fingers.locate(time.display);
-    for (const int hand : {kLeft, kRight}) in.fingers.stand_in(inputs[hand], hand);
+    for (const int hand : {kLeft, kRight}) in.is_bare[hand] = in.fingers.stand_in(inputs[hand], hand);
     const auto head = in.session.locate(in.session.head_space(), time.display);
+    if (head) visit.head = *head;
     if (head && !visit.placed) {
         on.rig = first_rig(on, *head);
         visit.placed = true;
@@ -204,7 +213,7 @@ void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, dou
     at.follow(visit);  // what is edited from here on is seen in the next frame
     on.clock.tick(dt_s);
     on.look_at_instant();
-    if (head) visit.interaction.update(on, inputs, *head, dt_s);
+    if (visit.head) visit.interaction.update(on, inputs, *visit.head, dt_s);
     for (const int hand : {kLeft, kRight})
         if (const double pulse = visit.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
     visit.keeper->tick(visit.now_s());
@@ -215,8 +224,8 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
     if (!visit.interaction.panel) return;
     PanelAsks asks;
     const PanelFacts facts{visit.notices, in.pictures_a_second, in.eyes.scale(), visit.keeper->saving()};
-    PanelPointer pointer = visit.interaction.panel_pointer();
-    if (visit.on.is_behind()) pointer.pressed = false;  // hands have edited what the panel shows
+    if (visit.on.is_behind() && in.panel.has_picture()) return;  // hands have edited what it shows: as it was
+    const PanelPointer pointer = visit.interaction.panel_pointer();
     in.panel.draw(pointer, dt_s, [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
     visit.panel_items = asks.items;
     if (asks.save) visit.keeper->save();
@@ -231,7 +240,8 @@ bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
     draw_interaction(in.shapes, on, visit.interaction);
-    for (const int hand : {kLeft, kRight}) draw_joints(in.shapes, in.fingers.joints(hand), world);
+    for (const int hand : {kLeft, kRight})
+        if (in.is_bare[hand]) draw_joints(in.shapes, in.fingers.joints(hand), world);
     const std::vector<NextSlice> next = slices_ahead(visit, *at.renderer);
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
@@ -262,6 +272,7 @@ void frame(Visit& visit, OnRuntime& at, InSession& in) {
         }
     }
     in.session.end(time, layers);
+    visit.frames += !layers.empty();
     if (in.mirror && !in.mirror->show(in.eyes.left())) visit.leaves = true;
 }
 
@@ -293,6 +304,9 @@ SessionDoes run_session(Visit& visit, OnRuntime& at) {
         if ((visit.leaves || stop_requested()) && !std::exchange(asked, true)) in.session.request_exit();
         if (does == SessionDoes::kWait) {
             visit.work.run_told();
+            visit.keeper->tick(visit.now_s());
+            visit.tell();
+            if (in.mirror && !in.mirror->show(in.eyes.left())) visit.leaves = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
             continue;
         }
@@ -301,8 +315,9 @@ SessionDoes run_session(Visit& visit, OnRuntime& at) {
     }
 }
 
+// Another session may do where this one was lost, or the headset was unplugged.
 bool is_session_loss(const XrFailure& failure) {
-    return failure.result == XR_ERROR_SESSION_LOST;
+    return failure.result == XR_ERROR_SESSION_LOST || failure.result == XR_ERROR_FORM_FACTOR_UNAVAILABLE;
 }
 
 bool is_instance_loss(const XrFailure& failure) {
@@ -310,48 +325,66 @@ bool is_instance_loss(const XrFailure& failure) {
            failure.result == XR_ERROR_RUNTIME_UNAVAILABLE;
 }
 
+// How long one tries for what is not there: from the last frame on, or from the start.
+class Patience {
+  public:
+    explicit Patience(const Visit& visit) : visit_(visit), frames_(visit.frames) {}
+    // After a failure, a pause. Throws where it has lasted too long.
+    void wait(const std::string& why) {
+        if (visit_.frames != frames_) from_ = Clock::now();
+        ran_ |= visit_.frames != frames_;
+        frames_ = visit_.frames;
+        if (seconds_since(from_) > visit_.options.retry_s)
+            throw RuntimeFailure(fmt::format("the headset's runtime does not come back: {}", why));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    bool has_run() const { return ran_ || visit_.frames != frames_; }
+
+  private:
+    const Visit& visit_;
+    uint64_t frames_;
+    bool ran_ = false;
+    Clock::time_point from_ = Clock::now();
+};
+
 // Sessions on one runtime, until the user leaves. Throws XrFailure where the runtime is lost.
 void run_sessions(Visit& visit, OnRuntime& at) {
     say(fmt::format("{}, \"{}\", on {}", at.runtime.name(), at.runtime.headset(), at.device.summary().name));
-    for (int losses = 0;;) {
+    for (Patience patience(visit);;) {
+        std::string why = "every session ends";
         try {
             if (run_session(visit, at) == SessionDoes::kEnd) return tell_validation(at.device);
         } catch (const XrFailure& failure) {
             visit.interaction.holding.put_down(visit.on);
-            if (!is_session_loss(failure)) throw;
+            if (!is_session_loss(failure) || !patience.has_run()) throw;
+            why = failure.what();
         }
         tell_validation(at.device);
-        if (stop_requested()) return;
-        if (++losses > 5) throw RuntimeFailure("the headset's runtime ends every session; restart it");
+        if (stop_requested() || visit.leaves) return;
         visit.on.editor.tell("the headset's session was lost; another one begins");
         visit.tell();
-        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        patience.wait(why);
     }
 }
 
 void run_runtimes(Visit& visit) {
-    Clock::time_point lost{};
-    std::string why;
-    for (bool first = true;; first = false) {
+    for (Patience patience(visit);;) {
+        std::string why;
         try {
             OnRuntime at(visit);
-            why.clear();
             run_sessions(visit, at);
             return;
         } catch (const XrFailure& failure) {
-            if (!is_instance_loss(failure)) throw;
             visit.interaction.holding.put_down(visit.on);
-            if (why.empty()) lost = Clock::now();
+            if (!is_instance_loss(failure) || !patience.has_run()) throw;
             why = failure.what();
             say("the headset's runtime was lost; waiting for it");
         } catch (const RuntimeFailure& failure) {
-            if (first || why.empty()) throw;
+            if (!patience.has_run()) throw;
             why = failure.what();
         }
-        if (stop_requested()) return;
-        if (seconds_since(lost) > visit.options.retry_s)
-            throw RuntimeFailure(fmt::format("the headset's runtime does not come back: {}", why));
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        if (stop_requested() || visit.leaves) return;
+        patience.wait(why);
     }
 }
 
@@ -378,7 +411,6 @@ void watch_in_headset(const HeadsetOptions& options) {
     const auto keep = [&] {
         visit.finish();
         visit.work.stop();
-        if (!visit.options.report.empty()) write_report(visit);
         if (visit.keeper->store_now())
             say(fmt::format("unsaved edits of {} are kept: `neuvv xr --recover` or `neuvv view` takes them",
                             visit.on.editor.file().path.string()));
@@ -390,6 +422,7 @@ void watch_in_headset(const HeadsetOptions& options) {
         throw;
     }
     keep();
+    if (!options.report.empty()) write_report(visit);
 }
 
 }  // namespace neuvv

@@ -6,11 +6,14 @@ namespace neuvv {
 
 namespace {
 
-constexpr double kReach_m_per_s = 2.5, kLongSelect_s = 0.35;
+constexpr double kReach_m_per_s = 2.5, kLongSelect_s = 0.35, kDeadZone = 0.15;
 
-// Controllers without a grip hold what is selected for long.
-bool wants_to_hold(const Hand& hand) {
-    return hand.input.has_grab ? hand.grab.went_down() : hand.selecting_s > kLongSelect_s;
+// Controllers without a grip hold the performer that is pressed for long.
+bool wants_to_hold(Hand& hand) {
+    if (hand.input.has_grab) return hand.grab.went_down();
+    if (hand.selecting_s <= kLongSelect_s || hand.held_long) return false;
+    hand.held_long = hand.pressed.what == PointedAt::What::kPerformer;
+    return hand.held_long;
 }
 
 bool lets_go(const Hand& hand) {
@@ -48,7 +51,8 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
     for (int which = 0; which < kHands; which++) {
         if (!holds(which) || !hands[which].aim) continue;
         grab_->move(which, *hands[which].aim);
-        grab_->reach(which, hands[which].input.stick.y * kReach_m_per_s * dt_s);
+        const double stick = hands[which].input.stick.y;
+        if (std::abs(stick) > kDeadZone) grab_->reach(which, stick * kReach_m_per_s * dt_s);
     }
     if (node_ < on.instant.pose.world_from_node.size()) carry(on.instant, *on.stage, node_, grab_->world_from_node());
 }
@@ -58,8 +62,9 @@ void Holding::put_down(OnStage& on) {
     glm::dmat4 world_from_node = grab_->world_from_node();
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
-    if (const auto performer = on.selected_performer(); performer && settings.snaps_to_floor) {
-        const auto [low, high] = box_of(on, *performer);
+    for (uint32_t performer = 0; performer < on.stage->performers.size() && settings.snaps_to_floor; performer++) {
+        if (on.stage->performers[performer].node != node_) continue;
+        const auto [low, high] = box_of(on, performer);
         if (is_near_floor(world_from_node, low, high, on.floor_m, kSnap_m))
             world_from_node = on_floor(world_from_node, low, high, on.floor_m);
     }

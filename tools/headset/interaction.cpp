@@ -10,7 +10,7 @@ namespace neuvv {
 
 namespace {
 
-constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.12, kFarthest_m = 30;
+constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.12, kFarthest_m = 30, kCall_s = 0.8;
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
 // In front of the head, upright, turned to it.
@@ -54,6 +54,7 @@ void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head
     place_panel(on, head);
     move_panel(on);
     point(on);
+    remember_presses();
     press_buttons(on);
     if (!on.is_behind()) select(on);
     if (!on.is_behind()) holding.update(on, hands, dt_s);
@@ -78,12 +79,15 @@ void Interaction::place_hands(const OnStage& on, const HandInputs& inputs, doubl
         hand.grab.update(hand.input.grab);
         hand.flick.update(hand.input.stick);
         hand.selecting_s = hand.select.held() ? hand.selecting_s + dt_s : 0;
-        if (hand.input.menu) panel_was_shown_ = false;  // shown anew, it comes to where one looks
     }
 }
 
 void Interaction::place_panel(OnStage& on, const Pose& head) {
-    if (hands[kLeft].input.menu || hands[kRight].input.menu) on.panel_shown = !on.panel_shown;
+    Hand& left = hands[kLeft];
+    const bool calls = left.input.lacks_menu && left.selecting_s > kCall_s && !left.held_long &&
+                       (left.pressed.what == PointedAt::What::kNothing || left.pressed.what == PointedAt::What::kFloor);
+    if (calls) left.held_long = true;
+    if (left.input.menu || hands[kRight].input.menu || calls) on.panel_shown = !on.panel_shown;
     if (!on.panel_shown) {
         panel.reset();
         panel_was_shown_ = false;
@@ -92,12 +96,15 @@ void Interaction::place_panel(OnStage& on, const Pose& head) {
     if (!panel) panel.emplace();
     if (on.panel_on_wrist) {
         panel->size_m = {0.36, 0.27};
-        if (hands[kLeft].grip) panel->world = panel_on(*hands[kLeft].grip);
-    } else if (!panel_was_shown_) {
+        const auto& wrist = left.grip ? left.grip : left.aim;
+        if (!wrist && !panel_was_shown_) return panel.reset();
+        if (wrist) panel->world = panel_on(*wrist);
+    } else if (!panel_was_shown_ || panel_was_on_wrist_) {
         panel->size_m = {0.72, 0.54};
         panel->world = panel_before(world_from_tracking(on.rig) * head);
     }
-    panel_was_shown_ = !on.panel_on_wrist;
+    panel_was_shown_ = true;
+    panel_was_on_wrist_ = on.panel_on_wrist;
 }
 
 // A grip on the panel holds it as it is.
@@ -141,15 +148,30 @@ void Interaction::point(const OnStage& on) {
     }
 }
 
+// What a press begins on it belongs to until it ends, wherever the ray goes meanwhile.
+void Interaction::remember_presses() {
+    for (Hand& hand : hands) {
+        if (hand.select.went_down()) {
+            hand.pressed = hand.at;
+            hand.held_long = false;
+        }
+        if (!hand.select.held()) hand.pressed = {};
+        const bool on_panel = hand.pressed.what == PointedAt::What::kPanel && hand.at.what == PointedAt::What::kPanel;
+        if (on_panel) hand.pressed = hand.at;
+    }
+}
+
 void Interaction::press_buttons(OnStage& on) {
     for (Hand& hand : hands) {
-        const bool edits = hand.input.undo || hand.input.duplicate;
-        if (edits) {
-            holding.put_down(on);
-            brush.end_stroke(on);
-            hand.feel(0.4);
-        }
         if (hand.input.play) on.clock.play_or_pause();
+        if (!hand.input.undo && !hand.input.duplicate) continue;
+        hand.feel(0.4);
+        holding.put_down(on);
+        brush.end_stroke(on);
+        if (brush.busy()) {
+            on.editor.tell("the stroke is still being laid", true);
+            continue;
+        }
         if (hand.input.undo) on.editor.undo();
         if (hand.input.duplicate) duplicate_selected(on);
     }
@@ -201,13 +223,16 @@ void Interaction::select(OnStage& on) {
 
 PanelPointer Interaction::panel_pointer() const {
     PanelPointer pointer;
+    constexpr auto kPanel = PointedAt::What::kPanel;
     int which = panel_hand_;
-    if (hands[which].at.what != PointedAt::What::kPanel && !hands[which].select.held()) which = 1 - which;
+    if (hands[which].at.what != kPanel && hands[which].pressed.what != kPanel) which = 1 - which;
     const Hand& hand = hands[which];
-    if (hand.at.what != PointedAt::What::kPanel) return pointer;
-    pointer.at = hand.at.on_panel;
-    pointer.pressed = hand.select.held();
-    pointer.wheel = std::abs(hand.input.stick.y) > 0.3 ? hand.input.stick.y : 0;
+    pointer.pressed = hand.pressed.what == kPanel;
+    if (pointer.pressed)
+        pointer.at = hand.pressed.on_panel;
+    else if (hand.at.what == kPanel && !hand.select.held())
+        pointer.at = hand.at.on_panel;
+    if (pointer.at && std::abs(hand.input.stick.y) > 0.3) pointer.wheel = hand.input.stick.y;
     return pointer;
 }
 

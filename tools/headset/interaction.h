@@ -39,6 +39,7 @@ class Interaction {
     void place_hands(const OnStage& on, const HandInputs& inputs, double dt_s);
     void place_panel(OnStage& on, const Pose& head);
     void point(const OnStage& on);
+    void remember_presses();
     void press_buttons(OnStage& on);
     void select(OnStage& on);
     void change_speed(OnStage& on, Hand& hand);
@@ -46,7 +47,7 @@ class Interaction {
     void move_panel(const OnStage& on);
     int panel_hand_ = kRight;                         // whose ray is the panel's mouse
     std::optional<std::pair<int, Pose>> held_panel_;  // by which hand, and where it is in its frame
-    bool panel_was_shown_ = false;
+    bool panel_was_shown_ = false, panel_was_on_wrist_ = false;
 };
 
 // A copy stands beside the one that is selected, and is selected then.

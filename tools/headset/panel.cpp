@@ -41,11 +41,6 @@ struct Rows {
         note(name);
         return changed;
     }
-    // What is held is put down and what is painted ended, before others edit.
-    void let_go() {
-        interaction.holding.put_down(on);
-        interaction.brush.end_stroke(on);
-    }
 };
 
 // Of `of` columns as wide as what is left.
@@ -230,17 +225,11 @@ void file_row(Rows& rows) {
     Editor& editor = rows.on.editor;
     const float one = width_of(4);
     ImGui::BeginDisabled(!editor.history().next_undo());
-    if (rows.button("undo", SIGN_UNDO " Undo", one)) {
-        rows.let_go();
-        editor.undo();
-    }
+    if (rows.button("undo", SIGN_UNDO " Undo", one)) editor.undo();
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!editor.history().next_redo());
-    if (rows.button("redo", SIGN_REDO " Redo", one)) {
-        rows.let_go();
-        editor.redo();
-    }
+    if (rows.button("redo", SIGN_REDO " Redo", one)) editor.redo();
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!editor.modified() || rows.facts.saving);
@@ -278,16 +267,23 @@ PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& fa
     time_rows(rows);
     ImGui::Separator();
     tool_row(rows);
+    // Nothing is edited by the panel while a hand holds something or a stroke is laid: numbers of nodes would change
+    // under them.
+    const bool busy = interaction.holding.any() || interaction.brush.busy();
     if (on.tool == HandTool::kPaint) brush_rows(rows);
+    ImGui::BeginDisabled(busy);
     if (on.tool == HandTool::kRegion) region_rows(rows);
     if (on.tool == HandTool::kArrange) {
         arrange_rows(rows);
         ImGui::Separator();
         light_row(rows);
-        comfort_rows(rows);
     }
+    ImGui::EndDisabled();
+    if (on.tool == HandTool::kArrange) comfort_rows(rows);
     ImGui::Separator();
+    ImGui::BeginDisabled(busy);
     file_row(rows);
+    ImGui::EndDisabled();
     notice_rows(rows);
     ImGui::End();
     return rows.asks;

@@ -34,7 +34,7 @@ PanelSurface::PanelSurface(const Device& device, const Session& session)
       commands_(device, "panel", 4) {}
 
 PanelSurface::~PanelSurface() {
-    device_.wait_idle();
+    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
     vkDestroyFramebuffer(device_.handle(), framebuffer_, nullptr);
 }
 
@@ -61,6 +61,7 @@ void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::fun
     commands_.submit();
     commands_.wait();
     images_.release();
+    has_picture_ = true;
 }
 
 void PanelSurface::record(VkImage to) {

@@ -21,7 +21,7 @@ class PanelSurface {
     // What was drawn last, where the panel stands in tracking space.
     const XrCompositionLayerBaseHeader* layer(const Session& session, const Pose& tracking_from_panel,
                                               glm::dvec2 size_m);
-    VkExtent2D size() const { return images_.size(); }
+    bool has_picture() const { return has_picture_; }
 
   private:
     void feed(const PanelPointer& pointer, double dt_s);
@@ -30,6 +30,7 @@ class PanelSurface {
     XrImages images_;
     DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
     PanelDrawing drawing_;
+    bool has_picture_ = false;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
     Commands commands_;
     XrCompositionLayerQuad quad_{XR_TYPE_COMPOSITION_LAYER_QUAD};

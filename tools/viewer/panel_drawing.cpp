@@ -35,7 +35,7 @@ PanelDrawing::PanelDrawing(const Device& device, VkFormat format, uint32_t image
 }
 
 PanelDrawing::~PanelDrawing() {
-    device_.wait_idle();
+    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
     ImGui_ImplVulkan_Shutdown();
     ImGui::DestroyContext();
     vkDestroyRenderPass(device_.handle(), render_pass_, nullptr);
