@@ -263,6 +263,7 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
 
     FeatureChain features = features_to_enable(physical_);
     float_atomics_ = features.float_atomics;
+    output_layer_ = features.v12.shaderOutputLayer;
     for (const char* name : extensions.device) {
         if (!has_extension(physical_, name))
             throw RuntimeFailure(fmt::format("device \"{}\" lacks {}", summary_.name, name));

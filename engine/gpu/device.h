@@ -71,6 +71,8 @@ class Device {
     uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
     const DeviceSummary& summary() const { return summary_; }
     bool float_atomics() const { return float_atomics_; }
+    // Whether a vertex shader chooses the layer it draws to.
+    bool output_layer() const { return output_layer_; }
     bool validating() const { return messenger_ != VK_NULL_HANDLE; }
 
     // Of all buffers that live on the device now.
@@ -110,7 +112,7 @@ class Device {
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;
     DeviceSummary summary_;
-    bool float_atomics_ = false;
+    bool float_atomics_ = false, output_layer_ = false;
     bool debug_utils_ = false;
     mutable std::atomic<uint64_t> buffer_bytes_ = 0;
     std::unique_ptr<Messages> messages_;

@@ -23,7 +23,6 @@ struct Feature {
 
 // Required of every device. A missing one names itself by this table.
 const Feature kRequired[] = {
-    {"shaderOutputLayer", [](FeatureChain& f) -> VkBool32& { return f.v12.shaderOutputLayer; }},  // both eyes at once
     {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](FeatureChain& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId in our SPIR-V
     {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},
@@ -32,6 +31,10 @@ const Feature kRequired[] = {
 
 VkBool32& float_atomic_add(FeatureChain& f) {
     return f.atomic_float.shaderBufferFloat32AtomicAdd;
+}
+
+VkBool32& output_layer(FeatureChain& f) {
+    return f.v12.shaderOutputLayer;
 }
 
 bool at_least_vulkan_1_3(VkPhysicalDevice physical) {
@@ -61,6 +64,7 @@ FeatureChain features_to_enable(VkPhysicalDevice physical) {
     FeatureChain available = query(physical);
     FeatureChain enable;
     for (const Feature& feature : kRequired) feature.field(enable) = feature.field(available);
+    output_layer(enable) = output_layer(available);
     enable.float_atomics = available.float_atomics && float_atomic_add(available);
     if (enable.float_atomics) {
         float_atomic_add(enable) = VK_TRUE;
@@ -81,6 +85,7 @@ void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& 
         if (!feature.field(available)) missing.emplace_back(feature.name);
     if (!available.float_atomics || !float_atomic_add(available))
         optional.emplace_back("shaderBufferFloat32AtomicAdd (compare-and-swap stands in)");
+    if (!output_layer(available)) optional.emplace_back("shaderOutputLayer (headsets are not drawn for)");
 }
 
 }  // namespace neuvv

@@ -39,7 +39,8 @@ VkSemaphore make_semaphore(const Device& device, const std::string& name) {
 
 }  // namespace
 
-Swapchain::Swapchain(const Device& device, VkSurfaceKHR surface) : device_(device), surface_(surface) {
+Swapchain::Swapchain(const Device& device, VkSurfaceKHR surface, PresentPace pace)
+    : device_(device), surface_(surface), pace_(pace) {
     VkBool32 supported = VK_FALSE;
     check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &supported),
           "vkGetPhysicalDeviceSurfaceSupportKHR", "window");
@@ -48,6 +49,7 @@ Swapchain::Swapchain(const Device& device, VkSurfaceKHR surface) : device_(devic
     if ((capabilities_of(device, surface).supportedUsageFlags & kUsage) != kUsage)
         throw RuntimeFailure(fmt::format("device \"{}\" cannot copy pictures into this window", device.summary().name));
     choose_format();
+    if (pace == PresentPace::kFree) choose_mode();
 }
 
 Swapchain::~Swapchain() {
@@ -70,6 +72,17 @@ void Swapchain::choose_format() {
                 format_ = wanted;
     if (format_ == VK_FORMAT_UNDEFINED)
         throw RuntimeFailure("the window offers no 8-bit sRGB colours (B8G8R8A8 or R8G8B8A8)");
+}
+
+void Swapchain::choose_mode() {
+    uint32_t count = 0;
+    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, nullptr),
+          "vkGetPhysicalDeviceSurfacePresentModesKHR", "window");
+    std::vector<VkPresentModeKHR> modes(count);
+    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, modes.data()),
+          "vkGetPhysicalDeviceSurfacePresentModesKHR", "window");
+    for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR})
+        if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) mode_ = wanted;  // the last: it does not tear
 }
 
 void Swapchain::destroy_images() {
@@ -103,7 +116,7 @@ void Swapchain::resize(VkExtent2D framebuffer) {
     info.compositeAlpha = capabilities.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                               ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                               : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-    info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // the only one that every device has
+    info.presentMode = mode_;
     info.clipped = VK_TRUE;
     info.oldSwapchain = swapchain_;
     VkSwapchainKHR next = VK_NULL_HANDLE;
@@ -137,8 +150,9 @@ std::optional<PresentTarget> Swapchain::acquire(CommandSemaphores& semaphores) {
     if (images_.empty()) return std::nullopt;
     const VkSemaphore acquired = acquired_[turn_];
     uint32_t index = 0;
+    const uint64_t timeout_ns = pace_ == PresentPace::kFree ? 0 : kAcquireTimeout_ns;
     const VkResult result =
-        vkAcquireNextImageKHR(device_.handle(), swapchain_, kAcquireTimeout_ns, acquired, VK_NULL_HANDLE, &index);
+        vkAcquireNextImageKHR(device_.handle(), swapchain_, timeout_ns, acquired, VK_NULL_HANDLE, &index);
     old_ |= result == VK_ERROR_OUT_OF_DATE_KHR;
     if (old_ || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
     if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR", "window");

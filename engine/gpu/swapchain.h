@@ -18,11 +18,17 @@ struct PresentTarget {
     VkExtent2D extent{};
 };
 
+// What presenting waits for.
+enum class PresentPace {
+    kDisplay,  // each picture is shown for a period at least; acquire() waits for an image
+    kFree,     // nothing: the newest picture is shown, where there is no image the picture is left out
+};
+
 // 8-bit colour as it is on the screen (UNORM, sRGB values), to be copied to and drawn to. One thread's.
 class Swapchain {
   public:
     // Takes the surface. Throws RuntimeFailure where the device cannot present to it, or not as needed.
-    Swapchain(const Device& device, VkSurfaceKHR surface);
+    Swapchain(const Device& device, VkSurfaceKHR surface, PresentPace pace = PresentPace::kDisplay);
     ~Swapchain();
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;
@@ -37,7 +43,7 @@ class Swapchain {
     void resize(VkExtent2D framebuffer);
 
     // The next image, and the semaphores that its drawing waits for and signals; none where the window has another size
-    // by now (is_old), no size, or nothing came within 20 ms.
+    // by now (is_old), no size, or nothing came: within 20 ms by the display's pace, at once by a free one.
     std::optional<PresentTarget> acquire(CommandSemaphores& semaphores);
     // After its drawing was submitted.
     void present(const PresentTarget& target);
@@ -46,10 +52,13 @@ class Swapchain {
 
   private:
     void choose_format();
+    void choose_mode();
     void destroy_images();
     void make_semaphores();
     const Device& device_;
     VkSurfaceKHR surface_ = VK_NULL_HANDLE;
+    PresentPace pace_;
+    VkPresentModeKHR mode_ = VK_PRESENT_MODE_FIFO_KHR;  // the only one that every device has
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkFormat format_ = VK_FORMAT_UNDEFINED;
     VkExtent2D extent_{};

@@ -292,18 +292,19 @@ void SetRaster::pack() {
 
 void SetRaster::hide(std::span<const std::vector<glm::vec2>> corners) {
     assert((corners.empty() || corners.size() == views()) && "a list a view");
-    hidden_.reset();
     std::vector<glm::vec2> all;
     std::vector<std::pair<uint32_t, uint32_t>> of_view;
     for (const auto& list : corners) {
         of_view.emplace_back(all.size(), list.size());
         all.insert(all.end(), list.begin(), list.end());
     }
-    if (all.empty()) return;
-    hidden_.reset(new Hidden{{device_, "set hidden", hidden_shape()},
-                             {device_, "hidden corners", all.size() * sizeof(glm::vec2), MemoryKind::kUpload},
-                             std::move(of_view)});
-    std::memcpy(hidden_->corners.mapped, all.data(), all.size() * sizeof(glm::vec2));
+    if (!hidden_ && all.empty()) return;
+    if (!hidden_) hidden_.reset(new Hidden{{device_, "set hidden", hidden_shape()}, {}, {}});
+    hidden_->of_view = std::move(of_view);
+    const uint64_t bytes = all.size() * sizeof(glm::vec2);
+    if (bytes > hidden_->corners.bytes)
+        hidden_->corners = Buffer(device_, "hidden corners", bytes, MemoryKind::kUpload);
+    if (bytes > 0) std::memcpy(hidden_->corners.mapped, all.data(), bytes);
 }
 
 }  // namespace neuvv

@@ -62,7 +62,7 @@ class SetRaster {
 
     // What of each view's picture nobody sees (a headset's lens): triangles, by their corners in shares of its width
     // and height from the upper left. Rays end there at once, and nothing is shaded. As many lists as there are views,
-    // or none; until it is called again.
+    // or none; until it is called again. While nothing is drawn.
     void hide(std::span<const std::vector<glm::vec2>> corners);
 
     // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
@@ -142,9 +142,9 @@ class SetRaster {
     struct Hidden {
         GraphicsPass pass;
         Buffer corners;                                      // of all views
-        std::vector<std::pair<uint32_t, uint32_t>> of_view;  // first corner, how many
+        std::vector<std::pair<uint32_t, uint32_t>> of_view;  // first corner, how many; none: all is seen
     };
-    std::unique_ptr<Hidden> hidden_;  // null: all is seen
+    std::unique_ptr<Hidden> hidden_;  // null until something was hidden
 };
 
 // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.

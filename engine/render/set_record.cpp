@@ -100,7 +100,7 @@ void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t v
     for (const DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
-    if (hidden_) draw_hidden(commands, view);
+    if (hidden_ && !hidden_->of_view.empty()) draw_hidden(commands, view);
     draw_solid(commands, push_of(camera, view));
     if (environment_->has_picture && ambient_.show_environment) draw_background(commands, camera);
     vkCmdEndRendering(commands.handle());

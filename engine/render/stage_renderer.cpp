@@ -79,18 +79,22 @@ void StageRenderer::change(const Stage& stage, const Loaded& loaded) {
     take(stage, std::move(paints));
 }
 
-// Those that are on the device and on the disk as they were, and the others.
-StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded& loaded) const {
+// On the device, of a file that is as it was.
+std::shared_ptr<const StageRenderer::Clip> StageRenderer::find_clip(const std::filesystem::path& path,
+                                                                    const FileStamp& stamp) const {
+    for (const auto& one : read_)
+        if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
+    return nullptr;
+}
+
+StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded& loaded) {
     Clips clips;
     size_t read = 0, missing = 0;
     for (const StageClip& wanted : stage.clips) {
-        const FileStamp stamp = stamp_of(wanted.path);
-        const auto known = std::find_if(clips_.begin(), clips_.end(), [&](const auto& clip) {
-            return clip->path == wanted.path && clip->stamp == stamp;
-        });
-        clips.push_back(known == clips_.end() ? nullptr : *known);
+        clips.push_back(find_clip(wanted.path, stamp_of(wanted.path)));
         missing += clips.back() ? 0 : 1;
     }
+    std::erase_if(read_, [](const auto& clip) { return clip.expired(); });
     for (size_t i = 0; i < clips.size(); i++) {
         if (clips[i]) continue;
         const FileStamp stamp = stamp_of(stage.clips[i].path);
@@ -98,6 +102,7 @@ StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded&
         clips[i] = std::make_shared<const Clip>(Clip{stage.clips[i].path, stamp,
                                                      upload_field(device_, tree, WeightPrecision::kHalf),
                                                      neuvv::painted_field(tree)});
+        read_.push_back(clips[i]);
         if (loaded) loaded(++read, missing);
     }
     return clips;

@@ -28,8 +28,9 @@ class StageRenderer {
     // From now on it draws this stage, another object than the one before, which may go after the call. Then show() an
     // instant of it. Only what differs is read and uploaded: clips, environment and layers by path whose file is not as
     // it was, layers for which the paint source has another pointer, and the set where it does not have the same
-    // vertices, textures and materials. Clips that nobody plays any more are dropped. `loaded` counts clips that are
-    // read. Throws as the constructor does, and then draws the stage before as if nothing had been asked.
+    // vertices, textures and materials. Clips that nobody plays any more are dropped; one that somebody still has
+    // (shared_field) is not read again when it comes back. `loaded` counts clips that are read. Throws as the
+    // constructor does, and then draws the stage before as if nothing had been asked.
     void change(const Stage& stage, const Loaded& loaded = {});
 
     // What settings_at asks for. Larger pictures than ever before need other targets (frames() is another then, which
@@ -85,7 +86,8 @@ class StageRenderer {
         std::map<PaintKey, Paint> made;  // those that are not on the device yet
     };
     using Clips = std::vector<std::shared_ptr<const Clip>>;
-    Clips load_clips(const Stage& stage, const Loaded& loaded) const;
+    Clips load_clips(const Stage& stage, const Loaded& loaded);
+    std::shared_ptr<const Clip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
     Around load_around(const Stage& stage) const;
     PaintKey paint_key(const Stage& stage, const StagePerformer& performer, const std::shared_ptr<const Clip>& clip);
     NextPaints make_paints(const Stage& stage, const Clips& clips);
@@ -96,7 +98,8 @@ class StageRenderer {
     FrameCapacity capacity_;  // of what is asked for; the set's size says for how much there is room
     PaintSource paint_source_;
     PaintFiles paint_files_;
-    Clips clips_;  // as Stage::clips
+    Clips clips_;                                  // as Stage::clips
+    std::vector<std::weak_ptr<const Clip>> read_;  // all that live
     Around around_;
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer

@@ -216,6 +216,25 @@ TEST_F(StageRendererTest, ClipsComeAndGoAndAreWrittenAnew) {
     live.expect_change("and somebody again");
 }
 
+TEST_F(StageRendererTest, AClipThatSomebodyStillHasComesBackWithoutReading) {
+    Draft draft;
+    Live live{device(), draft};
+    write_nvv(draft.folder.path / "b.nvv", clip_tree(2));
+    draft.performer("bert")["uri"] = "b.nvv";
+    live.expect_change("two clips");
+    const Field* b = &live.renderer.field(1);
+    const std::shared_ptr<const Field> kept = live.renderer.shared_field(1);
+    draft.performer("bert")["uri"] = "a.nvv";
+    live.expect_change("one of them is gone");
+    EXPECT_EQ(live.stage->clips.size(), 1u);
+    draft.performer("bert")["uri"] = "b.nvv";
+    live.expect_change("and comes back");
+    EXPECT_EQ(&live.renderer.field(1), b);
+    write_nvv(draft.folder.path / "b.nvv", clip_tree(3));
+    live.expect_change("written anew");
+    EXPECT_NE(&live.renderer.field(1), b);
+}
+
 // One colour on all leaves, at all frames.
 EditLayer coat(const VOctree& tree, glm::vec3 colour) {
     EditLayer layer{painted_field(tree), {}};
