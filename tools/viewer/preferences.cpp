@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "base/error.h"
-#include "base/platform.h"
-#include "tools/report.h"
+#include "tools/viewer/preference_file.h"
 
 namespace neuvv {
 
@@ -15,60 +12,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr uint64_t kMaxBytes = uint64_t{1} << 20;
-constexpr int kMaxDepth = 32;  // of brackets: copying and writing JSON goes as deep as it is
-constexpr size_t kMaxText = 4096, kMaxPanels = 64, kMaxNamed = 5;
+constexpr size_t kMaxPanels = 64;
 
-// Reads members that may be missing or anything, and remembers which were wrong.
-struct Reader {
-    std::vector<std::string> wrong;
-
-    // The member, if it is there; what is not an object has none.
-    static const ordered_json* find(const ordered_json& object, const char* name) {
-        const auto found = object.is_object() ? object.find(name) : object.end();
-        return object.is_object() && found != object.end() ? &*found : nullptr;
-    }
-    const ordered_json& object(const ordered_json& parent, const char* name) {
-        static const ordered_json kNone = ordered_json::object();
-        const ordered_json* member = find(parent, name);
-        if (!member) return kNone;
-        if (!member->is_object()) wrong.emplace_back(name);
-        return member->is_object() ? *member : kNone;
-    }
-    template <typename Number>
-    bool number(const ordered_json& object, const std::string& place, const char* name, Number low, Number high,
-                Number& value) {
-        const ordered_json* member = find(object, name);
-        if (!member) return false;
-        const double read = member->is_number() ? member->get<double>() : NAN;
-        const bool sound = read >= static_cast<double>(low) && read <= static_cast<double>(high);
-        if (sound)
-            value = static_cast<Number>(read);
-        else
-            wrong.push_back(place + name);
-        return sound;
-    }
-    void boolean(const ordered_json& object, const std::string& place, const char* name, bool& value) {
-        const ordered_json* member = find(object, name);
-        if (!member) return;
-        if (member->is_boolean())
-            value = member->get<bool>();
-        else
-            wrong.push_back(place + name);
-    }
-    // Short enough, and without zeros, which would end it in the middle.
-    bool text(const ordered_json& json, const std::string& place, std::string& value) {
-        const std::string* read = json.is_string() ? json.get_ptr<const std::string*>() : nullptr;
-        const bool sound = read && read->size() <= kMaxText && read->find('\0') == std::string::npos;
-        if (sound)
-            value = *read;
-        else
-            wrong.push_back(place);
-        return sound;
-    }
-};
-
-void read_window(Reader& reader, const ordered_json& json, WindowPlace& window) {
+void read_window(PreferenceReader& reader, const ordered_json& json, WindowPlace& window) {
     reader.number(json, "window.", "width", 320, 16384, window.width);
     reader.number(json, "window.", "height", 320, 16384, window.height);
     int x = 0, y = 0;
@@ -77,8 +23,8 @@ void read_window(Reader& reader, const ordered_json& json, WindowPlace& window) 
     reader.boolean(json, "window.", "maximised", window.maximised);
 }
 
-void read_recent(Reader& reader, const ordered_json& document, Preferences& preferences) {
-    const ordered_json* list = Reader::find(document, "recent");
+void read_recent(PreferenceReader& reader, const ordered_json& document, Preferences& preferences) {
+    const ordered_json* list = PreferenceReader::find(document, "recent");
     if (!list) return;
     if (!list->is_array()) {
         reader.wrong.emplace_back("recent");
@@ -96,9 +42,9 @@ void read_recent(Reader& reader, const ordered_json& document, Preferences& pref
     }
 }
 
-void read_panels(Reader& reader, const ordered_json& panels, Preferences& preferences) {
+void read_panels(PreferenceReader& reader, const ordered_json& panels, Preferences& preferences) {
     for (const auto& [name, json] : panels.items()) {
-        if (preferences.panels.size() == kMaxPanels || name.size() > kMaxText || !json.is_object()) {
+        if (preferences.panels.size() == kMaxPanels || name.size() > PreferenceReader::kMaxText || !json.is_object()) {
             reader.wrong.emplace_back("panels");
             return;
         }
@@ -108,7 +54,7 @@ void read_panels(Reader& reader, const ordered_json& panels, Preferences& prefer
     }
 }
 
-Preferences read_document(Reader& reader, ordered_json document) {
+Preferences read_document(PreferenceReader& reader, ordered_json document) {
     Preferences preferences;
     read_window(reader, reader.object(document, "window"), preferences.window);
     read_recent(reader, document, preferences);
@@ -117,27 +63,10 @@ Preferences read_document(Reader& reader, ordered_json document) {
     const ordered_json& preview = reader.object(document, "preview");
     reader.number(preview, "preview.", "resolution", 0.2, 1.0, preferences.preview.resolution);
     reader.number(preview, "preview.", "samples", 1u, 64u, preferences.preview.samples);
-    if (const ordered_json* layer = Reader::find(document, "layer")) reader.text(*layer, "layer", preferences.layer);
+    if (const ordered_json* layer = PreferenceReader::find(document, "layer"))
+        reader.text(*layer, "layer", preferences.layer);
     preferences.document = std::move(document);
     return preferences;
-}
-
-// Discarded where it is no JSON, and where it is nested too deeply.
-ordered_json parse(const std::vector<uint8_t>& bytes) {
-    bool deep = false;
-    const auto shallow = [&](int depth, ordered_json::parse_event_t, ordered_json&) {
-        deep |= depth > kMaxDepth;
-        return !deep;
-    };
-    ordered_json document = ordered_json::parse(bytes, shallow, false);
-    return deep ? ordered_json(ordered_json::value_t::discarded) : document;
-}
-
-// An object to write members into, over what stood there.
-ordered_json& object_in(ordered_json& parent, const std::string& name) {
-    ordered_json& member = parent[name];
-    if (!member.is_object()) member = ordered_json::object();
-    return member;
 }
 
 // Bytes that are no UTF-8 would come back as another file.
@@ -178,40 +107,18 @@ ordered_json written(const Preferences& preferences) {
     return document;
 }
 
-std::string wrong_members(const std::filesystem::path& path, const std::vector<std::string>& wrong) {
-    std::string names;
-    for (size_t i = 0; i < std::min(wrong.size(), kMaxNamed); ++i) names += (i ? ", " : "") + wrong[i];
-    if (wrong.size() > kMaxNamed) names += fmt::format(" and {} more", wrong.size() - kMaxNamed);
-    return fmt::format("{}: not understood, so defaults are used: {}", path.string(), names);
-}
-
 }  // namespace
 
 LoadedPreferences load_preferences(const std::filesystem::path& path) {
-    std::error_code ignored;
-    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-    if (status.type() == std::filesystem::file_type::not_found) return {};
-    const auto defaults = [&](const std::string& problem) {
-        return LoadedPreferences{{}, fmt::format("{}: {}; defaults are used", path.string(), problem)};
-    };
-    if (status.type() != std::filesystem::file_type::regular) return defaults("is not a file that can be read");
-    try {
-        ordered_json document = parse(read_file(path, kMaxBytes));
-        if (!document.is_object()) return defaults("is damaged");
-        Reader reader;
-        LoadedPreferences loaded{read_document(reader, std::move(document)), ""};
-        if (!reader.wrong.empty()) loaded.message = wrong_members(path, reader.wrong);
-        return loaded;
-    } catch (const InputError& error) {
-        return {{}, std::string(error.what()) + "; defaults are used"};
-    }
+    PreferenceFile file = load_preference_file(path);
+    PreferenceReader reader;
+    LoadedPreferences loaded{read_document(reader, std::move(file.document)), std::move(file.message)};
+    if (loaded.message.empty()) loaded.message = wrong_members(path, reader.wrong);
+    return loaded;
 }
 
 void save_preferences(const std::filesystem::path& path, const Preferences& preferences) {
-    std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);  // writing tells what is wrong
-    const std::string text = json_text(written(preferences));
-    write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+    save_preference_file(path, written(preferences));
 }
 
 void remember_file(Preferences& preferences, const std::filesystem::path& file) {

@@ -11,6 +11,7 @@
 
 #include "base/platform.h"
 #include "tools/viewer/camera_path_view.h"
+#include "tools/viewer/fields.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
 
@@ -289,7 +290,7 @@ void Viewer::look() {
     view.resolve.show = picture.show;
     view.resolve.cost_max = picture.cost_max;
     view.own_background = picture.own_background;
-    view.resolve.background = glm::vec4(glm::pow(picture.background, glm::vec3(2.2f)), 1);
+    view.resolve.background = glm::vec4(linear_of_srgb(picture.background), 1);
     view.moving = clock.playing || something_goes_on() || editor.dragging();
     view.most_scale = picture.most_scale;
     view.samples = static_cast<uint32_t>(picture.samples);
