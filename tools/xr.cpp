@@ -24,9 +24,12 @@ const char* yes_or_no(bool yes) {
 void print_extensions(const Runtime& runtime) {
     fmt::print("\nVulkan: {}\n",
                runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
-    for (const OptionalExtension& one : optional_extensions())
-        fmt::print("{:3} {}: {}\n", yes_or_no(runtime.has(one.name)), one.name,
-                   runtime.has(one.name) ? one.brings : one.without);
+    for (const OptionalExtension& one : optional_extensions()) {
+        const bool hands = std::string_view(one.name) == XR_EXT_HAND_TRACKING_EXTENSION_NAME;
+        const bool works = runtime.has(one.name) && (!hands || runtime.tracks_hands());
+        fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.brings : one.without,
+                   runtime.has(one.name) && !works ? " (the runtime knows it, this headset does not)" : "");
+    }
 }
 
 void print_session(const Runtime& runtime, const Device& device) {

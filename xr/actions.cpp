@@ -143,10 +143,9 @@ HandInputs Actions::sample(XrTime time) {
         input.grip = session_.locate(grip_[hand].get(), time);
         input.select = value(HandAction::kSelect, hand);
         input.grab = value(HandAction::kGrab, hand);
-        const bool clicked = button(HandAction::kStickClick, hand);
+        const bool clicked = button(HandAction::kPadClick, hand);
         const bool touch_pad = profiles_[hand] && profiles_[hand]->has_touch_pad;
         if (!touch_pad || clicked) input.stick = axes(HandAction::kStick, hand);
-        input.stick_click = !touch_pad && pressed(HandAction::kStickClick, hand);
         input.menu = pressed(HandAction::kMenu, hand);
         input.play = pressed(HandAction::kPlay, hand);
         input.undo = pressed(HandAction::kUndo, hand);
@@ -154,6 +153,7 @@ HandInputs Actions::sample(XrTime time) {
         input.lacks_menu =
             profiles_[hand] && std::none_of(profiles_[hand]->bindings.begin(), profiles_[hand]->bindings.end(),
                                             [](const Binding& b) { return b.action == HandAction::kMenu; });
+        input.bare = profiles_[hand] && profiles_[hand]->is_hand;
         input.has_grab = !profiles_[hand] || profiles_[hand]->has_grab;
     }
     return hands;

@@ -32,7 +32,6 @@ const std::vector<ControllerProfile> kProfiles = {
       {kSelect, kBoth, "/input/trigger/value"},
       {kGrab, kBoth, "/input/squeeze/value"},
       {kStick, kBoth, "/input/thumbstick"},
-      {kStickClick, kBoth, "/input/thumbstick/click"},
       {kMenu, kLeftHand, "/input/y/click"},
       {kMenu, kLeftHand, "/input/menu/click"},
       {kUndo, kLeftHand, "/input/x/click"},
@@ -49,7 +48,6 @@ const std::vector<ControllerProfile> kProfiles = {
       {kSelect, kBoth, "/input/trigger/value"},
       {kGrab, kBoth, "/input/squeeze/value"},
       {kStick, kBoth, "/input/thumbstick"},
-      {kStickClick, kBoth, "/input/thumbstick/click"},
       {kMenu, kLeftHand, "/input/b/click"},
       {kUndo, kLeftHand, "/input/a/click"},
       {kPlay, kRightHand, "/input/a/click"},
@@ -65,7 +63,7 @@ const std::vector<ControllerProfile> kProfiles = {
       {kSelect, kBoth, "/input/trigger/value"},
       {kGrab, kBoth, "/input/squeeze/click"},
       {kStick, kBoth, "/input/trackpad"},
-      {kStickClick, kBoth, "/input/trackpad/click"},
+      {kPadClick, kBoth, "/input/trackpad/click"},
       {kMenu, kLeftHand, "/input/menu/click"},
       {kPlay, kRightHand, "/input/menu/click"},
       {kHaptic, kBoth, "/output/haptic"}}},
@@ -79,7 +77,6 @@ const std::vector<ControllerProfile> kProfiles = {
       {kSelect, kBoth, "/input/trigger/value"},
       {kGrab, kBoth, "/input/squeeze/click"},
       {kStick, kBoth, "/input/thumbstick"},
-      {kStickClick, kBoth, "/input/thumbstick/click"},
       {kMenu, kLeftHand, "/input/menu/click"},
       {kPlay, kRightHand, "/input/menu/click"},
       {kUndo, kLeftHand, "/input/trackpad/click"},
@@ -93,7 +90,18 @@ const std::vector<ControllerProfile> kProfiles = {
      {{kAim, kBoth, "/input/aim/pose"},
       {kGrip, kBoth, "/input/grip/pose"},
       {kSelect, kBoth, "/input/select/value"},
-      {kGrab, kBoth, "/input/squeeze/value"}}},
+      {kGrab, kBoth, "/input/squeeze/value"}},
+     true},
+    {"/interaction_profiles/ext/hand_interaction_ext",
+     "Bare hands",
+     kHandInteraction,
+     true,
+     false,
+     {{kAim, kBoth, "/input/aim/pose"},
+      {kGrip, kBoth, "/input/grip/pose"},
+      {kSelect, kBoth, "/input/aim_activate_ext/value"},
+      {kGrab, kBoth, "/input/grasp_ext/value"}},
+     true},
 };
 
 }  // namespace
@@ -110,8 +118,8 @@ ActionName name_of(HandAction action) {
             return {"grab", "Grab and move", ActionKind::kValue};
         case kStick:
             return {"stick", "Walk, turn, speed", ActionKind::kAxes};
-        case kStickClick:
-            return {"stick_click", "Press the stick", ActionKind::kButton};
+        case kPadClick:
+            return {"pad_click", "Press the pad", ActionKind::kButton};
         case kMenu:
             return {"menu", "Show the panel", ActionKind::kButton};
         case kPlay:

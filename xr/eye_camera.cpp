@@ -1,17 +1,15 @@
 #include "xr/eye_camera.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace neuvv {
 
 Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size) {
-    const double left = std::tan(eye.fov.angleLeft), right = std::tan(eye.fov.angleRight);
-    const double up = std::tan(eye.fov.angleUp), down = std::tan(eye.fov.angleDown);
-    constexpr double kMost = 100;  // of a tangent: 89.4°
-    const bool sound = std::abs(left) < kMost && std::abs(right) < kMost && std::abs(up) < kMost &&
-                       std::abs(down) < kMost && right - left > 1e-3 && up - down > 1e-3;
-    if (!sound) throw RuntimeFailure("the headset's runtime gives an eye that sees nothing");
+    assert(spans_picture(eye.fov));
+    const double left = std::tan(double{eye.fov.angleLeft}), right = std::tan(double{eye.fov.angleRight});
+    const double up = std::tan(double{eye.fov.angleUp}), down = std::tan(double{eye.fov.angleDown});
     Camera camera;
     camera.world_from_camera = matrix_of(world_from_tracking * eye.pose);
     camera.width = size.width;
@@ -42,13 +40,17 @@ std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, cons
     mask.vertices = vertices.data();
     mask.indices = indices.data();
     if (!ask(mask)) return {};
-    indices.resize(std::min<size_t>(indices.size(), mask.indexCountOutput) / 3 * 3);
+    indices.resize(std::min<size_t>(indices.size(), mask.indexCountOutput));
+    return corners_in_picture(vertices, indices, fov);
+}
+
+std::vector<glm::vec2> corners_in_picture(std::span<const XrVector2f> vertices, std::span<const uint32_t> indices,
+                                          const XrFovf& fov) {
     const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
     const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);
     std::vector<glm::vec2> corners;
-    for (const uint32_t i : indices) {
+    for (const uint32_t i : indices.first(indices.size() / 3 * 3)) {
         if (i >= vertices.size()) return {};
-        // On the plane one metre before the eye.
         corners.emplace_back((vertices[i].x - left) / (right - left), (up - vertices[i].y) / (up - down));
     }
     return corners;

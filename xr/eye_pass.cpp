@@ -1,5 +1,7 @@
 #include "xr/eye_pass.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -15,6 +17,12 @@ namespace neuvv {
 namespace {
 
 constexpr uint64_t kFirstVertices = 1 << 14;
+
+const Device& with_output_layer(const Device& device) {
+    if (device.output_layer()) return device;
+    throw RuntimeFailure(
+        fmt::format("device \"{}\" cannot draw both eyes at once: it lacks shaderOutputLayer", device.summary().name));
+}
 
 GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
     GraphicsShape shape;
@@ -67,7 +75,7 @@ const std::vector<VkFormat>& eye_depth_formats() {
 }
 
 EyePass::EyePass(const Device& device, VkFormat colour, VkFormat depth)
-    : device_(device),
+    : device_(with_output_layer(device)),
       picture_(device, "eye", picture_shape(colour, depth)),
       solid_(device, "eye shape", shape_of(colour, depth, false)),
       clear_(device, "eye clear shape", shape_of(colour, depth, true)),

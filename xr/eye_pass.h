@@ -24,6 +24,7 @@ struct EyeTarget {
 
 class EyePass {
   public:
+    // Throws RuntimeFailure for a device without Device::output_layer.
     EyePass(const Device& device, VkFormat colour, VkFormat depth);
 
     // Waits. Draws the renderer's last pictures of `cameras` (left, right), which have the target's size, and the

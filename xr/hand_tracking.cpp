@@ -59,8 +59,7 @@ double pinch_of(const HandJoints& joints) {
     return std::clamp((kApart_m - apart_m) / (kApart_m - kTouch_m), 0.0, 1.0);
 }
 
-bool HandTracking::stand_in(HandInput& input, int hand) const {
-    const HandJoints& joints = joints_[hand];
+bool stand_in(HandInput& input, const HandJoints& joints) {
     if (input.aim || joints.size() <= XR_HAND_JOINT_INDEX_TIP_EXT) return false;
     const glm::dvec3 wrist = joints[XR_HAND_JOINT_WRIST_EXT].position,
                      root = joints[XR_HAND_JOINT_INDEX_PROXIMAL_EXT].position;
@@ -68,7 +67,7 @@ bool HandTracking::stand_in(HandInput& input, int hand) const {
     if (glm::length(ahead) < 1e-3) return false;
     const glm::dvec3 up = std::abs(glm::normalize(ahead).y) < 0.95 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     input.aim = Pose{root, glm::quatLookAt(glm::normalize(ahead), up)};
-    input.grip.reset();  // the hand itself is seen
+    input.bare = true;
     input.select = pinch_of(joints);
     input.has_grab = false;
     input.lacks_menu = true;

@@ -24,9 +24,6 @@ class HandTracking {
 
     void locate(XrTime time);
     const HandJoints& joints(int hand) const { return joints_[hand]; }
-    // A hand without a controller points along its index finger's root and selects by a pinch.
-    // Whether it does.
-    bool stand_in(HandInput& input, int hand) const;
 
   private:
     const Session& session_;
@@ -37,5 +34,9 @@ class HandTracking {
 
 // 0 with the tips of thumb and index finger 5 cm apart, 1 where they touch.
 double pinch_of(const HandJoints& joints);
+
+// A hand that is seen without a controller points along its index finger's root and selects by a pinch. Whether it
+// does.
+bool stand_in(HandInput& input, const HandJoints& joints);
 
 }  // namespace neuvv

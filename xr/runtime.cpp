@@ -7,6 +7,8 @@
 #include <cstring>
 #include <sstream>
 
+#include "xr/bindings.h"
+
 namespace neuvv {
 
 namespace {
@@ -47,6 +49,7 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "the refresh rate can be chosen (--refresh)",
          "the refresh rate is the runtime's"},
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
+        {kHandInteraction, "bare hands point, select and grab", "controllers alone"},
         {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "bare hands point, select and grab", "controllers alone"},
     };
 }

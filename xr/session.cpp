@@ -1,6 +1,8 @@
 #include "xr/session.h"
 
 #include <algorithm>
+#include <cmath>
+#include <mutex>
 
 namespace neuvv {
 
@@ -33,12 +35,14 @@ XrPosef xr_pose(const Pose& pose) {
     return {{q.x, q.y, q.z, q.w}, {p.x, p.y, p.z}};
 }
 
-Pose EyeViews::head() const {
-    return {0.5 * (eye[0].pose.position + eye[1].pose.position),
-            glm::slerp(eye[0].pose.rotation, eye[1].pose.rotation, 0.5)};
+bool spans_picture(const XrFovf& fov) {
+    constexpr float kMost = 1.56f;
+    const bool sound = std::abs(fov.angleLeft) < kMost && std::abs(fov.angleRight) < kMost &&
+                       std::abs(fov.angleUp) < kMost && std::abs(fov.angleDown) < kMost;  // false for NaN
+    return sound && fov.angleRight - fov.angleLeft > 1e-3f && fov.angleUp - fov.angleDown > 1e-3f;
 }
 
-Session::Session(const Runtime& runtime, const Device& device) : runtime_(runtime) {
+Session::Session(const Runtime& runtime, const Device& device) : runtime_(runtime), device_(device) {
     XrGraphicsBindingVulkanKHR graphics{XR_TYPE_GRAPHICS_BINDING_VULKAN_KHR};
     graphics.instance = device.instance();
     graphics.physicalDevice = device.physical();
@@ -46,6 +50,7 @@ Session::Session(const Runtime& runtime, const Device& device) : runtime_(runtim
     graphics.queueFamilyIndex = device.queue_family();
     graphics.queueIndex = 0;
     const XrSessionCreateInfo info{XR_TYPE_SESSION_CREATE_INFO, &graphics, 0, runtime.system()};
+    const std::lock_guard lock(device.queue_mutex());
     check(xrCreateSession(runtime.instance(), &info, session_.out()), "xrCreateSession", runtime.headset());
     make_spaces();
 }
@@ -134,6 +139,7 @@ FrameTime Session::wait() {
 }
 
 void Session::begin() {
+    const std::lock_guard lock(device_.queue_mutex());
     check(xrBeginFrame(handle(), nullptr), "xrBeginFrame", runtime_.headset());
 }
 
@@ -143,6 +149,7 @@ void Session::end(const FrameTime& time, std::span<const XrCompositionLayerBaseH
     info.environmentBlendMode = runtime_.blend_mode();
     info.layerCount = static_cast<uint32_t>(layers.size());
     info.layers = layers.data();
+    const std::lock_guard lock(device_.queue_mutex());
     check(xrEndFrame(handle(), &info), "xrEndFrame", runtime_.headset());
 }
 
@@ -154,15 +161,12 @@ std::optional<EyeViews> Session::locate_eyes(XrTime time) {
     views.fill({XR_TYPE_VIEW});
     uint32_t count = 0;
     check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());
-    if (!is_known(state.viewStateFlags)) {
-        if (last_eyes_) last_eyes_->tracked = false;
-        return last_eyes_;
-    }
-    EyeViews eyes;
-    for (uint32_t i = 0; i < kEyes; i++) eyes.eye[i] = {pose_of(views[i].pose), views[i].fov};
-    eyes.tracked = true;
-    last_eyes_ = eyes;
-    return eyes;
+    const bool sees =
+        std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_picture(view.fov); });
+    if (!is_known(state.viewStateFlags) || !sees) return last_eyes_;
+    last_eyes_.emplace();
+    for (uint32_t i = 0; i < kEyes; i++) last_eyes_->eye[i] = {pose_of(views[i].pose), views[i].fov};
+    return last_eyes_;
 }
 
 std::optional<Pose> Session::locate(XrSpace space, XrTime time) const {

@@ -44,9 +44,9 @@ struct EyeView {
 };
 struct EyeViews {
     std::array<EyeView, kEyes> eye;
-    bool tracked = false;  // else where the head was last
-    Pose head() const;     // between the eyes
 };
+// Whether angles span a picture: each within 89.4° of the axis.
+bool spans_picture(const XrFovf& fov);
 
 class Session {
   public:
@@ -72,7 +72,8 @@ class Session {
     // Layers in the order in which they cover each other; none: nothing new is shown.
     void end(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers);
 
-    // Where the eyes will be. While the head is not tracked: where it was last, nothing before it ever was.
+    // Where the eyes will be. While the head is not tracked, or eyes have angles that span nothing: where they were
+    // last; nothing before they ever were anywhere.
     std::optional<EyeViews> locate_eyes(XrTime time);
     // Where a space is in the tracking space; nothing while it is not known.
     std::optional<Pose> locate(XrSpace space, XrTime time) const;
@@ -87,6 +88,7 @@ class Session {
     void end_session();
     void changed(const XrEventDataSessionStateChanged& event);
     const Runtime& runtime_;
+    const Device& device_;
     XrOwnedSession session_;
     XrOwnedSpace tracking_, head_;
     bool knows_floor_ = false;

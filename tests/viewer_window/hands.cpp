@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <set>
 #include <sstream>
 #include <thread>
 
+#include "base/platform.h"
 #include "support/temporary_folder.h"
 
 namespace neuvv::test {
@@ -56,12 +59,12 @@ std::string why_no_hands() {
     return "";
 }
 
-VirtualScreen::VirtualScreen(const std::filesystem::path& folder) {
+VirtualScreen::VirtualScreen(const std::filesystem::path& folder) : framebuffer_(folder / "Xvfb_screen0") {
     const std::filesystem::path log = folder / "xvfb.log";
-    server_ =
-        std::make_unique<ChildProcess>(std::vector<std::string>{"/usr/bin/env", "Xvfb", "-displayfd", "1", "-screen",
-                                                                "0", "1280x800x24", "-dpi", "96", "-nolisten", "tcp"},
-                                       log);
+    server_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{"/usr/bin/env", "Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-dpi", "96",
+                                 "-nolisten", "tcp", "-fbdir", folder.string()},
+        log);
     const auto number = [&]() -> std::string {
         std::istringstream lines(read_text(log));
         for (std::string line; std::getline(lines, line);)
@@ -71,6 +74,28 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) {
     if (!wait_for(*server_, [&] { return !number().empty(); }))
         throw std::runtime_error("Xvfb does not start: " + read_text(log));
     display_ = ":" + number();
+}
+
+// An X window dump: numbers of its header are big-endian, then colours of 12 bytes, then rows of B, G, R, and one
+// unused.
+Image VirtualScreen::picture() const {
+    const std::vector<uint8_t> dump = read_file(framebuffer_);
+    const auto number = [&](size_t which) {
+        const uint8_t* at = dump.data() + 4 * which;
+        return uint32_t{at[0]} << 24 | uint32_t{at[1]} << 16 | uint32_t{at[2]} << 8 | at[3];
+    };
+    constexpr size_t kHeader = 0, kWidth = 4, kHeight = 5, kRowBytes = 12, kColours = 19, kNumbers = 25;
+    if (dump.size() < 4 * kNumbers) throw std::runtime_error("Xvfb has no picture");
+    const size_t first = number(kHeader) + size_t{12} * number(kColours);
+    Image image(number(kWidth), number(kHeight));
+    if (number(kRowBytes) < 4 * image.width || dump.size() < first + size_t{number(kRowBytes)} * image.height)
+        throw std::runtime_error("Xvfb's picture is cut off");
+    for (uint32_t y = 0; y < image.height; y++)
+        for (uint32_t x = 0; x < image.width; x++) {
+            const uint8_t* from = &dump[first + size_t{number(kRowBytes)} * y + size_t{4} * x];
+            std::copy_n(std::array<uint8_t, 4>{from[2], from[1], from[0], 255}.data(), 4, image.at(x, y));
+        }
+    return image;
 }
 
 Hands::Hands(const VirtualScreen& screen, const std::filesystem::path& folder,

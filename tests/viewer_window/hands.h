@@ -27,8 +27,11 @@ class VirtualScreen {
   public:
     explicit VirtualScreen(const std::filesystem::path& folder);
     const std::string& display() const { return display_; }
+    // What a monitor would show now. Throws where the server has no picture yet.
+    Image picture() const;
 
   private:
+    std::filesystem::path framebuffer_;
     std::unique_ptr<ChildProcess> server_;
     std::string display_;  // ":7"
 };

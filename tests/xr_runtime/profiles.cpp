@@ -84,6 +84,13 @@ const std::vector<Profile>& known_profiles() {
              kTrackpad + kPoses},
         {"/interaction_profiles/microsoft/hand_interaction", "Hand", XR_MSFT_HAND_INTERACTION_EXTENSION_NAME,
          floats({"/input/select/value", "/input/squeeze/value"}) + kPoses},
+        {"/interaction_profiles/ext/hand_interaction_ext", "Hand", "XR_EXT_hand_interaction",
+         floats({"/input/pinch_ext/value", "/input/aim_activate_ext/value", "/input/grasp_ext/value"}) +
+             booleans(
+                 {"/input/pinch_ext/ready_ext", "/input/aim_activate_ext/ready_ext", "/input/grasp_ext/ready_ext"}) +
+             Inputs{{"/input/pinch_ext/pose", kPose, ProfileInput::kBoth},
+                    {"/input/poke_ext/pose", kPose, ProfileInput::kBoth}} +
+             kPoses},
     };
     return profiles;
 }

@@ -217,19 +217,54 @@ TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
     EXPECT_EQ(run.seen["modified"], false);
 }
 
+TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
+    const json items = panel_after(with_panel(), 18);
+    XrScript script = with_panel();
+    press(script, 18, items, "smooth turn");
+    script.end(30);
+    expect_clean(run(script));
+    XrScript later;
+    later.stick(12, "right", {0.5, 0});  // too little for a snap
+    later.end(30);
+    const XrRun run = this->run(later);
+    expect_clean(run);
+    EXPECT_LT(run.seen["turned_deg"].get<double>(), -5);
+}
+
 TEST_F(Editing, APressThatBeganElsewherePressesNothing) {
     const json items = panel_after(with_panel(), 18);
     XrScript script = with_panel();
     script.hand(16, "right", kRightHand, {3, 1, 0});
     script.input(18, "right", "trigger/value", 1);
-    const double u = items["delete"][0], v = items["delete"][1];
-    const glm::dvec3 item(0.72 * (u - 0.5), 1.38 + 0.54 * (0.5 - v), -0.75);
-    script.hand(20, "right", kRightHand, item);
+    script.hand(20, "right", kRightHand, place_of(items["delete"]));
     script.input(24, "right", "trigger/value", 0);
     script.end(30);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_EQ(run.seen["modified"], false) << "nothing was deleted";
+}
+
+TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
+    XrScript script;
+    script.json["profile"] = "/interaction_profiles/ext/hand_interaction_ext";
+    script.json["hand_joints"] = true;
+    script.hand(0, "right", kRightHand, kAnna);
+    script.input(kReady, "right", "aim_activate_ext/value", 1);
+    script.input(kReady + 3, "right", "aim_activate_ext/value", 0);
+    script.save(kReady + 6);
+    script.input(14, "right", "grasp_ext/value", 1);
+    script.hand(16, "right", kRightHand, kAnna);
+    script.moves(22, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.input(26, "right", "grasp_ext/value", 0);
+    script.end(30);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_NE(run.log.find("right hand: Bare hands"), std::string::npos) << run.log;
+    EXPECT_EQ(check_golden("xr_bare_hand", run.picture(kReady + 6, "left")), "");
+    const auto kept = find_recovery(folder.path / "state/neuvv/recovery", stage);
+    ASSERT_EQ(kept.size(), 1u) << run.log;
+    const json document = restore(kept[0]).file.json;
+    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {

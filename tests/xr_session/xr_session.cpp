@@ -130,6 +130,7 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
                                    "NEUVV_XR_SCRIPT=" + path.string(),
                                    "NEUVV_XR_OUT=" + run.out.string(),
                                    "XDG_STATE_HOME=" + (folder.path / "state").string(),
+                                   "XDG_CONFIG_HOME=" + (folder.path / "config").string(),
                                    NEUVV_PROGRAM,
                                    "xr",
                                    stage.string(),
@@ -161,10 +162,7 @@ json XrSession::panel_after(XrScript script, int end_frame) {
 
 void XrSession::press(XrScript& script, int frame, const json& items, const std::string& item) {
     if (!items.contains(item)) throw std::runtime_error("the panel has no " + item);
-    const glm::dvec3 middle(0, 1.5 - 0.12, -0.75);
-    const double u = items[item][0], v = items[item][1];
-    const glm::dvec3 at = middle + glm::dvec3((u - 0.5) * 0.72, (0.5 - v) * 0.54, 0);
-    script.hand(frame, "right", kRightHand, at);
+    script.hand(frame, "right", kRightHand, place_of(items[item]));
     script.input(frame + 2, "right", "trigger/value", 1);
     script.input(frame + 5, "right", "trigger/value", 0);
 }
@@ -175,7 +173,8 @@ void XrSession::expect_clean(const XrRun& run) {
     EXPECT_EQ(run.report["violations"], json::array());
     EXPECT_EQ(run.report["warnings"], json::array());
     EXPECT_EQ(run.report["destroyed_cleanly"], true);
-    const std::string layer = read_text(run.out / "validation.txt");
+    EXPECT_NE(run.log.find("Core Validation output type: text"), std::string::npos) << "the layer was not there";
+    const std::string layer = read_text(run.out / "validation.txt");  // which it makes with its first complaint
     EXPECT_EQ(layer.find("VUID"), std::string::npos) << layer;
     EXPECT_EQ(run.log.find("validation:"), std::string::npos) << run.log;
 }
@@ -188,6 +187,10 @@ const json& XrSession::node(const json& document, const std::string& name) {
     for (const json& one : document.at("nodes"))
         if (one.value("name", "") == name) return one;
     throw std::runtime_error("there is no node " + name);
+}
+
+glm::dvec3 XrSession::place_of(const json& item) {
+    return {item.at(0), item.at(1), item.at(2)};
 }
 
 glm::dvec3 XrSession::place(const json& node) {

@@ -63,10 +63,9 @@ class XrSession : public testing::Test {
     XrSession();
     // Throws where the program hangs. The core validation layer reports on its output, as `--validate` does.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {});
-    // What the panel shows once the script has been gone through: the middles of its items, 0..1 from the upper left.
+    // What the panel shows once the script has been gone through: the middles of its items, tracking space.
     nlohmann::json panel_after(XrScript script, int end_frame);
-    // The right hand points at a panel's item and pulls the trigger; the panel stands before a head that looks along −Z
-    // as XrScript's does. Takes kPress frames.
+    // The right hand points at a panel's item and pulls the trigger. Takes kPress frames.
     static void press(XrScript& script, int frame, const nlohmann::json& items, const std::string& item);
     static constexpr int kPress = 8;
     // Nothing that a runtime or a layer could complain of, and a clean end.
@@ -74,6 +73,7 @@ class XrSession : public testing::Test {
     nlohmann::json saved() const;
     static const nlohmann::json& node(const nlohmann::json& document, const std::string& name);
     static glm::dvec3 place(const nlohmann::json& node);
+    static glm::dvec3 place_of(const nlohmann::json& item);  // of the panel
 
     TemporaryFolder folder;
     std::filesystem::path stage = folder.path / "stage.gltf", clip = folder.path / "figure.nvv";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/viewer/fields.h"
 #include "tools/viewer/layer_list.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
@@ -12,15 +13,10 @@ namespace {
 
 constexpr double kTip_m = 0.08;  // in front of the hand
 
-// The sRGB transfer function's inverse.
-float linear(float encoded) {
-    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 PaintWork work_of(const HandBrush& brush, float frame, uint32_t frames) {
     PaintWork work;
     work.kind = brush.does == HandBrush::Does::kErase ? PaintWork::Kind::kErase : PaintWork::Kind::kColour;
-    work.colour = {linear(brush.colour.r), linear(brush.colour.g), linear(brush.colour.b)};
+    work.colour = linear_of_srgb(brush.colour);
     work.opacity = static_cast<float>(brush.opacity);
     work.frames = {frame, frame, Follow::kRun};
     if (brush.whole_clip) work.frames = {0, static_cast<float>(frames - 1), Follow::kNot};
@@ -49,7 +45,6 @@ struct Tip {
 // A performer's clip on the host, and the layer that is painted.
 struct BrushHand::Ready {
     uint32_t node = 0;
-    std::string name;
     std::filesystem::path clip_path, layer_path;
     bool is_new = false;  // the layer
     std::shared_ptr<const PaintClip> clip;
@@ -57,36 +52,55 @@ struct BrushHand::Ready {
 };
 
 struct BrushHand::Stroke {
-    std::shared_ptr<const Ready> ready;
-    PaintWork work;
+    uint32_t node = 0;
     std::string what;
+    HandBrush brush;
+    float frame = 0;  // of the clip, where it was begun
     std::vector<Tip> waiting;
+    std::optional<PaintRegion> region;  // all of it, once, instead of tips
     std::optional<glm::dvec3> last;
     bool under_way = false, released = false;
-    uint64_t opened = 0;
-    // The jobs' own, one after the other.
+    // Once its performer has been read; the jobs' own, one after the other.
+    std::shared_ptr<const Ready> ready;
     std::shared_ptr<const EditLayer> before;
     std::vector<uint8_t> covered;  // by leaf
+    bool region_laid = false, met = false;
+
+    bool waits() const { return !waiting.empty() || (region && !region_laid); }
+    std::shared_ptr<const EditLayer> lay(const Region& touched);
 };
+
+// Bound by memory: all leaves' middles once a job, 12 bytes each. Null where it meets nothing new.
+std::shared_ptr<const EditLayer> BrushHand::Stroke::lay(const Region& touched) {
+    const Canvas& canvas = ready->clip->canvas;
+    const PaintWork work = work_of(brush, frame, ready->clip->tree.frames);
+    bool any = false;
+    for (const ChosenLeaf& leaf : chosen_in(canvas, *before, touched, work)) {
+        any |= !covered[leaf.leaf];
+        covered[leaf.leaf] = 1;
+    }
+    if (!any) return nullptr;
+    std::vector<ChosenLeaf> leaves;
+    for (uint32_t leaf = 0; leaf < covered.size(); leaf++)
+        if (covered[leaf]) leaves.push_back({leaf});
+    return worked_on(canvas, *before, leaves, work);
+}
 
 glm::dvec3 BrushHand::tip_of(const Pose& world_aim) {
     return world_aim * glm::dvec3(0, 0, -kTip_m);
 }
 
-bool BrushHand::busy() const {
-    return stroke_ != nullptr;
+// The selected performer, or the only one.
+std::optional<uint32_t> BrushHand::target(const OnStage& on) {
+    if (const auto selected = on.selected_performer()) return selected;
+    if (on.stage->performers.size() == 1) return 0;
+    waits_for_ = "Select the performer that shall be painted";
+    return std::nullopt;
 }
 
-// The selected performer's, or the only one's. Its uppermost layer is painted where it is its alone, else a new one.
-std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on) {
-    waits_for_.clear();
-    auto index = on.selected_performer();
-    if (!index && on.stage->performers.size() == 1) index = 0;
-    if (!index) {
-        waits_for_ = "Select the performer that shall be painted";
-        return nullptr;
-    }
-    const StagePerformer& performer = on.stage->performers[*index];
+// Its uppermost layer is painted where it is its alone, else a new one. Null while that is not known.
+std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t index) {
+    const StagePerformer& performer = on.stage->performers[index];
     const auto layers = layers_of(on.editor.file(), performer.node);
     if (!layers) return nullptr;
     const bool own = !layers->empty() && !is_shared(on.editor.file(), performer.node, layers->back().path);
@@ -95,12 +109,11 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on) {
                       (own ? ready_->layer_path == layers->back().path
                            : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path));
     if (same) return ready_;
+    if (failed_ == on.editor.id()) return nullptr;
     waits_for_ = fmt::format("Reading {}, to be painted", performer.name);
-    if (reading_ || failed_ == on.editor.id()) return nullptr;
-    reading_ = true;
+    if (std::exchange(reading_, true)) return nullptr;
     auto ready = std::make_shared<Ready>();
     ready->node = performer.node;
-    ready->name = performer.name;
     ready->clip_path = clip_path;
     ready->layer_path = own ? layers->back().path : free_paint_path(on.editor.document(), performer.node);
     ready->is_new = !own;
@@ -116,149 +129,158 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on) {
                 reading_ = false;
                 failed_ = id;
                 on.editor.tell(problem, true);
+                lay(on);
             };
         }
-        return [this, ready] {
+        return [this, &on, ready] {
             reading_ = false;
             ready_ = ready;
+            lay(on);
         };
     });
     return nullptr;
 }
 
 void BrushHand::update(OnStage& on, Hands& hands) {
-    if (on.tool == HandTool::kArrange) {
-        waits_for_.clear();
-        corner_.reset();
-        if (stroke_ && !stroke_->released) end_stroke(on);
-        return;
-    }
     Hand& hand = hands[kRight];
-    const auto ready = prepare(on);
-    if (stroke_ && !stroke_->released && (!hand.select.held() || on.tool == HandTool::kRegion)) end_stroke(on);
-    if (on.tool == HandTool::kRegion) return pull_region(on, hand);
-    const bool off_panel = hand.at.what != PointedAt::What::kPanel;
-    wants_stroke_ = hand.select.held() && (wants_stroke_ || (hand.select.went_down() && off_panel));
-    if (!stroke_ && ready && hand.aim && wants_stroke_) {  // may come later than the press, where a clip was read first
-        begin(on, ready);
-        wants_stroke_ = false;
+    waits_for_.clear();
+    if (on.tool != HandTool::kPaint || !hand.select.held()) end_stroke(on);
+    lay(on);
+    if (region_ && region_->nodes != on.editor.node_count()) region_.reset();
+    if (!region_ || on.tool != HandTool::kRegion) corner_.reset();
+    if (on.tool == HandTool::kArrange) return;
+    const auto performer = target(on);
+    if (!performer) return;
+    if (strokes_.empty()) prepare(on, *performer);
+    if (on.tool == HandTool::kRegion) return pull_region(on, *performer, hand);
+    if (hand.aim && hand.select.went_down() && hand.at.what != PointedAt::What::kPanel) {
+        strokes_.push_back(begin(on, *performer));
         hand.feel(0.3);
     }
-    if (!stroke_ || stroke_->released || !hand.aim) return;
+    draw(on, hand);
+}
+
+std::shared_ptr<BrushHand::Stroke> BrushHand::begin(const OnStage& on, uint32_t index) const {
+    const StagePerformer& performer = on.stage->performers[index];
+    auto stroke = std::make_shared<Stroke>();
+    stroke->node = performer.node;
+    stroke->brush = on.brush;
+    stroke->what = fmt::format("{} {} in the air", performer.name,
+                               on.brush.does == HandBrush::Does::kErase ? "erased" : "painted");
+    for (const InstantPerformer& at : on.instant.performers)
+        if (at.performer == index) stroke->frame = at.frame;
+    return stroke;
+}
+
+void BrushHand::draw(OnStage& on, const Hand& hand) {
+    if (strokes_.empty() || strokes_.back()->released || !hand.aim) return;
+    Stroke& stroke = *strokes_.back();
     const glm::dvec3 tip = tip_of(*hand.aim);
-    if (stroke_->last && glm::distance(*stroke_->last, tip) < 0.25 * on.brush.radius_m) return;
+    if (stroke.last && glm::distance(*stroke.last, tip) < 0.25 * stroke.brush.radius_m) return;
     for (const InstantPerformer& performer : on.instant.performers) {
-        if (on.stage->performers[performer.performer].node != stroke_->ready->node) continue;
-        stroke_->waiting.push_back(
-            {performer.world_from_performer, stroke_->last.value_or(tip), tip, on.brush.radius_m, on.brush.tip});
-        stroke_->last = tip;
+        if (on.stage->performers[performer.performer].node != stroke.node) continue;
+        stroke.waiting.push_back(
+            {performer.world_from_performer, stroke.last.value_or(tip), tip, stroke.brush.radius_m, stroke.brush.tip});
+        stroke.last = tip;
     }
-    go_on(on);
+    lay(on);
 }
 
-void BrushHand::begin(OnStage& on, std::shared_ptr<const Ready> ready) {
-    stroke_ = std::make_shared<Stroke>();
-    stroke_->ready = ready;
-    float frame = 0;
-    for (const InstantPerformer& performer : on.instant.performers)
-        if (on.stage->performers[performer.performer].node == ready->node) frame = performer.frame;
-    stroke_->work = work_of(on.brush, frame, ready->clip->tree.frames);
-    stroke_->what = fmt::format("{} {} in the air", ready->name,
-                                stroke_->work.kind == PaintWork::Kind::kErase ? "erased" : "painted");
-    stroke_->opened = on.editor.opened();
-    if (ready->layer) on.editor.open_layer(ready->layer_path, ready->layer);
-    const auto& paint = on.editor.document().paint;
-    const auto known = paint.find(ready->layer_path);
-    stroke_->before =
-        known != paint.end() ? known->second : std::make_shared<EditLayer>(EditLayer{ready->clip->field, {}});
-    stroke_->covered.resize(ready->clip->tree.leaf_count);
+// The first stroke goes on, where it can.
+void BrushHand::lay(OnStage& on) {
+    if (strokes_.empty() || strokes_.front()->under_way) return;
+    const std::shared_ptr<Stroke> stroke = strokes_.front();
+    if (!stroke->ready) {
+        if (on.is_behind()) return;
+        for (uint32_t i = 0; i < on.stage->performers.size() && !stroke->ready; i++)
+            if (on.stage->performers[i].node == stroke->node) stroke->ready = prepare(on, i);
+        if (!stroke->ready && !reading_) strokes_.pop_front();  // why has been told
+        if (!stroke->ready) return;
+        const Ready& ready = *stroke->ready;
+        if (ready.layer) on.editor.open_layer(ready.layer_path, ready.layer);
+        const auto known = on.editor.document().paint.find(ready.layer_path);
+        stroke->before = known != on.editor.document().paint.end()
+                             ? known->second
+                             : std::make_shared<EditLayer>(EditLayer{ready.clip->field, {}});
+        stroke->covered.resize(ready.clip->tree.leaf_count);
+    }
+    if (stroke->waits())
+        lay_more(on, stroke);
+    else if (stroke->released)
+        finish(on);
 }
 
-// Bound by memory: all leaves' middles once a job, 12 bytes each.
-void BrushHand::go_on(OnStage& on) {
-    if (!stroke_ || stroke_->under_way) return;
-    if (stroke_->waiting.empty()) {
-        if (!stroke_->released) return;
-        stroke_.reset();
-        return on.editor.end_drag();
-    }
-    stroke_->under_way = true;
-    work_.start("", [this, &on, stroke = stroke_, tips = std::exchange(stroke_->waiting, {})]() -> Work::Then {
-        const Canvas& canvas = stroke->ready->clip->canvas;
-        const Region touched = [&](glm::vec3 place) {
+void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
+    stroke->under_way = true;
+    Region touched;
+    if (stroke->region) {
+        touched = box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));
+        stroke->region_laid = true;
+    } else {
+        touched = [tips = std::exchange(stroke->waiting, {})](glm::vec3 place) {
             return std::any_of(tips.begin(), tips.end(), [&](const Tip& tip) { return tip.touches(place); });
         };
-        bool any = false;
-        for (const ChosenLeaf& leaf : chosen_in(canvas, *stroke->before, touched, stroke->work)) {
-            any |= !stroke->covered[leaf.leaf];
-            stroke->covered[leaf.leaf] = 1;
-        }
+    }
+    work_.start("", [this, &on, stroke, touched = std::move(touched)]() -> Work::Then {
         std::shared_ptr<const EditLayer> layer;
-        if (any) {
-            std::vector<ChosenLeaf> leaves;
-            for (uint32_t leaf = 0; leaf < stroke->covered.size(); leaf++)
-                if (stroke->covered[leaf]) leaves.push_back({leaf});
-            layer = worked_on(canvas, *stroke->before, leaves, stroke->work);
+        try {
+            layer = stroke->lay(touched);
+        } catch (const std::exception& error) {
+            return [this, &on, problem = std::string(error.what())] {
+                on.editor.tell(problem, true);
+                finish(on);
+            };
         }
         return [this, &on, stroke, layer] {
             stroke->under_way = false;
-            if (stroke->opened != on.editor.opened()) {
-                stroke_.reset();
-                return;
-            }
+            stroke->met |= layer != nullptr;
             if (layer)
                 on.editor.drag([&](Document& document) {
-                    return put_paint(document, stroke->ready->node, stroke->ready->layer_path, "headset", layer,
-                                     stroke->what);
+                    return put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer, stroke->what);
                 });
-            go_on(on);
+            lay(on);
         };
     });
 }
 
-void BrushHand::end_stroke(OnStage& on) {
-    if (!stroke_ || stroke_->released) return;
-    stroke_->released = true;
-    go_on(on);
+void BrushHand::finish(OnStage& on) {
+    on.editor.end_drag();
+    const Stroke& stroke = *strokes_.front();
+    if (stroke.region_laid && !stroke.met) on.editor.tell("there is nothing in the box", true);
+    strokes_.pop_front();
 }
 
-void BrushHand::pull_region(OnStage& on, Hand& hand) {
-    const bool off_panel = hand.at.what != PointedAt::What::kPanel;
-    if (!ready_ || !hand.aim) return;
+void BrushHand::end_stroke(OnStage& on) {
+    if (strokes_.empty() || strokes_.back()->released) return;
+    strokes_.back()->released = true;
+    lay(on);
+}
+
+void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
+    if (!hand.aim) return;
     for (const InstantPerformer& performer : on.instant.performers) {
-        const uint32_t node = on.stage->performers[performer.performer].node;
-        if (node != ready_->node) continue;
+        if (performer.performer != index) continue;
         const glm::dvec3 tip = glm::inverse(performer.world_from_performer) * glm::dvec4(tip_of(*hand.aim), 1);
-        if (hand.select.went_down() && off_panel) {
+        if (hand.select.went_down() && hand.at.what != PointedAt::What::kPanel) {
             corner_ = tip;
             hand.feel(0.3);
         }
         if (!corner_) return;
-        region_ = PaintRegion{node, glm::min(*corner_, tip), glm::max(*corner_, tip)};
+        region_ = PaintRegion{on.stage->performers[index].node, on.editor.node_count(), glm::min(*corner_, tip),
+                              glm::max(*corner_, tip)};
         if (!hand.select.held()) corner_.reset();
     }
 }
 
 void BrushHand::do_region(OnStage& on) {
-    if (!region_ || !ready_ || ready_->node != region_->node || stroke_)
+    const auto performer = target(on);
+    if (!region_ || !performer || on.stage->performers[*performer].node != region_->node)
         return on.editor.tell("pull up a box with the trigger first", true);
-    begin(on, ready_);
-    const glm::vec3 low(region_->low), high(region_->high);
-    stroke_->released = stroke_->under_way = true;
-    work_.start("Painting the region", [this, &on, stroke = stroke_, region = box_region(low, high)]() -> Work::Then {
-        const Canvas& canvas = stroke->ready->clip->canvas;
-        const auto layer =
-            worked_on(canvas, *stroke->before, chosen_in(canvas, *stroke->before, region, stroke->work), stroke->work);
-        return [this, &on, stroke, layer] {
-            stroke_.reset();
-            if (stroke->opened != on.editor.opened()) return;
-            if (!layer) return on.editor.tell("there is nothing in the box", true);
-            on.editor.edit([&](Document& document) {
-                return put_paint(document, stroke->ready->node, stroke->ready->layer_path, "headset", layer,
-                                 stroke->what);
-            });
-        };
-    });
+    auto stroke = begin(on, *performer);
+    stroke->region = region_;
+    stroke->released = true;
+    strokes_.push_back(std::move(stroke));
+    lay(on);
 }
 
 }  // namespace neuvv

@@ -2,9 +2,11 @@
 // touches; a box that is pulled up from corner to corner chooses a region for the panel's buttons.
 //
 // Leaves are looked for and layers made on the thread for files, so that no frame waits: what a stroke touches
-// meanwhile follows with the next job.
+// meanwhile follows with the next job, and a stroke that is begun while another is laid, or while its performer is
+// read, follows that.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -19,6 +21,7 @@ namespace neuvv {
 // In the performer's space, metres.
 struct PaintRegion {
     uint32_t node = 0;
+    size_t nodes = 0;  // of the document: with another number of them it may mean another one
     glm::dvec3 low{0}, high{0};
 };
 
@@ -28,10 +31,12 @@ class BrushHand {
     explicit BrushHand(Work& work) : work_(work) {}
 
     void update(OnStage& on, Hands& hands);
-    // One step of the history; what is still being laid comes into it.
+    // The hand ends its stroke: one step of the history; what is still being laid comes into it.
     void end_stroke(OnStage& on);
-    // Whether jobs of a stroke are under way, or places wait for them.
-    bool busy() const;
+    // The first stroke goes on, where it can: update() does it, and jobs that end.
+    void lay(OnStage& on);
+    // Whether strokes are drawn, are being laid, or wait to be: numbers of nodes must not change meanwhile.
+    bool busy() const { return !strokes_.empty(); }
 
     const std::optional<PaintRegion>& region() const { return region_; }
     void forget_region() { region_.reset(); }
@@ -46,16 +51,20 @@ class BrushHand {
   private:
     struct Ready;
     struct Stroke;
-    std::shared_ptr<const Ready> prepare(OnStage& on);
-    void begin(OnStage& on, std::shared_ptr<const Ready> ready);
-    void go_on(OnStage& on);
-    void pull_region(OnStage& on, Hand& hand);
+    std::optional<uint32_t> target(const OnStage& on);
+    std::shared_ptr<const Ready> prepare(OnStage& on, uint32_t performer);
+    std::shared_ptr<Stroke> begin(const OnStage& on, uint32_t performer) const;
+    void draw(OnStage& on, const Hand& hand);
+    void lay_more(OnStage& on, std::shared_ptr<Stroke> stroke);
+    void finish(OnStage& on);
+    void pull_region(const OnStage& on, uint32_t performer, Hand& hand);
 
     Work& work_;
     std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
-    std::shared_ptr<Stroke> stroke_;
+    // The first is being laid, once its performer has been read; the last is the hand's until it is released.
+    std::deque<std::shared_ptr<Stroke>> strokes_;
     uint64_t failed_ = 0;  // document of which it cannot be known
-    bool reading_ = false, wants_stroke_ = false;
+    bool reading_ = false;
     std::string waits_for_;
     std::optional<PaintRegion> region_;
     std::optional<glm::dvec3> corner_;  // the region's first, performer's space, while it is pulled

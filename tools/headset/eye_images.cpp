@@ -131,8 +131,8 @@ void EyeImages::draw(StageRenderer& renderer, const StageInstant& instant, const
     if (depth_) depth_->release();
     drawn_ = eyes;
     drawn_scale_ = settings.scale;
-    milliseconds_ = std::chrono::duration<double, std::milli>((drawn - begin) + (ended - acquired)).count();
-    dynamic_.drawn(drawn_scale_, milliseconds_);
+    const std::chrono::duration<double, std::milli> took = (drawn - begin) + (ended - acquired);
+    dynamic_.drawn(drawn_scale_, took.count());
 }
 
 void EyeImages::keep_left(VkImage image) {

@@ -42,7 +42,6 @@ class EyeImages {
     // How large the middle pixels of the last picture look.
     double pixel_rad() const { return 1 / cameras_[0].fx; }
     double scale() const { return drawn_scale_; }
-    double milliseconds() const { return milliseconds_; }
     // The left eye's picture (layout TRANSFER_SRC), where pictures are kept.
     const DeviceImage* left() const { return kept_left_ ? &*left_ : nullptr; }
 
@@ -62,7 +61,7 @@ class EyeImages {
     std::array<XrFovf, kEyes> mask_fov_{};
     std::array<std::vector<glm::vec2>, kEyes> hidden_;
     DynamicScale dynamic_;
-    double drawn_scale_ = 1, milliseconds_ = 0;
+    double drawn_scale_ = 1;
     EyeViews drawn_;
     std::optional<DeviceImage> left_;
     bool kept_left_ = false;  // it holds a picture

@@ -19,7 +19,7 @@ struct PointedAt {
 struct Hand {
     HandInput input;                // of this frame
     std::optional<Pose> aim, grip;  // world
-    Press select{0.7, 0.4}, grab{0.7, 0.4};
+    Press select, grab;
     Flick flick;
     PointedAt at;
     double selecting_s = 0;  // for how long select has been held

@@ -1,5 +1,7 @@
 #include "tools/headset/hand_shapes.h"
 
+#include "tools/viewer/fields.h"
+
 namespace neuvv {
 
 namespace {
@@ -7,10 +9,10 @@ namespace {
 constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}, kBlue{0.05f, 0.42f, 0.85f, 1},
     kWhite{0.9f, 0.9f, 0.9f, 0.8f}, kRay{0.5f, 0.75f, 1, 0.8f}, kFaint{0.5f, 0.75f, 1, 0}, kGreen{0.1f, 0.75f, 0.3f, 1},
     kRed{0.8f, 0.1f, 0.05f, 1}, kNoRegion{0, 0, 0, 0};
-constexpr double kIdleRay_m = 1.2;
+constexpr double kIdleRay_m = 1.2, kSelectedOut = 0.006;
 
 void draw_controller(EyeShapes& shapes, const Hand& hand) {
-    if (!hand.grip) return;
+    if (!hand.grip || hand.input.bare) return;
     const glm::dmat4 grip = matrix_of(*hand.grip);
     shapes.solid_box(grip, {-0.017, -0.02, -0.03}, {0.017, 0.015, 0.085}, kBody);
     shapes.solid_box(grip, {-0.024, 0.0, -0.075}, {0.024, 0.022, -0.03}, kTrim);
@@ -39,8 +41,10 @@ void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interac
         const bool is_selected = selected == performer.performer;
         if (!is_selected && !(pointed_at && on.tool == HandTool::kArrange)) continue;
         const auto [low, high] = box_of(on, performer.performer);
-        shapes.box_edges(performer.world_from_performer, low, high, is_selected ? 0.006 : 0.003,
-                         is_selected ? kBlue : kWhite);
+        // Around another's box, not within its edges; but on the floor as it is.
+        const double out = is_selected ? kSelectedOut : 0;
+        shapes.box_edges(performer.world_from_performer, low - glm::dvec3(out, 0, out), high + out,
+                         is_selected ? 0.006 : 0.003, is_selected ? kBlue : kWhite);
     }
     const auto& region = interaction.brush.region();
     if (on.tool != HandTool::kRegion || !region) return;
@@ -51,7 +55,7 @@ void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interac
 
 glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
     if (brush.does == HandBrush::Does::kErase) return {0.6f, 0.6f, 0.6f, alpha};
-    return {glm::pow(brush.colour, glm::vec3(2.2f)), alpha};
+    return {linear_of_srgb(brush.colour), alpha};
 }
 
 void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {

@@ -4,9 +4,11 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "base/platform.h"
+#include "tools/headset/chosen.h"
 #include "tools/headset/hand_shapes.h"
 #include "tools/headset/mirror.h"
 #include "tools/headset/panel.h"
@@ -41,6 +43,7 @@ struct Visit {
     OnStage on;
     Work work;
     Interaction interaction = Interaction(work);
+    Chosen chosen = Chosen(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<Keeper> keeper;
     std::vector<Notice> notices;
     std::unique_ptr<Window> window;  // of the mirror
@@ -66,6 +69,7 @@ void Visit::open() {
     }
     on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
     on.follow_document();
+    chosen.load(on, interaction.holding.settings);
     on.clock.playing = options.play;
     on.look_at_instant();
     keeper.emplace(on, work, lost);
@@ -79,7 +83,9 @@ void Visit::finish() {
     do {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         work.run_told();
-    } while ((!work.idle() || work.has_told()) && seconds_since(from) < kFinish_s);
+        on.follow_document();
+        interaction.brush.lay(on);
+    } while ((!work.idle() || work.has_told() || interaction.brush.busy()) && seconds_since(from) < kFinish_s);
     tell();
 }
 
@@ -100,6 +106,8 @@ struct OnRuntime {
 
     Runtime runtime;
     Device device;
+    // Of all clips that were ever on stage: undoing a deletion in the middle of a session must not read one.
+    std::set<std::shared_ptr<const Field>> fields;
     std::unique_ptr<StageRenderer> renderer;  // made for the first session's images
     std::shared_ptr<const Stage> drawn;
 };
@@ -117,10 +125,13 @@ OnRuntime::OnRuntime(Visit& of)
           }(),
           runtime.device_maker()) {}
 
-void know_leaves(OnStage& on, const StageRenderer& renderer) {
+void know_clips(OnStage& on, OnRuntime& at) {
     on.leaf_boxes.clear();
-    for (uint32_t clip = 0; clip < on.stage->clips.size(); clip++)
-        on.leaf_boxes.emplace_back(renderer.field(clip).leaves_min, renderer.field(clip).leaves_max);
+    for (uint32_t clip = 0; clip < on.stage->clips.size(); clip++) {
+        const auto field = at.renderer->shared_field(clip);
+        on.leaf_boxes.emplace_back(field->leaves_min, field->leaves_max);
+        at.fields.insert(field);
+    }
 }
 
 void OnRuntime::follow(Visit& visit) {
@@ -133,7 +144,7 @@ void OnRuntime::follow(Visit& visit) {
         return visit.on.editor.take_back(error.what());
     }
     drawn = visit.on.stage;
-    know_leaves(visit.on, *renderer);
+    know_clips(visit.on, *this);
 }
 
 void tell_validation(const Device& device) {
@@ -155,7 +166,6 @@ struct InSession {
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
     EyeShapes shapes;
-    std::array<bool, kHands> is_bare{};  // seen without a controller
     XrTime last_display = 0;
     double pictures_a_second = 0;
 };
@@ -170,7 +180,7 @@ void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
     at.drawn = visit.on.stage;
     at.renderer =
         std::make_unique<StageRenderer>(at.device, *at.drawn, eyes.capacity(), StageRenderer::Loaded{}, paint);
-    know_leaves(visit.on, *at.renderer);
+    know_clips(visit.on, at);
     visit.on.look_at_instant();
     visit.on.floor_m = floor_of(visit.on);
 }
@@ -202,7 +212,7 @@ void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, dou
     OnStage& on = visit.on;
     HandInputs inputs = in.actions.sample(time.display);
     in.fingers.locate(time.display);
-    for (const int hand : {kLeft, kRight}) in.is_bare[hand] = in.fingers.stand_in(inputs[hand], hand);
+    for (const int hand : {kLeft, kRight}) stand_in(inputs[hand], in.fingers.joints(hand));
     const auto head = in.session.locate(in.session.head_space(), time.display);
     if (head) visit.head = *head;
     if (head && !visit.placed) {
@@ -241,7 +251,7 @@ bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
     draw_interaction(in.shapes, on, visit.interaction);
     for (const int hand : {kLeft, kRight})
-        if (in.is_bare[hand]) draw_joints(in.shapes, in.fingers.joints(hand), world);
+        if (visit.interaction.hands[hand].input.bare) draw_joints(in.shapes, in.fingers.joints(hand), world);
     const std::vector<NextSlice> next = slices_ahead(visit, *at.renderer);
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
@@ -390,7 +400,12 @@ void run_runtimes(Visit& visit) {
 
 void write_report(const Visit& visit) {
     nlohmann::json report;
-    for (const auto& [name, at] : visit.panel_items) report["panel"][name] = {at.x, at.y};
+    const Pose tracking = inverse(world_from_tracking(visit.on.rig));
+    for (const auto& [name, at] : visit.panel_items) {
+        if (!visit.interaction.panel) break;
+        const glm::dvec3 place = tracking * visit.interaction.panel->at(at);
+        report["panel"][name] = {place.x, place.y, place.z};
+    }
     report["time_s"] = visit.on.clock.time_s();
     report["speed"] = visit.on.clock.speed;
     report["playing"] = visit.on.clock.playing;
@@ -411,6 +426,11 @@ void watch_in_headset(const HeadsetOptions& options) {
     const auto keep = [&] {
         visit.finish();
         visit.work.stop();
+        try {
+            visit.chosen.save(visit.on, visit.interaction.holding.settings);
+        } catch (const RuntimeFailure& failure) {
+            say(failure.what());
+        }
         if (visit.keeper->store_now())
             say(fmt::format("unsaved edits of {} are kept: `neuvv xr --recover` or `neuvv view` takes them",
                             visit.on.editor.file().path.string()));

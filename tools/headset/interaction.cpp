@@ -95,12 +95,12 @@ void Interaction::place_panel(OnStage& on, const Pose& head) {
     }
     if (!panel) panel.emplace();
     if (on.panel_on_wrist) {
-        panel->size_m = {0.36, 0.27};
+        panel->size_m = kWristPanel_m;
         const auto& wrist = left.grip ? left.grip : left.aim;
         if (!wrist && !panel_was_shown_) return panel.reset();
         if (wrist) panel->world = panel_on(*wrist);
     } else if (!panel_was_shown_ || panel_was_on_wrist_) {
-        panel->size_m = {0.72, 0.54};
+        panel->size_m = kPanel_m;
         panel->world = panel_before(world_from_tracking(on.rig) * head);
     }
     panel_was_shown_ = true;

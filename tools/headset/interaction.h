@@ -7,10 +7,16 @@
 
 namespace neuvv {
 
+constexpr glm::dvec2 kPanel_m{0.72, 0.54}, kWristPanel_m{0.36, 0.27};
 // The panel in the world; X to its right, Y to its top.
 struct PanelStand {
     Pose world;
-    glm::dvec2 size_m{0.72, 0.54};
+    glm::dvec2 size_m = kPanel_m;
+
+    // World; of a place in 0..1 from the upper left.
+    glm::dvec3 at(glm::dvec2 place) const {
+        return world * glm::dvec3((place.x - 0.5) * size_m.x, (0.5 - place.y) * size_m.y, 0);
+    }
 };
 
 // A mouse, as a hand is one on the panel.

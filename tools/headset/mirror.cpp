@@ -7,7 +7,7 @@ namespace neuvv {
 Mirror::Mirror(const Device& device, Window& window, VkExtent2D eye)
     : device_(device),
       window_(window),
-      swapchain_(device, window.make_surface(device)),
+      swapchain_(device, window.make_surface(device), PresentPace::kFree),  // the headset's pace alone counts
       values_(device, "mirror",
               {eye.width, eye.height, VK_FORMAT_R8G8B8A8_UNORM,
                VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),

@@ -21,6 +21,7 @@ struct Comfort {
     bool vignette = true;
 };
 
+constexpr double kLeastBrush_m = 0.01, kLargestBrush_m = 0.4, kLeastBrushOpacity = 0.05;
 struct HandBrush {
     enum class Tip { kBall, kBox } tip = Tip::kBall;
     enum class Does { kPaint, kErase } does = Does::kPaint;

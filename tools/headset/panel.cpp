@@ -179,11 +179,13 @@ void brush_rows(Rows& rows) {
     if (rows.button("box", "Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
     auto centimetres = static_cast<float>(100 * brush.radius_m);
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##radius", &centimetres, 1, 40, "radius %.0f cm", ImGuiSliderFlags_Logarithmic))
+    if (ImGui::SliderFloat("##radius", &centimetres, 100 * kLeastBrush_m, 100 * kLargestBrush_m, "radius %.0f cm",
+                           ImGuiSliderFlags_Logarithmic))
         brush.radius_m = centimetres / 100;
     auto opacity = static_cast<float>(100 * brush.opacity);
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##opacity", &opacity, 5, 100, "opacity %.0f %%")) brush.opacity = opacity / 100;
+    if (ImGui::SliderFloat("##opacity", &opacity, 100 * kLeastBrushOpacity, 100, "opacity %.0f %%"))
+        brush.opacity = opacity / 100;
     rows.checkbox("whole clip", "Through the whole clip", &brush.whole_clip);
     ImGui::EndGroup();
 }

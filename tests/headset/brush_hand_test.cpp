@@ -1,0 +1,211 @@
+// Painting in the air: what leaves a stroke meets, and that no stroke is lost or stuck, however hands and files behave.
+#include "tools/headset/brush_hand.h"
+
+#include <set>
+
+#include "edit/select.h"
+#include "headset/hands_at_a_stage.h"
+#include "tools/viewer/layer_list.h"
+
+namespace neuvv::test {
+namespace {
+
+struct BrushHandTest : HandsAtAStage {
+    BrushHandTest() {
+        select(kBen);
+        on.tool = HandTool::kPaint;
+        on.brush.radius_m = 0.15;
+    }
+    // The right hand so that its tip is there, pointing away.
+    void tip_at(glm::dvec3 place) {
+        inputs[kRight].aim = inputs[kRight].grip = pointing(place, place + glm::dvec3(0, 0, -1));
+        inputs[kRight].aim->position += place - BrushHand::tip_of(*inputs[kRight].aim);
+    }
+    void dab(glm::dvec3 place) {
+        tip_at(place);
+        inputs[kRight].select = 1;
+        frame();
+        inputs[kRight].select = 0;
+        frame();
+    }
+    // Of the only layer there is.
+    std::set<uint32_t> painted() const {
+        std::set<uint32_t> leaves;
+        EXPECT_EQ(on.editor.document().paint.size(), 1u);
+        for (const auto& [path, layer] : on.editor.document().paint)
+            for (const LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
+        return leaves;
+    }
+    // By the shape itself: leaves whose middles lie within `radius_m` (world) of a place, and are ever seen.
+    std::set<uint32_t> within(const std::vector<glm::dvec3>& places, double radius_m) const {
+        const VOctree tree = figure_tree();
+        const Canvas canvas(tree);
+        const glm::dmat4 performer_from_world = glm::inverse(on.instant.performers[1].world_from_performer);
+        const EditLayer none{painted_field(tree), {}};
+        std::set<uint32_t> leaves;
+        for (const glm::dvec3& place : places) {
+            const glm::vec3 middle(performer_from_world * glm::dvec4(place, 1));
+            PaintWork work;
+            work.frames = {0, 1, Follow::kNot};
+            for (const ChosenLeaf& leaf :
+                 chosen_in(canvas, none, sphere_region(middle, static_cast<float>(radius_m / 1.6)), work))
+                leaves.insert(leaf.leaf);
+        }
+        return leaves;
+    }
+    const glm::dvec3 head_of_ben = glm::dvec3(0, 0, -2.8) + 1.6 * kHead, off = glm::dvec3(0.25, -0.45, 0);
+};
+
+TEST_F(BrushHandTest, ADabPaintsTheLeavesInItsBallAndIsOneStep) {
+    dab(head_of_ben);
+    settle();
+    const std::set<uint32_t> want = within({head_of_ben}, on.brush.radius_m);
+    ASSERT_GT(want.size(), 10u);
+    EXPECT_EQ(painted(), want);
+    EXPECT_EQ(steps(), 1u);
+    EXPECT_FALSE(on.editor.modified());
+}
+
+TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {
+    // One press of two frames, at once: reading takes longer.
+    dab(head_of_ben);
+    EXPECT_TRUE(interaction.brush.busy());
+    EXPECT_TRUE(on.editor.document().paint.empty());
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+}
+
+TEST_F(BrushHandTest, StrokesThatFollowEachOtherAreEachAStep) {
+    dab(head_of_ben);
+    dab(head_of_ben + off);
+    dab(head_of_ben - off);
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off, head_of_ben - off}, on.brush.radius_m));
+    on.editor.undo();
+    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off}, on.brush.radius_m));
+    EXPECT_EQ(steps(), 2u);
+}
+
+TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
+    tip_at(head_of_ben - glm::dvec3(0.3, 0, 0));
+    inputs[kRight].select = 1;
+    frame();
+    tip_at(head_of_ben + glm::dvec3(0.3, 0, 0));
+    frame();
+    inputs[kRight].select = 0;
+    settle();
+    std::vector<glm::dvec3> way;
+    for (int i = 0; i <= 600; i++) way.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
+    EXPECT_EQ(painted(), within(way, on.brush.radius_m));
+    EXPECT_EQ(steps(), 1u);
+}
+
+TEST_F(BrushHandTest, UndoDuringAStrokeEndsItAndIsRefusedUntilItIsLaid) {
+    tip_at(head_of_ben);
+    inputs[kRight].select = 1;
+    frame();
+    inputs[kLeft].undo = true;
+    frame();
+    EXPECT_TRUE(was_told("still being laid"));
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+    inputs[kLeft].undo = true;
+    frame();
+    EXPECT_FALSE(on.editor.modified());
+}
+
+TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
+    dab(head_of_ben);
+    on.tool = HandTool::kArrange;
+    select(kAnna);
+    on.tool = HandTool::kPaint;
+    settle();
+    ASSERT_EQ(on.editor.document().paint.size(), 1u);
+    const auto layers = layers_of(on.editor.file(), node("ben"));
+    ASSERT_TRUE(layers);
+    EXPECT_EQ(layers->size(), 1u);
+    EXPECT_TRUE(layers_of(on.editor.file(), node("anna"))->empty());
+}
+
+TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
+    std::fstream file(clip, std::ios::in | std::ios::out | std::ios::binary);  // its head stays sound
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(clip)) - 1000) << std::string(100, 'x');
+    file.close();
+    dab(head_of_ben);
+    settle();
+    EXPECT_TRUE(was_told("figure.nvv"));
+    EXPECT_FALSE(interaction.brush.busy());
+    EXPECT_TRUE(interaction.brush.waits_for().empty()) << "nothing is read any more";
+    EXPECT_FALSE(on.editor.modified());
+    inputs[kRight].duplicate = true;
+    frames(2);
+    EXPECT_EQ(on.stage->performers.size(), 3u) << "other edits go on";
+}
+
+TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
+    on.brush.does = HandBrush::Does::kErase;
+    on.brush.whole_clip = false;
+    on.clock.scrub(on.clock.last_s());
+    dab(head_of_ben);
+    settle();
+    ASSERT_EQ(on.editor.document().paint.size(), 1u);
+    for (const auto& [path, layer] : on.editor.document().paint) {
+        ASSERT_FALSE(layer->edits.empty());
+        for (const LeafEdit& edit : layer->edits) {
+            EXPECT_EQ(edit.sigma, 0);
+            EXPECT_LE(edit.first, 1);
+            EXPECT_GE(edit.last, 1);
+        }
+    }
+}
+
+TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
+    on.tool = HandTool::kRegion;
+    settle();  // read
+    tip_at(head_of_ben - glm::dvec3(0.1));
+    inputs[kRight].select = 1;
+    frame();
+    tip_at(head_of_ben + glm::dvec3(0.1));
+    frame();
+    inputs[kRight].select = 0;
+    frame();
+    ASSERT_TRUE(interaction.brush.region());
+    EXPECT_LT(glm::distance(interaction.brush.region()->low, kHead - glm::dvec3(0.1 / 1.6)), 1e-6);
+    interaction.brush.do_region(on);
+    settle();
+    EXPECT_GT(painted().size(), 10u);
+    ASSERT_TRUE(interaction.brush.region()) << "it can be used again";
+    inputs[kRight].duplicate = true;
+    frames(3);
+    EXPECT_FALSE(interaction.brush.region()) << "numbers of nodes mean others now";
+    EXPECT_EQ(steps(), 2u);
+}
+
+TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
+    on.tool = HandTool::kRegion;
+    settle();
+    tip_at(glm::dvec3(0.05, 1.55, -2.75));
+    inputs[kRight].select = 1;
+    frame();
+    tip_at(glm::dvec3(0.06, 1.56, -2.74));
+    frame();
+    inputs[kRight].select = 0;
+    frame();
+    interaction.brush.do_region(on);
+    settle();
+    EXPECT_TRUE(was_told("nothing in the box"));
+    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(interaction.brush.busy());
+}
+
+TEST_F(BrushHandTest, NobodyIsPaintedWhereItIsNotKnownWho) {
+    on.tool = HandTool::kArrange;
+    select({0, 5, -2});
+    on.tool = HandTool::kPaint;
+    dab(head_of_ben);
+    EXPECT_FALSE(interaction.brush.busy());
+    EXPECT_NE(interaction.brush.waits_for().find("Select"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace neuvv::test

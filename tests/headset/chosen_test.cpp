@@ -1,0 +1,113 @@
+#include "tools/headset/chosen.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv::test {
+namespace {
+
+struct ChosenTest : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path file = folder.path / "config/headset.json";
+    OnStage on;
+    HoldSettings hold;
+
+    void write(const std::string& text) {
+        std::filesystem::create_directories(file.parent_path());
+        std::ofstream(file) << text;
+    }
+    nlohmann::json read() {
+        const std::vector<uint8_t> bytes = read_file(file);
+        return nlohmann::json::parse(bytes);
+    }
+};
+
+TEST_F(ChosenTest, WhatWasChosenComesBack) {
+    Chosen chosen(file);
+    chosen.load(on, hold);
+    on.comfort.smooth_walk = true;
+    on.comfort.vignette = false;
+    on.brush.tip = HandBrush::Tip::kBox;
+    on.brush.does = HandBrush::Does::kErase;
+    on.brush.radius_m = 0.123;
+    on.brush.colour = {0.1f, 0.5f, 1};
+    on.panel_on_wrist = true;
+    hold.upright = false;
+    chosen.save(on, hold);
+
+    OnStage later;
+    HoldSettings held;
+    Chosen(file).load(later, held);
+    EXPECT_TRUE(later.editor.take_notices().empty());
+    EXPECT_TRUE(later.comfort.smooth_walk);
+    EXPECT_FALSE(later.comfort.smooth_turn);
+    EXPECT_FALSE(later.comfort.vignette);
+    EXPECT_EQ(later.brush.tip, HandBrush::Tip::kBox);
+    EXPECT_EQ(later.brush.does, HandBrush::Does::kErase);
+    EXPECT_EQ(later.brush.radius_m, 0.123);
+    EXPECT_EQ(later.brush.colour, on.brush.colour);
+    EXPECT_TRUE(later.panel_on_wrist);
+    EXPECT_FALSE(held.upright);
+    EXPECT_TRUE(held.snaps_to_floor);
+}
+
+TEST_F(ChosenTest, WhereNothingWasChosenNothingIsWritten) {
+    Chosen chosen(file);
+    chosen.load(on, hold);
+    chosen.save(on, hold);
+    EXPECT_FALSE(std::filesystem::exists(file));
+    Chosen nowhere("");
+    nowhere.load(on, hold);
+    on.comfort.smooth_turn = true;
+    nowhere.save(on, hold);
+}
+
+TEST_F(ChosenTest, WhatANewerProgramWroteStays) {
+    write(R"({"comfort": {"snap_deg": 45, "seated": true}, "gloves": [1, 2]})");
+    Chosen chosen(file);
+    chosen.load(on, hold);
+    EXPECT_EQ(on.comfort.snap_deg, 45);
+    on.comfort.smooth_turn = true;
+    chosen.save(on, hold);
+    const nlohmann::json now = read();
+    EXPECT_EQ(now["gloves"], nlohmann::json({1, 2}));
+    EXPECT_EQ(now["comfort"]["seated"], true);
+    EXPECT_EQ(now["comfort"]["smoothTurn"], true);
+    EXPECT_EQ(now["comfort"]["snap_deg"], 45);
+}
+
+TEST_F(ChosenTest, WhatIsWrongIsToldAndHasItsDefault) {
+    write(
+        R"({"comfort": {"snap_deg": 1e9, "vignette": 3}, "brush": {"tip": "cone", "colour": {"red": -1}, "radius_m": 0.2}})");
+    Chosen(file).load(on, hold);
+    const std::vector<Notice> told = on.editor.take_notices();
+    ASSERT_EQ(told.size(), 1u);
+    for (const char* name : {"comfort.snap_deg", "comfort.vignette", "brush.tip", "brush.colour.red"})
+        EXPECT_NE(told[0].text.find(name), std::string::npos) << told[0].text;
+    EXPECT_EQ(on.comfort.snap_deg, Comfort().snap_deg);
+    EXPECT_TRUE(on.comfort.vignette);
+    EXPECT_EQ(on.brush.tip, HandBrush::Tip::kBall);
+    EXPECT_EQ(on.brush.radius_m, 0.2) << "what is right beside it is taken";
+}
+
+TEST_F(ChosenTest, ADamagedFileIsTold) {
+    write("{\"comfort\": ");
+    Chosen(file).load(on, hold);
+    const std::vector<Notice> told = on.editor.take_notices();
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_NE(told[0].text.find("is damaged"), std::string::npos) << told[0].text;
+}
+
+TEST_F(ChosenTest, AFolderThatCannotBeWrittenIsAFailure) {
+    Chosen chosen(folder.path / "stage.gltf/headset.json");
+    std::ofstream(folder.path / "stage.gltf") << "a file";
+    chosen.load(on, hold);
+    on.comfort.smooth_turn = true;
+    EXPECT_THROW(chosen.save(on, hold), RuntimeFailure);
+}
+
+}  // namespace
+}  // namespace neuvv::test

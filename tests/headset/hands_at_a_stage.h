@@ -1,0 +1,96 @@
+// Two hands at a stage of two performers, without a headset: what the program's frames do between the runtime's poses
+// and the pictures.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "edit/operations.h"
+#include "support/figure.h"
+#include "support/temporary_folder.h"
+#include "tools/headset/interaction.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+
+// In the middle of anna and of ben, who stand 2 m before the user, 1.6 m high; and where hands are at first.
+constexpr glm::dvec3 kAnna(-0.8, 0.8, -2), kBen(0.8, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
+
+inline Pose pointing(glm::dvec3 from, glm::dvec3 to) {
+    return {from, glm::quatLookAt(glm::normalize(to - from), glm::dvec3(0, 1, 0))};
+}
+
+class HandsAtAStage : public testing::Test {
+  protected:
+    HandsAtAStage() : work([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {
+        write_nvv(clip, figure_tree());
+        StageFile file = new_stage(folder.path / "stage.gltf");
+        for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
+            PerformerEdit performer;
+            performer.clip = clip;
+            Placement place;
+            place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
+            add_performer(file, name, performer, place);
+        }
+        on.editor.open({std::move(file), {}, {}}, false);
+        point(kRight, kRightHand, kBen);
+        point(kLeft, kLeftHand, kAnna);
+        frame();
+    }
+    ~HandsAtAStage() override { work.stop(); }
+
+    void point(int hand, glm::dvec3 from, glm::dvec3 to) { inputs[hand].aim = inputs[hand].grip = pointing(from, to); }
+    // Buttons are pressed for one frame.
+    void frame(double dt_s = 1.0 / 90) {
+        work.run_told();
+        on.follow_document();
+        on.look_at_instant();
+        interaction.update(on, inputs, head, dt_s);
+        for (HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
+    }
+    void frames(int count) {
+        for (int i = 0; i < count; i++) frame();
+    }
+    // Until all that was begun has come to its end.
+    void settle() {
+        const auto from = std::chrono::steady_clock::now();
+        do {
+            frame();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60))
+                << "it does not come to an end";
+        } while (!work.idle() || work.has_told() || interaction.brush.busy() || on.is_behind());
+    }
+    void select(glm::dvec3 what) {
+        point(kRight, kRightHand, what);
+        inputs[kRight].select = 1;
+        frame();
+        inputs[kRight].select = 0;
+        frame();
+    }
+
+    uint32_t node(const std::string& name) const { return find_node(on.editor.file(), name); }
+    glm::dvec3 place(const std::string& name) const { return {on.instant.pose.world_from_node[node(name)][3]}; }
+    size_t steps() {  // of the history; undoes them all
+        size_t count = 0;
+        for (; on.editor.history().next_undo(); count++) on.editor.undo();
+        return count;
+    }
+    bool was_told(const std::string& part) {
+        bool told = false;
+        for (const Notice& notice : on.editor.take_notices()) told |= notice.text.find(part) != std::string::npos;
+        return told;
+    }
+
+    TemporaryFolder folder;
+    std::filesystem::path clip = folder.path / "figure.nvv";
+    HandInputs inputs;
+    Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
+    OnStage on;
+    Work work;
+    Interaction interaction = Interaction(work);
+};
+
+}  // namespace neuvv::test

@@ -1,0 +1,200 @@
+#include "tools/headset/interaction.h"
+
+#include "headset/hands_at_a_stage.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr glm::dvec3 kBeside(0.3, 0, -0.2);  // a hand's way
+
+struct InteractionTest : HandsAtAStage {
+    // The right hand takes what it points at, and moves by kBeside.
+    void take_and_move(glm::dvec3 what) {
+        point(kRight, kRightHand, what);
+        inputs[kRight].grab = 1;
+        frame();
+        for (int i = 1; i <= 4; i++) {
+            point(kRight, kRightHand + 0.25 * i * kBeside, what + 0.25 * i * kBeside);
+            frame();
+        }
+    }
+    void let_go() {
+        inputs[kRight].grab = 0;
+        frames(2);
+    }
+};
+
+TEST_F(InteractionTest, ATriggerSelectsWhatItPointsAtOnce) {
+    select(kBen);
+    EXPECT_EQ(on.editor.selected(), node("ben"));
+    select(kAnna);
+    EXPECT_EQ(on.editor.selected(), node("anna"));
+    select({0, 5, -2});
+    EXPECT_FALSE(on.editor.selected()) << "nothing was pointed at";
+    EXPECT_FALSE(on.editor.modified());
+}
+
+TEST_F(InteractionTest, AHeldPerformerGoesWithItsHandAndIsOneStep) {
+    const glm::dvec3 before = place("ben");
+    take_and_move(kBen);
+    EXPECT_TRUE(interaction.holding.any());
+    EXPECT_FALSE(on.editor.modified()) << "while it is held";
+    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9) << "but it is seen there";
+    let_go();
+    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
+    EXPECT_LT(glm::distance(place("anna"), kAnna - glm::dvec3(0.8, 0.8, 0.8)), 1e-9) << "the other stays";
+    EXPECT_EQ(steps(), 1u);
+    frame();
+    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
+}
+
+TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
+    const glm::dvec3 before = place("ben");
+    take_and_move(kBen);
+    inputs[kLeft].undo = true;
+    frames(2);
+    EXPECT_FALSE(interaction.holding.any());
+    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
+    let_go();
+    EXPECT_LT(glm::distance(place("ben"), before), 1e-9) << "letting go of nothing moves nothing";
+    EXPECT_FALSE(on.editor.modified());
+}
+
+TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
+    const glm::dvec3 before = place("ben");
+    take_and_move(kBen);
+    inputs[kRight].duplicate = true;
+    frames(2);
+    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
+    ASSERT_EQ(on.stage->performers.size(), 3u);
+    EXPECT_EQ(on.selected_performer(), 2u) << "the copy is selected";
+    EXPECT_EQ(steps(), 2u);
+}
+
+TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
+    on.editor.edit([&](Document& document) { return lock_node(document.file, node("ben"), true); });
+    const glm::dvec3 before = place("ben");
+    frame();
+    take_and_move(kBen);
+    EXPECT_FALSE(interaction.holding.any());
+    let_go();
+    EXPECT_EQ(place("ben"), before);
+    EXPECT_TRUE(was_told("locked"));
+    select(kBen);
+    delete_selected(on);
+    frame();
+    EXPECT_EQ(on.stage->performers.size(), 2u);
+    EXPECT_TRUE(was_told("locked"));
+}
+
+TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
+    const glm::dvec3 before = place("ben");
+    take_and_move(kBen);
+    inputs[kRight].aim.reset();
+    inputs[kRight].grip.reset();
+    frames(5);
+    EXPECT_TRUE(interaction.holding.any());
+    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
+    let_go();
+    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
+    EXPECT_EQ(steps(), 1u);
+}
+
+TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
+    inputs[kRight].aim->position.x = std::numeric_limits<double>::quiet_NaN();
+    inputs[kRight].select = inputs[kRight].grab = 1;
+    frames(3);
+    EXPECT_FALSE(interaction.holding.any());
+    EXPECT_FALSE(on.editor.selected());
+}
+
+TEST_F(InteractionTest, TheOtherHandDoesNotTakeAnotherPerformerMeanwhile) {
+    take_and_move(kBen);
+    point(kLeft, kLeftHand, kAnna);
+    inputs[kLeft].grab = 1;
+    frames(2);
+    EXPECT_FALSE(interaction.holding.holds(kLeft));
+    let_go();
+    EXPECT_EQ(steps(), 1u);
+}
+
+TEST_F(InteractionTest, AStickThatPushesWhatIsHeldDoesNotTurnItsUser) {
+    take_and_move(kBen);
+    const glm::dvec3 before = place("ben");
+    inputs[kRight].stick = {0, 1};
+    frames(20);
+    EXPECT_LT(place("ben").z, before.z - 0.1) << "it is pushed away";
+    inputs[kRight].stick = {1, 0};
+    frames(3);
+    EXPECT_EQ(on.rig.yaw_rad, 0);
+    EXPECT_EQ(on.clock.speed, 1);
+}
+
+TEST_F(InteractionTest, AStickOnThePanelIsItsWheelAlone) {
+    on.panel_shown = true;
+    frame();
+    ASSERT_TRUE(interaction.panel);
+    point(kRight, kRightHand, interaction.panel->at({0.5, 0.5}));
+    frame();
+    inputs[kRight].stick = {0, 1};
+    frame();
+    EXPECT_EQ(interaction.panel_pointer().wheel, 1);
+    EXPECT_EQ(on.clock.speed, 1);
+}
+
+TEST_F(InteractionTest, ThePanelGoesWithTheHandThatGripsIt) {
+    on.panel_shown = true;
+    frame();
+    const glm::dvec3 before = interaction.panel->world.position;
+    point(kRight, kRightHand, interaction.panel->at({0.5, 0.9}));
+    inputs[kRight].grab = 1;
+    frame();
+    const Pose held = *inputs[kRight].aim;
+    inputs[kRight].aim = inputs[kRight].grip = Pose{held.position + kBeside, held.rotation};
+    frame();
+    EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9);
+    EXPECT_FALSE(interaction.holding.any()) << "what is behind it is not held";
+    inputs[kRight].grab = 0;
+    frame();
+    inputs[kRight].aim = held;
+    frame();
+    EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9) << "it was let go";
+}
+
+TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
+    inputs[kLeft].lacks_menu = true;
+    inputs[kLeft].has_grab = false;
+    point(kLeft, kLeftHand, {-3, 3, 0});
+    inputs[kLeft].select = 1;
+    frames(40);
+    EXPECT_FALSE(interaction.panel) << "not yet";
+    frames(40);
+    EXPECT_TRUE(interaction.panel);
+    frames(80);
+    EXPECT_TRUE(interaction.panel) << "once for a pinch";
+    inputs[kLeft].select = 0;
+    frame();
+    inputs[kLeft].select = 1;
+    frames(80);
+    EXPECT_FALSE(interaction.panel) << "the next one hides it";
+}
+
+TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
+    const auto push = [&](double up) {
+        inputs[kRight].stick = {0, up};
+        frame();
+        inputs[kRight].stick = {0, 0};
+        frame();
+    };
+    push(1);
+    EXPECT_EQ(on.clock.speed, 2);
+    for (int i = 0; i < 5; i++) push(1);
+    EXPECT_EQ(on.clock.speed, 4);
+    for (int i = 0; i < 5; i++) push(-1);
+    EXPECT_LT(on.clock.speed, 0) << "below the slowest it plays backwards";
+    for (int i = 0; i < 9; i++) push(-1);
+    EXPECT_EQ(on.clock.speed, -2);
+}
+
+}  // namespace
+}  // namespace neuvv::test
