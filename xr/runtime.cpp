@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include "xr/bindings.h"
@@ -32,9 +33,12 @@ std::vector<std::string> offered_extensions() {
             names.emplace_back(one.extensionName);
         return names;
     } catch (const XrFailure& failure) {
+        const char* manifest = std::getenv("XR_RUNTIME_JSON");
+        std::error_code ignored;
+        if (manifest && !std::filesystem::exists(manifest, ignored))
+            throw RuntimeFailure(fmt::format("XR_RUNTIME_JSON names {}, which is not there", manifest));
         throw RuntimeFailure(
-            fmt::format("no OpenXR runtime answers ({}): {}; XR_RUNTIME_JSON names another one's "
-                        "manifest",
+            fmt::format("no OpenXR runtime answers ({}): {}; XR_RUNTIME_JSON names another one's manifest",
                         result_name(failure.result), kStart));
     }
 }

@@ -286,8 +286,9 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
 }
 
 TEST_F(Editing, AGripMovesThePanel) {
+    const json items = panel_after(with_panel(), 14);
     XrScript script = with_panel();
-    const glm::dvec3 on_panel(0.1, 1.38, -0.75), aside(-0.3, 0.1, 0);
+    const glm::dvec3 on_panel = place_of(items["play"]), aside(0.4, 0.1, 0);
     script.hand(14, "right", kRightHand, on_panel);
     script.input(16, "right", "squeeze/value", 1);
     script.hand(18, "right", kRightHand, on_panel);
@@ -298,6 +299,7 @@ TEST_F(Editing, AGripMovesThePanel) {
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_EQ(check_golden("xr_panel_moved", run.picture(28, "left_seen")), "");
+    EXPECT_LT(glm::distance(place_of(run.seen["panel"]["play"]), on_panel + aside), 1e-4);
     EXPECT_EQ(run.seen["modified"], false) << "the performer behind it stays";
 }
 

@@ -67,6 +67,7 @@ void Visit::open() {
         say(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
         lost.reset();
     }
+    if (lost) on.editor.tell("unsaved edits of an earlier run are taken: save keeps them");
     on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
     on.follow_document();
     chosen.load(on, interaction.holding.settings);
@@ -432,8 +433,8 @@ void watch_in_headset(const HeadsetOptions& options) {
             say(failure.what());
         }
         if (visit.keeper->store_now())
-            say(fmt::format("unsaved edits of {} are kept: `neuvv xr --recover` or `neuvv view` takes them",
-                            visit.on.editor.file().path.string()));
+            say(fmt::format("unsaved edits are kept: `neuvv xr '{0}' --recover` or `neuvv view '{0}'` takes them",
+                            options.file.string()));
     };
     try {
         run_runtimes(visit);

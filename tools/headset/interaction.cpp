@@ -10,12 +10,12 @@ namespace neuvv {
 
 namespace {
 
-constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.12, kFarthest_m = 30, kCall_s = 0.8;
+constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.18, kPanelBeside_rad = 0.38, kFarthest_m = 30, kCall_s = 0.8;
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
-// In front of the head, upright, turned to it.
+// Beside what the head looks at, where the right hand reaches it, upright, turned to it.
 Pose panel_before(const Pose& world_head) {
-    const glm::dquat turned = turn_by(yaw_of(world_head.rotation));
+    const glm::dquat turned = turn_by(yaw_of(world_head.rotation) + kPanelBeside_rad);
     return {world_head.position + turned * glm::dvec3(0, -kPanelBelow_m, -kPanelAway_m), turned};
 }
 

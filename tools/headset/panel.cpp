@@ -124,17 +124,24 @@ void retime_row(Rows& rows, const StagePerformer& performer) {
     if (rows.button("slower", "half speed", one))
         retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 0.5); });
     ImGui::SameLine();
-    if (rows.button("faster", "double", one))
+    if (rows.button("faster", "double speed", one))
         retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 2); });
     ImGui::SameLine();
-    if (rows.button("reverse", "reverse", one))
+    if (rows.button("reverse", "backwards", one))
         retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return reversed(map, clip); });
     ImGui::SameLine();
-    if (rows.button("earlier", "earlier", one))
+    if (rows.button("earlier", "0.5 s earlier", one))
         retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, -kLater_s); });
     ImGui::SameLine();
-    if (rows.button("later", "later", one))
+    if (rows.button("later", "0.5 s later", one))
         retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, kLater_s); });
+}
+
+// Of the performer's own clip, at this instant.
+double seconds_shown(const OnStage& on, const StagePerformer& performer) {
+    for (const InstantPerformer& at : on.instant.performers)
+        if (&on.stage->performers[at.performer] == &performer) return at.frame / on.stage->clips[performer.clip].fps;
+    return 0;
 }
 
 void arrange_rows(Rows& rows) {
@@ -143,6 +150,9 @@ void arrange_rows(Rows& rows) {
     if (!performer) {
         ImGui::TextWrapped("Point at a performer and pull the trigger to select it; the grip holds it.");
     } else {
+        ImGui::Text("%s", performer->name.c_str());
+        ImGui::SameLine();
+        ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", seconds_shown(on, *performer)).c_str());
         const float one = width_of(4);
         if (rows.button("copy", SIGN_COPY " Copy", one)) duplicate_selected(on);
         ImGui::SameLine();
@@ -220,6 +230,7 @@ void comfort_rows(Rows& rows) {
     rows.checkbox("smooth turn", "Turn smoothly", &comfort.smooth_turn);
     ImGui::SameLine();
     rows.checkbox("vignette", "Dark edges", &comfort.vignette);
+    ImGui::SameLine();
     rows.checkbox("wrist", "Panel on the left wrist", &rows.on.panel_on_wrist);
 }
 
