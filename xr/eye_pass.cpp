@@ -35,7 +35,7 @@ GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
     return shape;
 }
 
-GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend) {
+GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
     GraphicsShape shape = picture_shape(colour, depth);
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
@@ -43,7 +43,7 @@ GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend) {
     shape.attributes = {{kShapePlace, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, place)},
                         {kShapeColour, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ShapeVertex, colour)}};
     shape.blend = blend;
-    shape.nearer = VK_COMPARE_OP_GREATER;
+    shape.nearer = nearer;
     return shape;
 }
 
@@ -79,6 +79,7 @@ EyePass::EyePass(const Device& device, VkFormat colour, VkFormat depth)
       picture_(device, "eye", picture_shape(colour, depth)),
       solid_(device, "eye shape", shape_of(colour, depth, false)),
       clear_(device, "eye clear shape", shape_of(colour, depth, true)),
+      through_(device, "eye through shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
       vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), MemoryKind::kUpload),
       commands_(device, "eye", 4) {}
 
@@ -96,12 +97,13 @@ void EyePass::bind(const StageRenderer& renderer, const Buffer& pictures) {
 }
 
 void EyePass::upload(const EyeShapes& shapes) {
-    const uint64_t count = shapes.holes().size() + shapes.solid().size() + shapes.clear_ones().size();
+    const std::array lists{shapes.holes(), shapes.solid(), shapes.clear_ones(), shapes.through_ones()};
+    uint64_t count = 0;
+    for (const auto list : lists) count += list.size();
     if (count * sizeof(ShapeVertex) > vertices_.bytes)
         vertices_ = Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), MemoryKind::kUpload);
     auto* to = vertices_.as<ShapeVertex>();
-    for (const auto list : {shapes.holes(), shapes.solid(), shapes.clear_ones()})
-        to = std::copy(list.begin(), list.end(), to);
+    for (const auto list : lists) to = std::copy(list.begin(), list.end(), to);
 }
 
 void EyePass::draw(const StageRenderer& renderer, const Buffer& pictures, const std::array<Camera, kEyes>& cameras,
@@ -180,6 +182,7 @@ void EyePass::draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeSha
     draw(solid_, shapes.holes(), VK_TRUE);
     draw(solid_, shapes.solid(), VK_TRUE);
     draw(clear_, shapes.clear_ones(), VK_FALSE);
+    draw(through_, shapes.through_ones(), VK_FALSE);
 }
 
 }  // namespace neuvv

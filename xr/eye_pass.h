@@ -42,7 +42,7 @@ class EyePass {
     void draw_picture(const ViewLayout& layout, double vignette);
     void draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeShapes& shapes);
     const Device& device_;
-    GraphicsPass picture_, solid_, clear_;
+    GraphicsPass picture_, solid_, clear_, through_;
     TextureSet bound_;
     std::array<VkBuffer, 2> bound_to_{};  // pictures and the set's depth: others where targets were made anew
     Buffer vertices_;

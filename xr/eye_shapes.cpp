@@ -34,10 +34,16 @@ void EyeShapes::begin(glm::dvec3 eye, double least_width_rad) {
     holes_.clear();
     solid_.clear();
     clear_.clear();
+    through_ones_.clear();
+    through_ = false;
+}
+
+std::vector<ShapeVertex>& EyeShapes::list_of(float alpha) {
+    return through_ ? through_ones_ : alpha < 1 ? clear_ : solid_;
 }
 
 void EyeShapes::triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour) {
-    auto& list = colour.a < 1 ? clear_ : solid_;
+    auto& list = list_of(colour.a);
     for (const glm::dvec3& corner : {a, b, c}) list.push_back({glm::vec3(corner), premultiplied(colour)});
 }
 
@@ -50,7 +56,7 @@ void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 f
     const double length = glm::distance(from, to);
     if (!(length > 1e-6)) return;
     const glm::dvec3 along = (to - from) / length, x = beside(along), y = glm::cross(along, x);
-    auto& list = from_colour.a < 1 || to_colour.a < 1 ? clear_ : solid_;
+    auto& list = list_of(std::min(from_colour.a, to_colour.a));
     for (int ribbon = 0; ribbon < 3; ribbon++) {
         const double angle = ribbon * glm::pi<double>() / 3;
         const glm::dvec3 side = 0.5 * (std::cos(angle) * x + std::sin(angle) * y);

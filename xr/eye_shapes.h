@@ -20,6 +20,9 @@ class EyeShapes {
     // Seen from here (world): lines stay so many radians wide at least, however far.
     void begin(glm::dvec3 eye, double least_width_rad);
 
+    // Whether what is drawn from here on is seen through all that is before it, stage and panels too. Over all else.
+    void see_through(bool through) { through_ = through; }
+
     // Of one colour (linear, straight alpha); lines are as wide as that many metres. Solid ones where alpha is 1.
     void line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 from_colour, glm::vec4 to_colour);
     void path(std::span<const glm::dvec3> points, double width_m, glm::vec4 colour);
@@ -37,13 +40,16 @@ class EyeShapes {
     std::span<const ShapeVertex> solid() const { return solid_; }
     // Later ones over earlier ones.
     std::span<const ShapeVertex> clear_ones() const { return clear_; }
+    std::span<const ShapeVertex> through_ones() const { return through_ones_; }
 
   private:
+    std::vector<ShapeVertex>& list_of(float alpha);
     void triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour);
     double width_at(glm::dvec3 place, double width_m) const;
     glm::dvec3 eye_{0};
     double least_width_rad_ = 0;
-    std::vector<ShapeVertex> holes_, solid_, clear_;
+    bool through_ = false;
+    std::vector<ShapeVertex> holes_, solid_, clear_, through_ones_;
 };
 
 }  // namespace neuvv

@@ -147,16 +147,15 @@ void Grab::follow_line() {
     turn_ = glm::normalize(step * turn_);
 }
 
-glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y) {
-    glm::dmat4 standing = world_from_node;
-    const double up = floor_y - lowest_of(world_from_node, low, high);
-    if (std::isfinite(up)) standing[3].y += up;
-    return standing;
+double above_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y) {
+    return lowest_of(world_from_node, low, high) - floor_y;
 }
 
-bool is_near_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y,
-                   double within_m) {
-    return std::abs(floor_y - lowest_of(world_from_node, low, high)) <= within_m;
+glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y) {
+    glm::dmat4 standing = world_from_node;
+    const double above = above_floor(world_from_node, low, high, floor_y);
+    if (std::isfinite(above)) standing[3].y -= above;
+    return standing;
 }
 
 }  // namespace neuvv

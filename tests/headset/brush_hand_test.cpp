@@ -135,7 +135,7 @@ TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
     settle();
     EXPECT_TRUE(was_told("figure.nvv"));
     EXPECT_FALSE(interaction.brush.busy());
-    EXPECT_TRUE(interaction.brush.waits_for().empty()) << "nothing is read any more";
+    EXPECT_TRUE(interaction.brush.says().empty()) << "nothing is read any more";
     EXPECT_FALSE(on.editor.modified());
     inputs[kRight].duplicate = true;
     frames(2);
@@ -198,13 +198,23 @@ TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
     EXPECT_FALSE(interaction.brush.busy());
 }
 
+TEST_F(BrushHandTest, ItSaysWhatItPaintsOn) {
+    settle();
+    frame();
+    EXPECT_EQ(interaction.brush.says(), "Paints ben, on a new layer");
+    dab(head_of_ben);
+    settle();
+    frame();
+    EXPECT_EQ(interaction.brush.says(), "Paints ben, on its layer \"headset\"");
+}
+
 TEST_F(BrushHandTest, NobodyIsPaintedWhereItIsNotKnownWho) {
     on.tool = HandTool::kArrange;
     select({0, 5, -2});
     on.tool = HandTool::kPaint;
     dab(head_of_ben);
     EXPECT_FALSE(interaction.brush.busy());
-    EXPECT_NE(interaction.brush.waits_for().find("Select"), std::string::npos);
+    EXPECT_NE(interaction.brush.says().find("Select"), std::string::npos);
 }
 
 }  // namespace

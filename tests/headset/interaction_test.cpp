@@ -87,6 +87,51 @@ TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
     EXPECT_TRUE(was_told("locked"));
 }
 
+TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
+    for (const double wider : {0.8, 0.3}) {
+        point(kRight, {1.05, 1.2, -0.3}, {1.05, 0.8, -2});
+        point(kLeft, {0.55, 1.2, -0.3}, {0.55, 0.8, -2});
+        inputs[kRight].grab = inputs[kLeft].grab = 1;
+        frames(2);
+        ASSERT_TRUE(interaction.holding.holds(kLeft) && interaction.holding.holds(kRight));
+        for (int i = 1; i <= 8; i++) {
+            const double half = 0.5 * glm::mix(0.5, wider, i / 8.0);
+            point(kRight, {0.8 + half, 1.2, -0.3}, {0.8 + half, 0.8, -2});
+            point(kLeft, {0.8 - half, 1.2, -0.3}, {0.8 - half, 0.8, -2});
+            frame();
+        }
+        inputs[kLeft].grab = 0;
+        frame();
+        let_go();
+        EXPECT_NEAR(on.instant.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
+        EXPECT_NEAR(place("ben").y, 0, 1e-9) << wider;
+        on.editor.undo();
+        frames(2);
+    }
+}
+
+TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
+    for (const double by_m : {0.5, -0.5}) {
+        point(kRight, kRightHand, kBen);
+        inputs[kRight].grab = 1;
+        frames(2);
+        point(kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
+        frames(2);
+        let_go();
+        EXPECT_NEAR(place("ben").y, std::max(by_m, 0.0), 1e-9);
+        on.editor.undo();
+        frames(2);
+    }
+    interaction.holding.settings.snaps_to_floor = false;
+    point(kRight, kRightHand, kBen);
+    inputs[kRight].grab = 1;
+    frames(2);
+    point(kRight, kRightHand - glm::dvec3(0, 0.1, 0), kBen - glm::dvec3(0, 0.1, 0));
+    frames(2);
+    let_go();
+    EXPECT_NEAR(place("ben").y, -0.1, 1e-9) << "where it is asked not to";
+}
+
 TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
     const glm::dvec3 before = place("ben");
     take_and_move(kBen);
@@ -162,6 +207,7 @@ TEST_F(InteractionTest, ThePanelGoesWithTheHandThatGripsIt) {
 }
 
 TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
+    select(kBen);
     inputs[kLeft].lacks_menu = true;
     inputs[kLeft].has_grab = false;
     point(kLeft, kLeftHand, {-3, 3, 0});
@@ -170,6 +216,7 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     EXPECT_FALSE(interaction.panel) << "not yet";
     frames(40);
     EXPECT_TRUE(interaction.panel);
+    EXPECT_EQ(on.editor.selected(), node("ben")) << "it is what the panel is for";
     frames(80);
     EXPECT_TRUE(interaction.panel) << "once for a pinch";
     inputs[kLeft].select = 0;
@@ -177,6 +224,14 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     inputs[kLeft].select = 1;
     frames(80);
     EXPECT_FALSE(interaction.panel) << "the next one hides it";
+    inputs[kLeft].select = 0;
+    frame();
+    EXPECT_EQ(on.editor.selected(), node("ben"));
+    inputs[kLeft].select = 1;
+    frames(3);
+    inputs[kLeft].select = 0;
+    frame();
+    EXPECT_FALSE(on.editor.selected()) << "a short one";
 }
 
 TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {

@@ -39,6 +39,22 @@ TEST(EyeShapes, SolidOnesAndClearOnesAreApart) {
     EXPECT_TRUE(shapes.solid().empty() && shapes.clear_ones().empty() && shapes.holes().empty());
 }
 
+TEST(EyeShapes, WhatIsSeenThroughAllIsApart) {
+    EyeShapes shapes = seen_from({});
+    shapes.see_through(true);
+    shapes.ball({0, 0, -1}, 0.1, kRed);
+    shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
+    EXPECT_TRUE(shapes.solid().empty() && shapes.clear_ones().empty());
+    const size_t through = shapes.through_ones().size();
+    EXPECT_GT(through, 0u);
+    shapes.see_through(false);
+    shapes.ball({0, 0, -1}, 0.1, kRed);
+    EXPECT_EQ(shapes.through_ones().size(), through);
+    EXPECT_FALSE(shapes.solid().empty());
+    shapes.begin({}, 0);
+    EXPECT_TRUE(shapes.through_ones().empty());
+}
+
 TEST(EyeShapes, ColoursArePremultiplied) {
     EyeShapes shapes = seen_from({});
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);

@@ -355,9 +355,7 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
         }
         EXPECT_NEAR(lowest, floor_y, 1e-12);
         EXPECT_LT(apart(glm::translate(glm::dmat4(1), {0, floor_y - was, 0}) * node, standing), 1e-12) << "only that";
-        const double way = std::abs(was - floor_y);
-        EXPECT_TRUE(is_near_floor(node, low, high, floor_y, way + 1e-9));
-        EXPECT_FALSE(is_near_floor(node, low, high, floor_y, way - 1e-9));
+        EXPECT_NEAR(above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
     }
 }
 
@@ -366,8 +364,8 @@ TEST(Floor, StaysWhereThereIsNone) {
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
         EXPECT_EQ(apart(on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
         EXPECT_EQ(apart(on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
-        EXPECT_FALSE(is_near_floor(node, {0, 0, 0}, {1, 1, 1}, bad, 0.1));
-        EXPECT_FALSE(is_near_floor(node, {0, bad, 0}, {1, bad, 1}, 0, 0.1));
+        EXPECT_FALSE(std::isfinite(above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
+        EXPECT_FALSE(std::isfinite(above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
     }
 }
 

@@ -94,7 +94,7 @@ glm::dvec3 BrushHand::tip_of(const Pose& world_aim) {
 std::optional<uint32_t> BrushHand::target(const OnStage& on) {
     if (const auto selected = on.selected_performer()) return selected;
     if (on.stage->performers.size() == 1) return 0;
-    waits_for_ = "Select the performer that shall be painted";
+    says_ = "Select the performer that shall be painted";
     return std::nullopt;
 }
 
@@ -110,7 +110,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
                            : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path));
     if (same) return ready_;
     if (failed_ == on.editor.id()) return nullptr;
-    waits_for_ = fmt::format("Reading {}, to be painted", performer.name);
+    says_ = fmt::format("Reading {}, to be painted", performer.name);
     if (std::exchange(reading_, true)) return nullptr;
     auto ready = std::make_shared<Ready>();
     ready->node = performer.node;
@@ -119,7 +119,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     ready->is_new = !own;
     if (ready_ && ready_->clip_path == clip_path) ready->clip = ready_->clip;
     const bool reads_layer = own && !on.editor.document().paint.contains(ready->layer_path);
-    work_.start(waits_for_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> Work::Then {
+    work_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> Work::Then {
         try {
             if (!ready->clip) ready->clip = std::make_shared<const PaintClip>(read_nvv(ready->clip_path));
             if (reads_layer)
@@ -143,7 +143,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
 
 void BrushHand::update(OnStage& on, Hands& hands) {
     Hand& hand = hands[kRight];
-    waits_for_.clear();
+    says_.clear();
     if (on.tool != HandTool::kPaint || !hand.select.held()) end_stroke(on);
     lay(on);
     if (region_ && region_->nodes != on.editor.node_count()) region_.reset();
@@ -151,13 +151,23 @@ void BrushHand::update(OnStage& on, Hands& hands) {
     if (on.tool == HandTool::kArrange) return;
     const auto performer = target(on);
     if (!performer) return;
-    if (strokes_.empty()) prepare(on, *performer);
+    if (strokes_.empty()) {
+        if (const auto ready = prepare(on, *performer)) say_what_is_painted(on, *ready);
+    }
     if (on.tool == HandTool::kRegion) return pull_region(on, *performer, hand);
     if (hand.aim && hand.select.went_down() && hand.at.what != PointedAt::What::kPanel) {
         strokes_.push_back(begin(on, *performer));
         hand.feel(0.3);
     }
     draw(on, hand);
+}
+
+void BrushHand::say_what_is_painted(const OnStage& on, const Ready& ready) {
+    const auto& node = on.stage->scene.nodes[ready.node];
+    const auto layers = layers_of(on.editor.file(), ready.node);
+    says_ = ready.is_new || !layers || layers->empty()
+                ? fmt::format("Paints {}, on a new layer", node.name)
+                : fmt::format("Paints {}, on its layer \"{}\"", node.name, title_of(layers->back()));
 }
 
 std::shared_ptr<BrushHand::Stroke> BrushHand::begin(const OnStage& on, uint32_t index) const {

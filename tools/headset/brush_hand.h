@@ -45,14 +45,15 @@ class BrushHand {
 
     // The tip of a hand that paints: world.
     static glm::dvec3 tip_of(const Pose& world_aim);
-    // "Reading anna, to be painted"; empty: it can be painted, or is not to be.
-    const std::string& waits_for() const { return waits_for_; }
+    // "Paints anna, on its layer \"stars\"", "Reading anna, to be painted"; empty: nobody is to be painted.
+    const std::string& says() const { return says_; }
 
   private:
     struct Ready;
     struct Stroke;
     std::optional<uint32_t> target(const OnStage& on);
     std::shared_ptr<const Ready> prepare(OnStage& on, uint32_t performer);
+    void say_what_is_painted(const OnStage& on, const Ready& ready);
     std::shared_ptr<Stroke> begin(const OnStage& on, uint32_t performer) const;
     void draw(OnStage& on, const Hand& hand);
     void lay_more(OnStage& on, std::shared_ptr<Stroke> stroke);
@@ -65,7 +66,7 @@ class BrushHand {
     std::deque<std::shared_ptr<Stroke>> strokes_;
     uint64_t failed_ = 0;  // document of which it cannot be known
     bool reading_ = false;
-    std::string waits_for_;
+    std::string says_;
     std::optional<PaintRegion> region_;
     std::optional<glm::dvec3> corner_;  // the region's first, performer's space, while it is pulled
 };

@@ -25,6 +25,7 @@ struct Hand {
     double selecting_s = 0;  // for how long select has been held
     PointedAt pressed;  // what select was pressed on, while it is held; of the panel where it points now, or did last
     bool held_long = false;   // that press has been taken for a long one
+    bool deselects = false;   // it will, where it does not become one
     bool throws_arc = false;  // the stick is pushed for a teleport
     // What it may feel at the frame's end, 0..1.
     double pulse = 0;

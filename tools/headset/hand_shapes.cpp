@@ -62,13 +62,21 @@ void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interac
     const Hand& hand = interaction.hands[kRight];
     if (on.tool == HandTool::kArrange || !hand.aim || hand.at.what == PointedAt::What::kPanel) return;
     const glm::dvec3 tip = BrushHand::tip_of(*hand.aim);
-    if (on.tool == HandTool::kRegion) return shapes.ball(tip, 0.008, kGreen);
-    const glm::vec4 colour = brush_colour(on.brush, hand.select.held() ? 0.6f : 0.35f);
-    const double radius = on.brush.radius_m;
-    if (on.brush.tip == HandBrush::Tip::kBall)
-        shapes.ball(tip, radius, colour);
-    else
-        shapes.solid_box(glm::translate(glm::dmat4(1), tip), glm::dvec3(-radius), glm::dvec3(radius), colour);
+    if (on.tool == HandTool::kRegion) {
+        shapes.see_through(true);  // its corner, in a performer too
+        shapes.ball(tip, 0.008, kGreen);
+        return shapes.see_through(false);
+    }
+    // Faint where it is within a performer or behind one.
+    for (const bool through : {true, false}) {
+        shapes.see_through(through);
+        const glm::vec4 colour = brush_colour(on.brush, through ? 0.15f : hand.select.held() ? 0.6f : 0.35f);
+        const double radius = on.brush.radius_m;
+        if (on.brush.tip == HandBrush::Tip::kBall)
+            shapes.ball(tip, radius, colour);
+        else
+            shapes.solid_box(glm::translate(glm::dmat4(1), tip), glm::dvec3(-radius), glm::dvec3(radius), colour);
+    }
 }
 
 void draw_arc(EyeShapes& shapes, const Arc* arc) {

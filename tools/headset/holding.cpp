@@ -27,7 +27,12 @@ void Holding::take(OnStage& on, Hand& hand, int which) {
     const uint32_t node = on.stage->performers[hand.at.performer].node;
     if (is_locked(on.editor.file(), node)) return on.editor.tell("it is locked: unlock it to move it", true);
     if (grab_ && node != node_) return;  // the other hand holds another one
-    if (!grab_) grab_.emplace(on.instant.pose.world_from_node[node], GrabSettings{settings.upright});
+    if (!grab_) {
+        taken_from_ = on.instant.pose.world_from_node[node];
+        const Ray ray = ray_of(*hand.aim);
+        taken_at_ = ray.origin + hand.at.metres * ray.direction;
+        grab_.emplace(taken_from_, GrabSettings{settings.upright});
+    }
     node_ = node;
     grab_->take(which, *hand.aim, hand.at.metres);
     on.editor.select(node);
@@ -57,17 +62,28 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
     if (node_ < on.instant.pose.world_from_node.size()) carry(on.instant, *on.stage, node_, grab_->world_from_node());
 }
 
+// What is larger or smaller than it was hangs from where it is held, not from its feet: whether it was lifted is told
+// by the place where it was taken.
+glm::dmat4 Holding::snapped(const OnStage& on, const glm::dmat4& world_from_node) const {
+    for (uint32_t performer = 0; performer < on.stage->performers.size() && settings.snaps_to_floor; performer++) {
+        if (on.stage->performers[performer].node != node_) continue;
+        const auto [low, high] = box_of(on, performer);
+        const double above = above_floor(world_from_node, low, high, on.floor_m),
+                     before = above_floor(taken_from_, low, high, on.floor_m);
+        const glm::dmat4 moved = world_from_node * glm::inverse(taken_from_);
+        const double lifted = (moved * glm::dvec4(taken_at_, 1)).y - taken_at_.y;
+        const bool stood = std::abs(before) < kSnap_m && std::abs(lifted) < kSnap_m;
+        if (above < kSnap_m || stood) return on_floor(world_from_node, low, high, on.floor_m);
+    }
+    return world_from_node;
+}
+
 void Holding::put_down(OnStage& on) {
     if (!grab_) return;
     glm::dmat4 world_from_node = grab_->world_from_node();
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
-    for (uint32_t performer = 0; performer < on.stage->performers.size() && settings.snaps_to_floor; performer++) {
-        if (on.stage->performers[performer].node != node_) continue;
-        const auto [low, high] = box_of(on, performer);
-        if (is_near_floor(world_from_node, low, high, on.floor_m, kSnap_m))
-            world_from_node = on_floor(world_from_node, low, high, on.floor_m);
-    }
+    world_from_node = snapped(on, world_from_node);
     carry(on.instant, *on.stage, node_, world_from_node);  // until the edit is shown
     stand_at(on, node_, world_from_node);
 }

@@ -11,8 +11,10 @@
 namespace neuvv {
 
 struct HoldSettings {
-    bool upright = true;         // performers do not tilt
-    bool snaps_to_floor = true;  // let go within kSnap_m of it they stand on it
+    bool upright = true;  // performers do not tilt
+    // Let go within kSnap_m of it or below it they stand on it; and so do those that stood on it before, where they
+    // were scaled, but not lifted by more than that.
+    bool snaps_to_floor = true;
 };
 constexpr double kSnap_m = 0.15;
 
@@ -31,8 +33,11 @@ class Holding {
 
   private:
     void take(OnStage& on, Hand& hand, int which);
+    glm::dmat4 snapped(const OnStage& on, const glm::dmat4& world_from_node) const;
     std::optional<Grab> grab_;
     uint32_t node_ = 0;
+    glm::dmat4 taken_from_{1};  // world from node
+    glm::dvec3 taken_at_{0};    // world: where the first hand took it
 };
 
 // An edit: the node stands there.

@@ -205,6 +205,7 @@ void Interaction::step_through(OnStage& on, Hand& hand) {
 void Interaction::select(OnStage& on) {
     for (int which = 0; which < kHands; which++) {
         Hand& hand = hands[which];
+        if (hand.select.went_up() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
         if (!hand.select.went_down()) continue;
         if (hand.at.what == PointedAt::What::kPanel) {
             panel_hand_ = which;
@@ -216,7 +217,7 @@ void Interaction::select(OnStage& on) {
             on.editor.select(on.stage->performers[hand.at.performer].node);
             hand.feel(0.5);
         } else if (hand.aim) {
-            on.editor.select({});
+            hand.deselects = true;
         }
     }
 }

@@ -29,9 +29,12 @@ struct Rows {
     }
     bool button(const char* name, const char* label, float width, bool is_on = false) {
         ImGui::PushID(name);
-        if (is_on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        if (is_on) {
+            ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        }
         const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.2f});
-        if (is_on) ImGui::PopStyleColor();
+        if (is_on) ImGui::PopStyleColor(2);
         ImGui::PopID();
         note(name);
         return pressed;
@@ -167,7 +170,7 @@ void arrange_rows(Rows& rows) {
     }
     rows.checkbox("upright", "Upright", &rows.interaction.holding.settings.upright);
     ImGui::SameLine();
-    rows.checkbox("snaps", "Stand on the floor", &rows.interaction.holding.settings.snaps_to_floor);
+    rows.checkbox("snaps", "Snap to the floor", &rows.interaction.holding.settings.snaps_to_floor);
 }
 
 void brush_rows(Rows& rows) {
@@ -254,7 +257,7 @@ void file_row(Rows& rows) {
 
 void notice_rows(const Rows& rows) {
     const PanelFacts& facts = rows.facts;
-    if (const std::string& waits = rows.interaction.brush.waits_for(); !waits.empty())
+    if (const std::string& waits = rows.interaction.brush.says(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
     if (facts.notices.empty()) {
         ImGui::TextDisabled("%s", fmt::format("{:.0f} pictures a second, {:.0f} % of the rays", facts.pictures_a_second,
@@ -293,6 +296,9 @@ PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& fa
     }
     ImGui::EndDisabled();
     if (on.tool == HandTool::kArrange) comfort_rows(rows);
+    // Always in the same place, with two lines of notices below.
+    const float line = ImGui::GetTextLineHeightWithSpacing(), row = 1.2f * ImGui::GetFrameHeightWithSpacing();
+    ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), ImGui::GetWindowHeight() - row - 2.6f * line));
     ImGui::Separator();
     ImGui::BeginDisabled(busy);
     file_row(rows);
