@@ -1,4 +1,4 @@
-// Under AddressSanitizer: what Vulkan drivers and layers keep to themselves is no leak of ours.
+// Under AddressSanitizer: what Vulkan drivers and layers, and the OpenXR loader, keep to themselves is no leak of ours.
 #ifdef __SANITIZE_ADDRESS__
 
 // They stay loaded, so that the check at the end can tell their frames by the name of their file.
@@ -8,7 +8,7 @@ extern "C" int dlclose(void*) {
 
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
-    return "leak:libLLVM\nleak:libvulkan\nleak:libVkLayer\n";
+    return "leak:libLLVM\nleak:libvulkan\nleak:libVkLayer\nleak:libopenxr_loader\n";
 }
 
 #endif

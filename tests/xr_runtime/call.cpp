@@ -46,9 +46,9 @@ void check_link(XrStructureType base, const char* name, const XrBaseInStructure&
                 fmt::format("{} is chained to {}, but {} is not enabled", name_of(link.type), name, rule->extension));
 }
 
-Finding finding_of(const std::string& rule, const std::string& text) {
+Finding finding_of(Rule rule, const std::string& text) {
     const Call* call = current_call();
-    return {runtime().progress.frame(), call ? call->function : "", rule, text, 1};
+    return {runtime().progress.frame(), call ? call->function : "", std::string(rule.name), text, 1};
 }
 
 }  // namespace
@@ -58,26 +58,28 @@ Call*& current_call() {
     return call;
 }
 
-void violate(const std::string& rule, const std::string& text) {
+void violate(Rule rule, const std::string& text) {
     runtime().report.add_violation(finding_of(rule, text));
 }
 
-void warn(const std::string& rule, const std::string& text) {
+void warn(Rule rule, const std::string& text) {
     runtime().report.add_warning(finding_of(rule, text));
 }
 
-void refuse(XrResult result, const std::string& rule, const std::string& text) {
+void refuse(XrResult result, Rule rule, const std::string& text) {
     violate(rule, fmt::format("{} ({})", text, name_of(result)));
     throw Refusal{result};
 }
 
 void report_own_failure(const std::string& text) {
+    fmt::print(stderr, "xr-runtime: {}: {}\n", current_call()->function, text);
     warn("runtime", "this runtime itself failed: " + text);
 }
 
 std::optional<XrResult> scripted_result(const char* function) {
     const std::string name = function;
     Instance* instance = runtime().instance.get();
+    if (!instance && name == "xrCreateInstance") load_configuration();  // here, so that it can be scripted itself
     // What a lost instance still does: go away, and say what the loader asks before there is one.
     const bool always_works = name.starts_with("xrDestroy") || name == "xrCreateInstance" ||
                               name == "xrGetInstanceProcAddr" || name.starts_with("xrEnumerateInstanceExtension");

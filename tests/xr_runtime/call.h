@@ -8,6 +8,7 @@
 #include <exception>
 #include <initializer_list>
 
+#include "rules.h"
 #include "state.h"
 
 namespace neuvv::xr_runtime {
@@ -24,17 +25,17 @@ struct Call {
 };
 Call*& current_call();
 
-// Findings of the current entry point. `rule` is a short name that tests look for.
-void violate(const std::string& rule, const std::string& text);
-void warn(const std::string& rule, const std::string& text);
+// Findings of the current entry point.
+void violate(Rule rule, const std::string& text);
+void warn(Rule rule, const std::string& text);
 // The same, and the call fails.
-[[noreturn]] void refuse(XrResult result, const std::string& rule, const std::string& text);
+[[noreturn]] void refuse(XrResult result, Rule rule, const std::string& text);
 // The call fails by no fault of the application's.
 [[noreturn]] inline void decline(XrResult result) {
     throw Refusal{result};
 }
 
-inline void require(bool condition, XrResult result, const char* rule, const std::string& text) {
+inline void require(bool condition, XrResult result, Rule rule, const std::string& text) {
     if (!condition) refuse(result, rule, text);
 }
 
@@ -180,6 +181,9 @@ struct FixedText {
     constexpr FixedText(const char (&from)[kSize]) { std::copy_n(from, kSize, text); }
 };
 
+// Script and folder, as the environment names them. The next instance goes on in the same script, as it must after a
+// loss; another script or folder starts anew.
+void load_configuration();
 // What the script wants instead of the call: a forced result, or the instance's loss.
 std::optional<XrResult> scripted_result(const char* function);
 void report_own_failure(const std::string& text);

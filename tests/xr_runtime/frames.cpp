@@ -115,9 +115,8 @@ XrResult begin_frame(XrSession handle, const XrFrameBeginInfo* info) {
 void check_end_info(const XrFrameEndInfo& info, const Frame& frame) {
     check_time(info.displayTime);
     if (info.displayTime != frame.display_time)
-        refuse(XR_ERROR_TIME_INVALID, "display-time",
-               fmt::format("XrFrameEndInfo.displayTime {} is not the frame's predictedDisplayTime {}", info.displayTime,
-                           frame.display_time));
+        violate("display-time", fmt::format("XrFrameEndInfo.displayTime {} is not the frame's predictedDisplayTime {}",
+                                            info.displayTime, frame.display_time));
     const auto& modes = runtime().script.blend_modes;
     require(std::find(modes.begin(), modes.end(), info.environmentBlendMode) != modes.end(),
             XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED, "blend-mode",

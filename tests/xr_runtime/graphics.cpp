@@ -145,7 +145,7 @@ XrResult create_vulkan_device(XrInstance handle, const XrVulkanDeviceCreateInfoK
     VkInstance vulkan = VK_NULL_HANDLE;
     for (const auto& [of, device] : instance.graphics_devices)
         if (device == info.vulkanPhysicalDevice) vulkan = of;
-    require(vulkan, XR_ERROR_VALIDATION_FAILURE, "graphics-device",
+    require(vulkan, XR_ERROR_HANDLE_INVALID, "graphics-device",
             "the VkPhysicalDevice must be the one that xrGetVulkanGraphicsDevice2KHR gave");
 
     const PFN_vkGetInstanceProcAddr loader = info.pfnGetInstanceProcAddr;

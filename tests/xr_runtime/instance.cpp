@@ -20,31 +20,29 @@ std::string script_text() {
     const std::string file = environment("NEUVV_XR_SCRIPT");
     if (file.empty()) return "";
     std::ifstream stream(file);
-    if (!stream) throw std::runtime_error("NEUVV_XR_SCRIPT: cannot read " + file);
+    if (!stream) throw std::runtime_error("NEUVV_XR_SCRIPT cannot be read");
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-Script script_of(const std::string& text) {
+// A script that is wrong offers everything, so that the loader goes on to xrCreateInstance, which says what is wrong.
+Script script_for_loader() {
     try {
-        return parse_script(text);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "xr-runtime: {}: {}\n", environment("NEUVV_XR_SCRIPT"), error.what());
-        throw Refusal{XR_ERROR_RUNTIME_FAILURE};
+        return parse_script(script_text());
+    } catch (const std::exception&) {
+        return parse_script("");
     }
 }
 
-// The next instance goes on in the same script, as it must after a loss; another script or folder starts anew.
-void load_configuration() {
-    const std::string text = script_text(), folder = environment("NEUVV_XR_OUT");
+void replace_configuration(const std::string& text) {
+    const std::string folder = environment("NEUVV_XR_OUT");
     const std::string configuration = environment("NEUVV_XR_SCRIPT") + '\n' + folder + '\n' + text;
     Runtime& state = runtime();
-    state.report.is_destroyed_cleanly = false;
     if (state.configuration == configuration) return;
-    state.script = script_of(text);
+    state.script = parse_script(text);
+    if (!folder.empty()) std::filesystem::create_directories(folder);
     state.configuration = configuration;
     state.report = {};
     state.report.folder = folder;
-    if (!folder.empty()) std::filesystem::create_directories(folder);
     state.progress = {};
     state.progress.refresh_hz = state.script.refresh_hz;
     state.progress.profile = state.script.profile;
@@ -54,9 +52,22 @@ void load_configuration() {
         state.progress.clock_base = now() - (static_cast<XrTime>(clock.tv_sec) * 1'000'000'000 + clock.tv_nsec);
 }
 
+}  // namespace
+
+void load_configuration() {
+    try {
+        replace_configuration(script_text());
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "xr-runtime: {}: {}\n", environment("NEUVV_XR_SCRIPT"), error.what());
+        throw Refusal{XR_ERROR_RUNTIME_FAILURE};
+    }
+}
+
+namespace {
+
 XrResult enumerate_extensions(const char* layer, uint32_t capacity, uint32_t* count, XrExtensionProperties* out) {
     if (layer) decline(XR_ERROR_API_LAYER_NOT_PRESENT);
-    const Script script = script_of(script_text());
+    const Script script = script_for_loader();
     const auto& all = implemented_extensions();
     return give_structs(capacity, count, out, script.extensions.size(), [&](XrExtensionProperties& row, size_t i) {
         const auto known = std::find_if(all.begin(), all.end(), [&](const XrExtensionProperties& extension) {
@@ -74,7 +85,6 @@ XrResult enumerate_layers(uint32_t capacity, uint32_t* count, XrApiLayerProperti
 XrResult create_instance(const XrInstanceCreateInfo* create_info, XrInstance* handle) {
     const XrInstanceCreateInfo& info = checked(create_info);
     check_pointer(handle, "instance");
-    load_configuration();
     Runtime& state = runtime();
     if (state.instance) decline(XR_ERROR_LIMIT_REACHED);
     require(info.createFlags == 0, XR_ERROR_VALIDATION_FAILURE, "flags", "XrInstanceCreateInfo.createFlags must be 0");
@@ -92,6 +102,7 @@ XrResult create_instance(const XrInstanceCreateInfo* create_info, XrInstance* ha
     }
     state.instance = make_object<Instance>();
     state.instance->extensions = extensions;
+    state.report.is_destroyed_cleanly = false;
     state.instance->last_poll_frame = state.progress.frame();
     state.instance->first_path = (state.next_serial << 20) + 1;
     *handle = state.instance->handle;

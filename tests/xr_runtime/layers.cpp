@@ -51,7 +51,7 @@ SubImage checked_sub_image(const XrSwapchainSubImage& sub, XrSwapchainUsageFlags
 SubImage checked_depth(const XrCompositionLayerDepthInfoKHR& info, const std::string& what) {
     const std::string name = what + " depth";
     const SubImage image = checked_sub_image(info.subImage, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, name);
-    const bool is_range = info.minDepth >= 0 && info.maxDepth <= 1 && info.minDepth <= info.maxDepth;
+    const bool is_range = info.minDepth >= 0 && info.maxDepth <= 1 && info.minDepth < info.maxDepth;
     require(is_range, XR_ERROR_VALIDATION_FAILURE, "depth-range",
             fmt::format("{}: minDepth {} and maxDepth {} must be in 0..1 and in order", name, info.minDepth,
                         info.maxDepth));
@@ -62,12 +62,10 @@ SubImage checked_depth(const XrCompositionLayerDepthInfoKHR& info, const std::st
 }
 
 void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
-    const float limit = 1.5707f;
-    const bool is_sane = fov.angleLeft < fov.angleRight && fov.angleDown < fov.angleUp && fov.angleLeft > -limit &&
-                         fov.angleRight < limit && fov.angleDown > -limit && fov.angleUp < limit;
-    require(is_sane, XR_ERROR_VALIDATION_FAILURE, "fov",
-            fmt::format("{}: the fov (left {}, right {}, up {}, down {}) is none", what, fov.angleLeft, fov.angleRight,
-                        fov.angleUp, fov.angleDown));
+    const float limit = 1.57079633f;  // exclusive; left beyond right, and down beyond up, mean a flipped picture
+    for (const float angle : {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown})
+        require(std::abs(angle) < limit, XR_ERROR_VALIDATION_FAILURE, "fov",
+                fmt::format("{}: the angle {} of the fov must be between -pi/2 and pi/2", what, angle));
     const XrFovf& given = runtime().script.fov[view];
     const float differences[] = {fov.angleLeft - given.angleLeft, fov.angleRight - given.angleRight,
                                  fov.angleUp - given.angleUp, fov.angleDown - given.angleDown};

@@ -74,6 +74,11 @@ XrResult get_instance_proc_addr(XrInstance handle, const char* name, PFN_xrVoidF
 
 }  // namespace
 
+bool has_function(const std::string& name) {
+    const auto& all = all_entries();
+    return std::any_of(all.begin(), all.end(), [&](const EntryPoint& entry) { return name == entry.name; });
+}
+
 }  // namespace neuvv::xr_runtime
 
 extern "C" __attribute__((visibility("default"))) XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(

@@ -199,6 +199,7 @@ void read_failures(Fields& fields, Script& script) {
         ForcedResult forced = {"", XR_ERROR_RUNTIME_FAILURE, 1, 0};
         std::string result = "XR_ERROR_RUNTIME_FAILURE";
         parts.read("function", forced.function);
+        if (!has_function(forced.function)) fail(parts.at("function"), "unknown function '" + forced.function + "'");
         parts.read("result", result);
         parts.read("times", forced.times);
         parts.read("skip", forced.skip);

@@ -70,6 +70,9 @@ struct Script {
 // Every extension that the runtime implements, with its version.
 const std::vector<XrExtensionProperties>& implemented_extensions();
 
+// Whether the runtime has a function of this name.
+bool has_function(const std::string& name);
+
 // The defaults where `text` is empty. Throws std::runtime_error naming the place in the file: keys that no table of
 // README.md has are errors, so that a misspelt event does not test nothing.
 Script parse_script(const std::string& text);

@@ -1,0 +1,33 @@
+// One thing that an application does wrong, and what the runtime must make of it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "xr_runtime/rules.h"
+#include "xr_runtime_test/application.h"
+
+namespace neuvv::test {
+
+enum class Severity { kViolation, kWarning };
+
+struct Violation {
+    const char* name;  // as a test's
+    xr_runtime::Rule rule;
+    const char* function;  // that is called wrongly
+    XrResult result;       // of it
+    XrResult (*commit)(Application& app);
+    Severity severity = Severity::kViolation;
+};
+
+// The tables, one per file.
+std::vector<Violation> setup_violations();
+std::vector<Violation> struct_violations();
+std::vector<Violation> parameter_violations();
+std::vector<Violation> session_violations();
+std::vector<Violation> frame_violations();
+std::vector<Violation> layer_violations();
+std::vector<Violation> swapchain_violations();
+std::vector<Violation> action_violations();
+std::vector<Violation> input_violations();
+
+}  // namespace neuvv::test
