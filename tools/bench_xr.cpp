@@ -143,7 +143,11 @@ void print(const Result& result, const Device& device, const BenchXrOptions& opt
     fmt::print("a frame of both eyes: {:.1f} ms median, {:.1f} ms p99, {:.0f} % of {:.0f} Hz\n", median(result.both_ms),
                quantile(result.both_ms, 0.99), 100 * quantile(result.both_ms, 0.99) / budget_ms, options.hz);
     fmt::print("of which bringing them to the headset's images: {:.1f} ms\n", median(result.eye_pass_ms));
-    fmt::print("the second eye costs {:.2f} times the first\n", second_eye(result));
+    const double second = second_eye(result);
+    if (second > 0)
+        fmt::print("the second eye costs {:.2f} times the first\n", second);
+    else
+        fmt::print("what the second eye costs is less than these frames vary by: more --frames, or a larger --size\n");
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 

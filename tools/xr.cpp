@@ -72,7 +72,8 @@ void add_xr(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("xr", "Watch and edit clips and stages in a headset (OpenXR)");
     verb->add_option("file", options->file,
                      "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder of clips");
-    verb->add_flag("--check", options->check, "Say what the runtime and its headset offer, and what is missing");
+    verb->add_flag("--check", options->check,
+                   "Say what the runtime and its headset offer, and what is missing; no file is looked at");
     verb->add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
     verb->add_flag("--play", headset.play, "Play from the start");
     verb->add_option("--scale", headset.quality.scale,
@@ -91,8 +92,11 @@ void add_xr(CLI::App& app, CommonOptions& common) {
                      "programs that drive it");
     verb->add_flag("--validate", headset.validate, "With Vulkan's validation layers");
     verb->footer(
-        "Controls: xr/README.md has a picture. The trigger selects, the grip holds, Y or the menu button shows the "
-        "panel.\n\n"
+        "Controls (xr/README.md has a picture, and what they are on other controllers):\n"
+        "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
+        "  left stick up throws you there, sideways steps through time; right stick sideways turns you, up and down "
+        "is the speed\n"
+        "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n\n"
         "Examples:\n"
         "  neuvv xr --check\n"
         "  neuvv xr demo/stage.gltf --mirror");

@@ -1,7 +1,10 @@
 #include "edit/edited_stage.h"
 
+#include <fmt/format.h>
+
 #include <set>
 
+#include "base/platform.h"
 #include "edit/document.h"
 #include "stage/performer_settings.h"
 #include "stage/stage.h"
@@ -29,6 +32,27 @@ bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
     return saved != document.saved_paint.end() && saved->second == layer.second;
 }
 
+// "stage-theirs.gltf", "stage-theirs-2.gltf".
+std::filesystem::path path_of_theirs(const std::filesystem::path& stage) {
+    std::filesystem::path path;
+    for (int number = 1; path.empty() || std::filesystem::exists(path); number++)
+        path =
+            stage.parent_path() / fmt::format("{}-theirs{}{}", stage.stem().string(),
+                                              number > 1 ? fmt::format("-{}", number) : "", stage.extension().string());
+    return path;
+}
+
+// What the disk has in the place of this file, where that is another program's.
+std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const std::filesystem::path& path) {
+    const StageFile& file = document.file;
+    std::error_code ignored;
+    const bool same_file = file.saved->on_disk && absolute_path(path) == absolute_path(file.path);
+    if (!same_file || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
+    std::vector<uint8_t> bytes = read_file(path);
+    if (bytes == file.saved->bytes && !document.disk_is_anothers) return std::nullopt;
+    return bytes;
+}
+
 }  // namespace
 
 std::filesystem::path paint_path(const StageFile& file, const std::string& uri) {
@@ -44,7 +68,7 @@ std::shared_ptr<const EditLayer> open_paint(Document& document, const std::files
     return layer;
 }
 
-void save_document(Document& document, const std::filesystem::path& path) {
+std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
     expect_sound_document(document.file);
     const std::set<std::filesystem::path> worn = worn_paint(document.file);
     for (const auto& layer : document.paint) {
@@ -52,7 +76,21 @@ void save_document(Document& document, const std::filesystem::path& path) {
         write_paint(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
+    std::optional<std::filesystem::path> kept;
+    if (const auto theirs = theirs_at(document, path)) {
+        kept = path_of_theirs(path);
+        write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
+    }
     save_stage_file(document.file, path);
+    document.disk_is_anothers = false;
+    return kept;
+}
+
+std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs) {
+    const std::string saved = fmt::format("saved {}", path.string());
+    if (!theirs) return saved;
+    return fmt::format("{}; another program had changed it: its version is kept as {}", saved,
+                       theirs->filename().string());
 }
 
 }  // namespace neuvv

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "stage/stage_file.h"
 #include "voctree/paint.h"
@@ -20,6 +22,8 @@ struct Document {
     // that undo knows how it was; one that has no file yet, at any time.
     PaintLayers paint;
     PaintLayers saved_paint;  // those of them that the disk holds, as it holds them
+    // The file on the disk is not what this was made from, but another program's (a recovered document's).
+    bool disk_is_anothers = false;
 };
 
 // The .nvpaint that a layer's uri names, absolute. Throws InputError as file_of_uri.
@@ -31,8 +35,11 @@ std::shared_ptr<const EditLayer> open_paint(Document& document, const std::files
 
 // Writes the layers that the stage's performers wear and the disk does not hold so, then the stage to `path`, which is
 // the file's then (save_stage_file): each file atomically. Layers stay where they are; stages that share one share its
-// edits. Throws InputError for a document that could not be loaded again (expect_sound_document), RuntimeFailure where
-// the disk fails; what was written by then stays written.
-void save_document(Document& document, const std::filesystem::path& path);
+// edits. Where another program has written the stage's file since it was read, that version is kept beside it under a
+// name that is free, "stage-theirs.gltf", which is returned. Throws InputError for a document that could not be loaded
+// again (expect_sound_document), RuntimeFailure where the disk fails; what was written by then stays written.
+std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path);
+// "saved stage.gltf", and what became of another program's version.
+std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
 
 }  // namespace neuvv

@@ -190,7 +190,7 @@ void RecoveryWriter::store(const Document& document) {
     };
     const bool same_disk = file_.saved == document.file.saved;
     if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
-    const uint64_t hash = same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
+    const uint64_t hash = document.disk_is_anothers ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
     ordered_json json = {{"version", kVersion},
                          {"stage", escaped(absolute_path(document.file.path))},
                          {"when", static_cast<uint64_t>(now_s())},
@@ -252,10 +252,12 @@ Document restore(const RecoveryEntry& entry) {
     const bool on_disk = members.boolean("on_disk");
     Document document;
     // The text of a .gltf is all of it; a .glb has its buffers beside.
-    if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error)))
+    if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
         document.file = read_stage_file(stage);
-    else
+        document.disk_is_anothers = entry.changed;
+    } else {
         document.file = make_stage_file(stage, text_of(stored, 2) + "\n");
+    }
     document.file.json = stored;
     expect_sound_document(document.file);
     if (!members.at("paint").is_array()) members.fail("paint");

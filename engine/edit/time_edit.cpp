@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 
@@ -125,6 +126,11 @@ TimeOperator with_times(TimeVerb verb, const ClipTime& a, const ClipTime& b = {}
     return op;
 }
 
+void expect_room(const TimeMap& map) {
+    if (map.size() > kMaxTimeOperators)
+        throw InputError(kPlace, "", fmt::format("has more than {} operators", kMaxTimeOperators));
+}
+
 TimeMap write_bar(const Bar& bar, const ClipRate& clip) {
     TimeMap map = bar.inner;
     const bool whole_end = std::abs(bar.end - bar.length) <= kFrameTolerance || bar.end == bar.length;
@@ -145,8 +151,7 @@ TimeMap write_bar(const Bar& bar, const ClipRate& clip) {
     }
     add_offset(bar.start);
     if (bar.hold) map.push_back(with_times(TimeVerb::kHold, {}));
-    if (map.size() > kMaxTimeOperators)
-        throw InputError(kPlace, "", fmt::format("has more than {} operators", kMaxTimeOperators));
+    expect_room(map);
     ready(map, clip);
     return map;
 }
@@ -175,6 +180,25 @@ void cut_end(Bar& bar, double by) {
         bar.begin += std::clamp(by, -bar.begin, most);
     else
         bar.end -= std::clamp(by, std::min(0.0, bar.end - bar.length), most);
+}
+
+// loop:a:b is clip:a:b,loop; what stands before the loop is a round of it.
+TimeMap with_rounds_reversed(TimeMap map, const ClipRate& clip) {
+    const auto repeats = [](const TimeOperator& op) {
+        return op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong;
+    };
+    auto loop = std::find_if(map.rbegin(), map.rend(), repeats).base() - 1;  // nothing else is endless
+    if (std::exchange(loop->has_part, false)) {
+        const TimeOperator part = with_times(TimeVerb::kClip, std::exchange(loop->a, {}), std::exchange(loop->b, {}));
+        loop = map.insert(loop, part) + 1;
+    }
+    if (loop != map.begin() && (loop - 1)->verb == TimeVerb::kReverse)
+        map.erase(loop - 1);
+    else
+        map.insert(loop, with_times(TimeVerb::kReverse, {}));
+    expect_room(map);
+    ready(map, clip);
+    return map;
 }
 
 }  // namespace
@@ -209,8 +233,7 @@ TimeMap trimmed_end(const TimeMap& map, const ClipRate& clip, double at_s) {
 
 TimeMap reversed(const TimeMap& map, const ClipRate& clip) {
     Bar bar = read_bar(map, clip);
-    if (!std::isfinite(bar.end))
-        throw InputError(kPlace, "reverse", "needs an end, and what is shown is endless", "trim its end first");
+    if (!std::isfinite(bar.end)) return with_rounds_reversed(map, clip);
     bar.reverse = !bar.reverse;
     return write_bar(bar, clip);
 }

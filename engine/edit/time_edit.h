@@ -37,7 +37,7 @@ TimeMap moved(const TimeMap& map, const ClipRate& clip, double by_s);
 TimeMap trimmed_start(const TimeMap& map, const ClipRate& clip, double at_s);
 TimeMap trimmed_end(const TimeMap& map, const ClipRate& clip, double at_s);
 
-// The bar plays backwards where it stands, or forwards again. What is endless cannot (InputError): trim its end first.
+// The bar plays backwards where it stands, or forwards again; of what is endless, each of its rounds.
 TimeMap reversed(const TimeMap& map, const ClipRate& clip);
 
 // The bar plays so many times as fast, from where it begins.

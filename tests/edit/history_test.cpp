@@ -201,5 +201,26 @@ TEST_F(Histories, DamagedLayersAreNotOpened) {
     EXPECT_TRUE(document.paint.empty() && document.saved_paint.empty());
 }
 
+TEST_F(Histories, SavingKeepsWhatAnotherProgramWrote) {
+    History history;
+    rename(history, "Berta");
+    EXPECT_EQ(save_document(document, at("stage.gltf")), std::nullopt);
+    rename(history, "Carla");
+    for (const char* kept : {"stage-theirs.gltf", "stage-theirs-2.gltf"}) {
+        const std::string theirs = std::string(R"({"asset": {"version": "2.0"}, "extras": ")") + kept + "\"}";
+        write_text(at("stage.gltf"), theirs);
+        const auto path = save_document(document, at("stage.gltf"));
+        ASSERT_EQ(path, at(kept));
+        EXPECT_EQ(read_text(at(kept)), theirs);
+        EXPECT_EQ(find_node(read_stage_file(at("stage.gltf")), "Carla"), 4u);
+        EXPECT_NE(saved_text(at("stage.gltf"), path).find(kept), std::string::npos);
+    }
+    std::filesystem::remove(at("stage.gltf"));
+    EXPECT_EQ(save_document(document, at("stage.gltf")), std::nullopt) << "what is gone needs no copy";
+    write_text(at("other.gltf"), "{}");
+    EXPECT_EQ(save_document(document, at("other.gltf")), std::nullopt) << "that another name is overwritten was asked";
+    EXPECT_EQ(saved_text("a.gltf", {}), "saved a.gltf");
+}
+
 }  // namespace
 }  // namespace neuvv

@@ -147,7 +147,13 @@ TEST_F(Recovery, AFileThatChangedOrWentAway) {
     text.replace(text.find("\"Wood\""), 6, "\"Iron\"");
     write_text(at("stage.gltf"), text);
     EXPECT_TRUE(only_entry().changed);
-    EXPECT_EQ(restore(only_entry()).file.json, document.file.json) << "as it was edited, over another file";
+    Document over = restore(only_entry());
+    EXPECT_EQ(over.file.json, document.file.json) << "as it was edited, over another file";
+    writer.store(over);
+    EXPECT_TRUE(only_entry().changed) << "also when it is recovered once more";
+    EXPECT_EQ(save_document(over, at("stage.gltf")), at("stage-theirs.gltf"));
+    EXPECT_EQ(read_text(at("stage-theirs.gltf")), text);
+    EXPECT_EQ(save_document(over, at("stage.gltf")), std::nullopt) << "now it is ours";
     std::filesystem::remove(at("stage.gltf"));
     EXPECT_TRUE(only_entry().changed);
     const Document back = restore(only_entry());

@@ -175,10 +175,32 @@ TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
         for (const double t : instants(0, 90)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-4) << text << " at " << t;
     }
     EXPECT_EQ(text_of(reversed(map_of("reverse"), kClip)), "");
-    for (const char* text : kEndless) {
-        expect_input_error([&] { reversed(map_of(text), kClip); }, {"reverse", "endless"});
-        EXPECT_NO_THROW(reversed(trimmed_end(map_of(text), kClip, 3), kClip)) << text;
+    for (const char* text : kEndless) EXPECT_NO_THROW(reversed(trimmed_end(map_of(text), kClip, 3), kClip)) << text;
+}
+
+TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
+    struct {
+        const char* text;
+        double first, step, round;  // shown at 0, a frame later by so much more, for so long
+    } const cases[] = {{"loop", 39, -1, 39},
+                       {"loop:5f:15f", 14, -1, 9},
+                       {"speed:2,loop:5f:15f", 29, -2, 9},
+                       {"loop:5f:15f,speed:2", 14, -2, 4},
+                       {"reverse,loop", 0, 1, 39},
+                       {"ping-pong:3f:9f", 8, -1, 5}};
+    for (const auto& one : cases) {
+        const TimeMap after = reversed(map_of(one.text), kClip);
+        for (double t = 0; t < one.round; t += 0.25)
+            ASSERT_NEAR(shown(after, t), one.first + one.step * t, 1e-6) << one.text << " at " << t;
     }
+    for (const std::string text : kEndless) {
+        const TimeMap map = map_of(text), back = reversed(reversed(map, kClip), kClip);
+        for (const double t : instants(0, 120)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-6) << text << " at " << t;
+        EXPECT_LE(back.size(), map.size() + 1) << "it does not grow from time to time";
+    }
+    TimeMap full(kMaxTimeOperators, map_of("jump:1f:2f")[0]);
+    full.back() = map_of("loop")[0];
+    expect_input_error([&] { reversed(full, kClip); }, {"operators"});
 }
 
 TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
@@ -236,7 +258,7 @@ TEST(TimeEdit, DragsDoNotPileUp) {
                     map = sped(map, kClip, bar.end_s - bar.start_s > 5 ? 1.25 : 0.8);
                     break;
                 default:
-                    if (std::isfinite(bar.end_s)) map = reversed(map, kClip);
+                    map = reversed(map, kClip);
             }
             ASSERT_LE(map.size(), most) << text << " became " << text_of(map);
             ASSERT_EQ(parse_time_map(text_of(map), "test", ""), map);

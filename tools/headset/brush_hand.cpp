@@ -165,9 +165,9 @@ void BrushHand::update(OnStage& on, Hands& hands) {
 void BrushHand::say_what_is_painted(const OnStage& on, const Ready& ready) {
     const auto& node = on.stage->scene.nodes[ready.node];
     const auto layers = layers_of(on.editor.file(), ready.node);
-    says_ = ready.is_new || !layers || layers->empty()
-                ? fmt::format("Paints {}, on a new layer", node.name)
-                : fmt::format("Paints {}, on its layer \"{}\"", node.name, title_of(layers->back()));
+    const bool worn = layers && !layers->empty() && layers->back().path == ready.layer_path;
+    says_ = worn ? fmt::format("Paints {}, on its layer \"{}\"", node.name, title_of(layers->back()))
+                 : fmt::format("Paints {}, on a new layer", node.name);
 }
 
 std::shared_ptr<BrushHand::Stroke> BrushHand::begin(const OnStage& on, uint32_t index) const {

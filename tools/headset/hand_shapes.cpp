@@ -79,6 +79,20 @@ void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interac
     }
 }
 
+// Where there is no set: something to stand on, a metre from line to line.
+void draw_floor(EyeShapes& shapes, const OnStage& on) {
+    constexpr int kReach = 4;
+    constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFades{0.25f, 0.27f, 0.3f, 0};
+    if (has_set(*on.stage)) return;
+    const glm::dvec3 middle(std::round(on.rig.position.x), on.floor_m, std::round(on.rig.position.z));
+    for (int i = -kReach; i <= kReach; i++)
+        for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
+            const glm::dvec3 beside(along.z, 0, along.x), at = middle + double(i) * beside;
+            for (const double way : {-1.0, 1.0})
+                shapes.line(at, at + way * kReach * along, 0.008, i == 0 ? kLine : 0.7f * kLine, kFades);
+        }
+}
+
 void draw_arc(EyeShapes& shapes, const Arc* arc) {
     if (!arc) return;
     shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
@@ -88,6 +102,7 @@ void draw_arc(EyeShapes& shapes, const Arc* arc) {
 }  // namespace
 
 void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+    draw_floor(shapes, on);
     draw_boxes(shapes, on, interaction);
     for (int which = 0; which < kHands; which++) {
         const Hand& hand = interaction.hands[which];

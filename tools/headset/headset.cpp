@@ -54,7 +54,10 @@ struct Visit {
     uint64_t frames = 0;       // drawn, of the runtime that is there
     std::map<std::string, glm::dvec2> panel_items;
 
+    double asked_until_s = 0;  // whether to leave what is not saved
+
     double now_s() const { return seconds_since(began); }
+    void leave();
     void open();
     void tell();
     void finish();
@@ -68,6 +71,7 @@ void Visit::open() {
         lost.reset();
     }
     if (lost) on.editor.tell("unsaved edits of an earlier run are taken: save keeps them");
+    if (lost && lost->changed) on.editor.tell("the stage's file has changed since: saving keeps that beside it");
     on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
     on.follow_document();
     chosen.load(on, interaction.holding.settings);
@@ -88,6 +92,14 @@ void Visit::finish() {
         interaction.brush.lay(on);
     } while ((!work.idle() || work.has_told() || interaction.brush.busy()) && seconds_since(from) < kFinish_s);
     tell();
+}
+
+// Unsaved edits are not lost, but whoever leaves should know of them.
+void Visit::leave() {
+    leaves = !on.editor.modified() || now_s() < asked_until_s;
+    if (leaves) return;
+    asked_until_s = now_s() + kNotice_s;
+    on.editor.tell("not saved: Leave once more keeps the edits for --recover", true);
 }
 
 // Notices are shown for a while, and said on the terminal.
@@ -240,7 +252,7 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
     in.panel.draw(pointer, dt_s, [&] { asks = draw_panel(visit.on, visit.interaction, facts); });
     visit.panel_items = asks.items;
     if (asks.save) visit.keeper->save();
-    if (asks.leave) visit.leaves = true;
+    if (asks.leave) visit.leave();
 }
 
 // The stage as it is now for both eyes. False: there is nothing to be shown yet.

@@ -38,16 +38,17 @@ void Keeper::save() {
         document->file.saved->on_disk ? document->file.path : free_path(document->file.path);
     work_.start("Saving", [this, document, path, id = on_.editor.id(), opened = on_.editor.opened()]() -> Work::Then {
         std::string problem;
+        std::optional<std::filesystem::path> theirs;
         try {
-            save_document(*document, path);
+            theirs = save_document(*document, path);
         } catch (const std::exception& error) {
             problem = error.what();
         }
-        return [this, document, path, id, opened, problem] {
+        return [this, document, path, id, opened, problem, theirs] {
             saving_ = false;
             if (!problem.empty()) return on_.editor.tell(problem, true);
             on_.editor.saved(*document, opened, id);
-            on_.editor.tell(fmt::format("saved {}", path.string()));
+            on_.editor.tell(saved_text(path, theirs));
         };
     });
 }

@@ -1,5 +1,6 @@
 #include "tools/headset/on_stage.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -37,9 +38,13 @@ std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer) 
     return {clip.box_min, clip.box_min + clip.box_size};
 }
 
+bool has_set(const Stage& stage) {
+    return std::any_of(stage.scene.nodes.begin(), stage.scene.nodes.end(),
+                       [](const GltfNode& node) { return node.draws_mesh(); });
+}
+
 double floor_of(const OnStage& on) {
-    for (const GltfNode& node : on.stage->scene.nodes)
-        if (node.draws_mesh()) return 0;
+    if (has_set(*on.stage)) return 0;
     double lowest = INFINITY;
     for (const InstantPerformer& performer : on.instant.performers) {
         const auto [low, high] = box_of(on, performer.performer);

@@ -62,6 +62,8 @@ std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer);
 // Where a user first stands: where the stage's first camera does, but upright on the floor; without one, in front of
 // its performers. `head` in the tracking space.
 XrRig first_rig(const OnStage& on, const Pose& head);
+// Whether anything but performers is drawn.
+bool has_set(const Stage& stage);
 // A set stands at 0; performers alone stand on the lowest of their boxes.
 double floor_of(const OnStage& on);
 

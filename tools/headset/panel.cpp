@@ -39,6 +39,12 @@ struct Rows {
         note(name);
         return pressed;
     }
+    // A sign alone, whose words come up under the ray.
+    bool sign(const char* name, const char* label, const char* words, float width, bool is_on = false) {
+        const bool pressed = button(name, label, width, is_on);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", words);
+        return pressed;
+    }
     bool checkbox(const char* name, const char* label, bool* value) {
         const bool changed = ImGui::Checkbox(label, value);
         note(name);
@@ -55,17 +61,18 @@ float width_of(int of) {
 void time_rows(Rows& rows) {
     StageClock& clock = rows.on.clock;
     const float one = width_of(6);
-    if (rows.button("start", SIGN_START, one)) clock.scrub(clock.in_s());
+    if (rows.sign("start", SIGN_START, "To the start", one)) clock.scrub(clock.in_s());
     ImGui::SameLine();
-    if (rows.button("back", SIGN_STEP_BACK, one)) clock.step(-1);
+    if (rows.sign("back", SIGN_STEP_BACK, "A picture back", one)) clock.step(-1);
     ImGui::SameLine();
-    if (rows.button("play", clock.playing ? SIGN_PAUSE : SIGN_PLAY, one, clock.playing)) clock.play_or_pause();
+    if (rows.sign("play", clock.playing ? SIGN_PAUSE : SIGN_PLAY, "Play, pause", one, clock.playing))
+        clock.play_or_pause();
     ImGui::SameLine();
-    if (rows.button("step", SIGN_STEP, one)) clock.step(1);
+    if (rows.sign("step", SIGN_STEP, "A picture on", one)) clock.step(1);
     ImGui::SameLine();
-    if (rows.button("backwards", SIGN_REVERSE, one, clock.speed < 0)) clock.speed = -clock.speed;
+    if (rows.sign("backwards", SIGN_REVERSE, "The stage backwards", one, clock.speed < 0)) clock.speed = -clock.speed;
     ImGui::SameLine();
-    if (rows.button("loop", SIGN_LOOP, one, clock.loops)) clock.loops = !clock.loops;
+    if (rows.sign("loop", SIGN_LOOP, "Again and again", one, clock.loops)) clock.loops = !clock.loops;
 
     auto seconds = static_cast<float>(clock.time_s());
     ImGui::SetNextItemWidth(-1);
@@ -173,6 +180,18 @@ void arrange_rows(Rows& rows) {
     rows.checkbox("snaps", "Snap to the floor", &rows.interaction.holding.settings.snaps_to_floor);
 }
 
+void tip_rows(Rows& rows, float half) {
+    HandBrush& brush = rows.on.brush;
+    if (rows.button("ball", "Ball", half, brush.tip == HandBrush::Tip::kBall)) brush.tip = HandBrush::Tip::kBall;
+    ImGui::SameLine();
+    if (rows.button("box", "Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
+    auto centimetres = static_cast<float>(100 * brush.radius_m);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderFloat("##radius", &centimetres, 100 * kLeastBrush_m, 100 * kLargestBrush_m, "radius %.0f cm",
+                           ImGuiSliderFlags_Logarithmic))
+        brush.radius_m = centimetres / 100;
+}
+
 void brush_rows(Rows& rows) {
     HandBrush& brush = rows.on.brush;
     ImGui::SetNextItemWidth(0.3f * ImGui::GetContentRegionAvail().x);  // so that all rows fit below it
@@ -187,14 +206,7 @@ void brush_rows(Rows& rows) {
     ImGui::SameLine();
     if (rows.button("erase", SIGN_ERASER " Erase", half, brush.does == HandBrush::Does::kErase))
         brush.does = HandBrush::Does::kErase;
-    if (rows.button("ball", "Ball", half, brush.tip == HandBrush::Tip::kBall)) brush.tip = HandBrush::Tip::kBall;
-    ImGui::SameLine();
-    if (rows.button("box", "Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
-    auto centimetres = static_cast<float>(100 * brush.radius_m);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##radius", &centimetres, 100 * kLeastBrush_m, 100 * kLargestBrush_m, "radius %.0f cm",
-                           ImGuiSliderFlags_Logarithmic))
-        brush.radius_m = centimetres / 100;
+    if (rows.on.tool == HandTool::kPaint) tip_rows(rows, half);
     auto opacity = static_cast<float>(100 * brush.opacity);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##opacity", &opacity, 100 * kLeastBrushOpacity, 100, "opacity %.0f %%"))

@@ -30,6 +30,7 @@ void Editor::saved(const Document& as, uint64_t opened, uint64_t id) {
     const auto follow = [&](Document& document) {
         document.file = moved_to(std::move(document.file), as.file.path);
         document.file.saved = as.file.saved;
+        document.disk_is_anothers = false;
         for (const auto& [path, layer] : as.saved_paint) document.saved_paint[path] = layer;
     };
     follow(document_);

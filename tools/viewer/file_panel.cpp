@@ -96,7 +96,8 @@ void Files::recover_panel() {
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
     ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
-    if (entry.changed) ImGui::TextUnformatted("Its file has changed since; recovered edits go over it when you save.");
+    if (entry.changed)
+        ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
     if (button(viewer_, "Recover")) {
         const RecoveryEntry chosen = entry;

@@ -142,13 +142,13 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
                                     file.filename().string());
     viewer_.work.start(fmt::format("Saving {}", path.filename().string()),
                        [this, document, path, id, number, also, left, then] {
-                           save_document(*document, path);
-                           return [this, document, path, id, number, also, left, then] {
+                           const auto theirs = save_document(*document, path);
+                           return [this, document, path, id, number, also, left, then, theirs] {
                                viewer_.editor.saved(*document, number, id);
                                if (left && number == viewer_.editor.opened())
                                    viewer_.paint.leave_alone(worn_layers(document->file));
                                if (!viewer_.editor.modified()) stored_.forget();
-                               viewer_.editor.tell(fmt::format("saved {}{}", path.string(), also));
+                               viewer_.editor.tell(saved_text(path, theirs) + also);
                                remember_file(viewer_.preferences, std::filesystem::absolute(path));
                                if (then) then();
                            };

@@ -49,8 +49,10 @@ bool is_on_a_monitor(const WindowPlace& place) {
 
 Window::Window(const std::string& title, const WindowPlace& place) : windowed_(place) {
     if (!glfwInit())
-        throw RuntimeFailure(fmt::format(
-            "no window can be opened here ({}); `neuvv render` makes pictures without one, `neuvv xr` needs none without --mirror", glfw_error()));
+        throw RuntimeFailure(
+            fmt::format("no window can be opened here ({}); `neuvv render` makes pictures without one, `neuvv xr` "
+                        "needs none without --mirror",
+                        glfw_error()));
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     glfwWindowHint(GLFW_MAXIMIZED, place.maximised ? GLFW_TRUE : GLFW_FALSE);
     window_ = glfwCreateWindow(place.width, place.height, title.c_str(), nullptr, nullptr);
@@ -108,7 +110,8 @@ DeviceExtensions Window::extensions() const {
     const char** names = glfwGetRequiredInstanceExtensions(&count);
     if (!names)
         throw RuntimeFailure(
-            "Vulkan cannot draw into windows here; `neuvv render` makes pictures without one, `neuvv xr` needs none without --mirror");
+            "Vulkan cannot draw into windows here; `neuvv render` makes pictures without one, `neuvv xr` needs none "
+            "without --mirror");
     return {std::vector<const char*>(names, names + count), kPresentExtensions};
 }
 
