@@ -44,6 +44,23 @@ TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
     EXPECT_GT(corners_at(shapes.solid(), kLeftHand, 0.11), 0u);
 }
 
+TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
+    draw_floor(shapes, on);
+    EXPECT_TRUE(shapes.clear_ones().empty()) << "a new stage has one";
+    while (!on.editor.file().json["meshes"].empty() && has_set(*on.stage)) {
+        for (uint32_t i = 0; i < on.stage->scene.nodes.size(); i++)
+            if (on.stage->scene.nodes[i].draws_mesh()) {
+                on.editor.edit([&](Document& document) { return remove_node(document.file, i); });
+                break;
+            }
+        frame();
+    }
+    ASSERT_FALSE(has_set(*on.stage));
+    draw_floor(shapes, on);
+    EXPECT_FALSE(shapes.clear_ones().empty());
+    for (const ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);
+}
+
 TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {
     on.tool = HandTool::kPaint;
     frame();

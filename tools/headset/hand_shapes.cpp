@@ -79,7 +79,14 @@ void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interac
     }
 }
 
-// Where there is no set: something to stand on, a metre from line to line.
+void draw_arc(EyeShapes& shapes, const Arc* arc) {
+    if (!arc) return;
+    shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
+    if (arc->landing) shapes.ring(*arc->landing + glm::dvec3(0, 0.01, 0), 0.22, 0.04, kGreen);
+}
+
+}  // namespace
+
 void draw_floor(EyeShapes& shapes, const OnStage& on) {
     constexpr int kReach = 4;
     constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFades{0.25f, 0.27f, 0.3f, 0};
@@ -93,16 +100,7 @@ void draw_floor(EyeShapes& shapes, const OnStage& on) {
         }
 }
 
-void draw_arc(EyeShapes& shapes, const Arc* arc) {
-    if (!arc) return;
-    shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
-    if (arc->landing) shapes.ring(*arc->landing + glm::dvec3(0, 0.01, 0), 0.22, 0.04, kGreen);
-}
-
-}  // namespace
-
 void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
-    draw_floor(shapes, on);
     draw_boxes(shapes, on, interaction);
     for (int which = 0; which < kHands; which++) {
         const Hand& hand = interaction.hands[which];

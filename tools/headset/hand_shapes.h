@@ -1,4 +1,4 @@
-// How hands, rays, boxes, arcs, brushes and joints look in the stage.
+// How hands, rays, boxes, arcs, brushes, joints and a bare floor look in the stage.
 #pragma once
 
 #include <string>
@@ -11,6 +11,8 @@
 
 namespace neuvv {
 
+// Where there is no set: something to stand on, a metre from line to line.
+void draw_floor(EyeShapes& shapes, const OnStage& on);
 void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction);
 // Bare hands, joint by joint; tracking space.
 void draw_joints(EyeShapes& shapes, const HandJoints& joints, const Pose& world_from_tracking);

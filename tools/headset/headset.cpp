@@ -258,10 +258,12 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
 // The stage as it is now for both eyes. False: there is nothing to be shown yet.
 bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time) {
     OnStage& on = visit.on;
-    at.renderer->show(on.instant, at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE);
+    const bool hides_room = at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    at.renderer->show(on.instant, hides_room);
     const Pose world = world_from_tracking(on.rig);
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
+    if (hides_room) draw_floor(in.shapes, on);
     draw_interaction(in.shapes, on, visit.interaction);
     for (const int hand : {kLeft, kRight})
         if (visit.interaction.hands[hand].input.bare) draw_joints(in.shapes, in.fingers.joints(hand), world);
