@@ -51,7 +51,7 @@ struct ControllerProfile {
     std::vector<Binding> bindings;
     bool is_hand = false;  // nothing is held: the hand itself
 };
-// Of OpenXR 1.0.26 and later; there is nothing to it but its name and paths.
+// Of OpenXR 1.0.28 and later; there is nothing to it but its name and paths.
 constexpr const char* kHandInteraction = "XR_EXT_hand_interaction";
 const std::vector<ControllerProfile>& controller_profiles();
 // The one of this path; null: none of ours.

@@ -60,7 +60,7 @@ double pinch_of(const HandJoints& joints) {
 }
 
 bool stand_in(HandInput& input, const HandJoints& joints) {
-    if (input.aim || joints.size() <= XR_HAND_JOINT_INDEX_TIP_EXT) return false;
+    if (input.aim || input.bare || joints.size() <= XR_HAND_JOINT_INDEX_TIP_EXT) return false;
     const glm::dvec3 wrist = joints[XR_HAND_JOINT_WRIST_EXT].position,
                      root = joints[XR_HAND_JOINT_INDEX_PROXIMAL_EXT].position;
     const glm::dvec3 ahead = root - wrist;

@@ -36,7 +36,7 @@ class HandTracking {
 double pinch_of(const HandJoints& joints);
 
 // A hand that is seen without a controller points along its index finger's root and selects by a pinch. Whether it
-// does.
+// does; not where the runtime knows its gestures, though it may not know where it points now.
 bool stand_in(HandInput& input, const HandJoints& joints);
 
 }  // namespace neuvv

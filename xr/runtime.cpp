@@ -35,7 +35,7 @@ std::vector<std::string> offered_extensions() {
     } catch (const XrFailure& failure) {
         const char* manifest = std::getenv("XR_RUNTIME_JSON");
         std::error_code ignored;
-        if (manifest && !std::filesystem::exists(manifest, ignored))
+        if (manifest && *manifest && !std::filesystem::exists(manifest, ignored))
             throw RuntimeFailure(fmt::format("XR_RUNTIME_JSON names {}, which is not there", manifest));
         throw RuntimeFailure(
             fmt::format("no OpenXR runtime answers ({}): {}; XR_RUNTIME_JSON names another one's manifest",
@@ -54,7 +54,7 @@ std::vector<OptionalExtension> optional_extensions() {
          "the refresh rate is the runtime's"},
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
         {kHandInteraction, "bare hands point, select and grab", "controllers alone"},
-        {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "bare hands point, select and grab", "controllers alone"},
+        {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "the same by its older name", "not needed beside the one above"},
     };
 }
 

@@ -243,6 +243,11 @@ std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, co
     return entries;
 }
 
+bool has_anothers_file(const RecoveryEntry& entry) {
+    std::error_code error;
+    return entry.changed && entry.on_disk && std::filesystem::exists(entry.stage, error);
+}
+
 Document restore(const RecoveryEntry& entry) {
     const ordered_json json = read_entry(entry.folder);
     const Members members{json, (entry.folder / kEntryName).string()};
@@ -254,7 +259,7 @@ Document restore(const RecoveryEntry& entry) {
     // The text of a .gltf is all of it; a .glb has its buffers beside.
     if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
         document.file = read_stage_file(stage);
-        document.disk_is_anothers = entry.changed;
+        document.disk_is_anothers = has_anothers_file(entry);
     } else {
         document.file = make_stage_file(stage, text_of(stored, 2) + "\n");
     }

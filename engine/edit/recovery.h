@@ -59,6 +59,9 @@ struct RecoveryEntry {
     bool changed = false;  // the stage's file is another now than that which was edited, or gone
 };
 
+// Whether the disk has another program's version of a stage that had been saved: which saving keeps beside it.
+bool has_anothers_file(const RecoveryEntry& entry);
+
 // All entries, the latest first; what is damaged is left out. No folder, no entries.
 std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder);
 // The same of one stage.

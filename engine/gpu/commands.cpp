@@ -69,6 +69,10 @@ void Commands::submit(const CommandSemaphores& semaphores) {
     in_flight_ = true;
 }
 
+bool Commands::is_done() const {
+    return !in_flight_ || vkGetFenceStatus(device_.handle(), fence_) != VK_NOT_READY;
+}
+
 void Commands::wait() {
     if (!in_flight_) return;
     check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);

@@ -32,6 +32,8 @@ class Commands {
 
     void begin();
     void submit(const CommandSemaphores& semaphores = {});
+    // Whether wait() would return at once.
+    bool is_done() const;
     // Blocks until the submitted work is done. Returns at once when nothing is under way. Throws on device loss.
     void wait();
 

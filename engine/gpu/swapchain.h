@@ -21,7 +21,8 @@ struct PresentTarget {
 // What presenting waits for.
 enum class PresentPace {
     kDisplay,  // each picture is shown for a period at least; acquire() waits for an image
-    kFree,     // nothing: the newest picture is shown, where there is no image the picture is left out
+    kFree,  // nothing: the newest picture is shown, and where there is no image it is left out. Where the system knows
+            // the display's pace alone, an image may come before it is free: what is drawn into it waits on the device
 };
 
 // 8-bit colour as it is on the screen (UNORM, sRGB values), to be copied to and drawn to. One thread's.

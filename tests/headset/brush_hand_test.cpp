@@ -28,6 +28,11 @@ struct BrushHandTest : HandsAtAStage {
         inputs[kRight].select = 0;
         frame();
     }
+    // Its head stays sound.
+    static void damage(const std::filesystem::path& file) {
+        std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+        bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file)) - 1000) << std::string(100, 'x');
+    }
     // Of the only layer there is.
     std::set<uint32_t> painted() const {
         std::set<uint32_t> leaves;
@@ -86,6 +91,51 @@ TEST_F(BrushHandTest, StrokesThatFollowEachOtherAreEachAStep) {
     EXPECT_EQ(steps(), 2u);
 }
 
+TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
+    dab(head_of_ben);
+    settle();
+    on.editor.undo();
+    EXPECT_FALSE(on.editor.modified());
+    dab(head_of_ben + off);
+    settle();
+    const auto layers = layers_of(on.editor.file(), node("ben"));
+    ASSERT_EQ(layers->size(), 1u);
+    std::set<uint32_t> leaves;
+    for (const LeafEdit& edit : on.editor.document().paint.at(layers->front().path)->edits) leaves.insert(edit.leaf);
+    EXPECT_EQ(leaves, within({head_of_ben + off}, on.brush.radius_m));
+}
+
+TEST_F(BrushHandTest, AHandThatHoldsPutsDownWhereTheOtherTakesTheBrush) {
+    on.tool = HandTool::kArrange;
+    const glm::dvec3 before = place("ben");
+    point(kLeft, kLeftHand, kBen);
+    inputs[kLeft].grab = 1;
+    frames(2);
+    point(kLeft, kLeftHand + glm::dvec3(0.3, 0, 0), kBen + glm::dvec3(0.3, 0, 0));
+    frame();
+    on.tool = HandTool::kPaint;  // by the panel
+    frames(2);
+    EXPECT_FALSE(interaction.holding.any());
+    dab(head_of_ben + glm::dvec3(0.3, 0, 0));
+    inputs[kLeft].grab = 0;
+    settle();
+    EXPECT_LT(glm::distance(place("ben"), before + glm::dvec3(0.3, 0, 0)), 1e-9);
+    EXPECT_EQ(steps(), 2u) << "a move and a stroke";
+}
+
+TEST_F(BrushHandTest, APressInTheFrameOfAnEditIsAStroke) {
+    settle();
+    tip_at(head_of_ben);
+    inputs[kRight].select = 1;
+    inputs[kLeft].undo = true;
+    on.editor.edit([&](Document& document) { return rename_node(document.file, node("anna"), "berta"); });
+    frame();
+    inputs[kRight].select = 0;
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+    EXPECT_EQ(on.stage->performers[0].name, "anna") << "it was undone";
+}
+
 TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
     tip_at(head_of_ben - glm::dvec3(0.3, 0, 0));
     inputs[kRight].select = 1;
@@ -128,18 +178,38 @@ TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
 }
 
 TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
-    std::fstream file(clip, std::ios::in | std::ios::out | std::ios::binary);  // its head stays sound
-    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(clip)) - 1000) << std::string(100, 'x');
-    file.close();
+    damage(clip);
     dab(head_of_ben);
     settle();
     EXPECT_TRUE(was_told("figure.nvv"));
     EXPECT_FALSE(interaction.brush.busy());
-    EXPECT_TRUE(interaction.brush.says().empty()) << "nothing is read any more";
+    EXPECT_NE(interaction.brush.says().find("figure.nvv"), std::string::npos) << "as long as it is to be painted";
     EXPECT_FALSE(on.editor.modified());
     inputs[kRight].duplicate = true;
     frames(2);
     EXPECT_EQ(on.stage->performers.size(), 3u) << "other edits go on";
+}
+
+TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
+    const std::filesystem::path copy = folder.path / "copy.nvv";
+    std::filesystem::copy_file(clip, copy);
+    PerformerEdit edit;
+    edit.clip = copy;
+    on.editor.edit([&](Document& document) { return set_performer(document.file, node("anna"), edit); });
+    on.tool = HandTool::kArrange;  // ben's clip is not read yet
+    frames(2);
+    damage(copy);
+    select(kAnna);
+    on.tool = HandTool::kPaint;
+    dab(kAnna);
+    settle();
+    EXPECT_TRUE(was_told("copy.nvv"));
+    on.tool = HandTool::kArrange;
+    select(kBen);
+    on.tool = HandTool::kPaint;
+    dab(head_of_ben);
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {

@@ -145,6 +145,19 @@ TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
     EXPECT_EQ(steps(), 1u);
 }
 
+TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLater) {
+    select(kBen);
+    point(kRight, kRightHand, {0, 5, -2});
+    inputs[kRight].select = 1;
+    frame();
+    inputs[kRight].select = 0;
+    inputs[kLeft].duplicate = true;
+    frames(2);
+    select(kAnna);
+    frames(2);
+    EXPECT_EQ(on.editor.selected(), node("anna"));
+}
+
 TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
     inputs[kRight].aim->position.x = std::numeric_limits<double>::quiet_NaN();
     inputs[kRight].select = inputs[kRight].grab = 1;

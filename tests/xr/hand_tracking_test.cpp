@@ -41,6 +41,7 @@ TEST(HandTracking, ABareHandPointsAlongItsIndexFinger) {
         EXPECT_LT(glm::distance(input.aim->position, wrist + 0.09 * ahead), 1e-9) << i;
         EXPECT_LT(glm::distance(input.aim->rotation * glm::dvec3(0, 0, -1), ahead), 1e-6) << i;
         EXPECT_EQ(input.select, 1);
+        EXPECT_TRUE(input.bare);
         EXPECT_FALSE(input.has_grab);
         EXPECT_TRUE(input.lacks_menu);
     }
@@ -53,6 +54,15 @@ TEST(HandTracking, AHandWithAControllerKeepsIt) {
     EXPECT_FALSE(stand_in(input, hand_at({}, {0, 0, -1}, 0)));
     EXPECT_EQ(input.aim->position, glm::dvec3(1, 2, 3));
     EXPECT_EQ(input.select, 0.3);
+}
+
+TEST(HandTracking, AFistThatTheRuntimeKnowsGoesOnHolding) {
+    HandInput input;
+    input.bare = true;  // of XR_EXT_hand_interaction, its aim not known in this frame
+    input.grab = 1;
+    EXPECT_FALSE(stand_in(input, hand_at({}, {0, 0, -1}, 0)));
+    EXPECT_TRUE(input.has_grab);
+    EXPECT_EQ(input.select, 0);
 }
 
 TEST(HandTracking, WhatIsNoHandStandsInForNone) {

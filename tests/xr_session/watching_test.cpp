@@ -224,6 +224,20 @@ bool is_mirrored(const Image& eye, const Image& screen, const WindowPlace& windo
     return most <= 255 * 0.5 / fits + 1;
 }
 
+// A window that shows it.
+Image enlarged_into(const WindowPlace& window, const Image& eye) {
+    Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
+    const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
+    const double left = (window.width - fits * eye.width) / 2, top = (window.height - fits * eye.height) / 2;
+    for (uint32_t y = 0; y < shown.height; y++)
+        for (uint32_t x = 0; x < shown.width; x++) {
+            const double at_x = (x + 0.5 - left) / fits, at_y = (y + 0.5 - top) / fits;
+            if (at_x >= 0 && at_y >= 0 && at_x < eye.width && at_y < eye.height)
+                std::copy_n(eye.at(static_cast<uint32_t>(at_x), static_cast<uint32_t>(at_y)), 4, shown.at(x, y));
+        }
+    return shown;
+}
+
 TEST_F(Watching, AMirrorShowsTheLeftEye) {
     if (const std::string missing = why_no_hands(); !missing.empty()) GTEST_SKIP() << missing;
     const VirtualScreen screen(folder.path);
@@ -233,7 +247,9 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     script.end(14);
     const XrRun plain = run(script);
     const Image eye = plain.picture(10, "left");
-    EXPECT_FALSE(is_mirrored(plain.picture(10, "right"), screen.picture(), {})) << "nothing is shown yet";
+    EXPECT_FALSE(is_mirrored(eye, screen.picture(), {})) << "nothing is shown yet";
+    EXPECT_TRUE(is_mirrored(eye, enlarged_into({}, eye), {}));
+    EXPECT_FALSE(is_mirrored(eye, enlarged_into({}, plain.picture(10, "right")), {})) << "the other eye is told apart";
     script.json["time"] = "real";
     script.end(80);
     auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--mirror"}); });

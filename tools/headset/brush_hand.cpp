@@ -64,7 +64,7 @@ struct BrushHand::Stroke {
     std::shared_ptr<const Ready> ready;
     std::shared_ptr<const EditLayer> before;
     std::vector<uint8_t> covered;  // by leaf
-    bool region_laid = false, met = false;
+    bool region_laid = false, met = false, failed = false;
 
     bool waits() const { return !waiting.empty() || (region && !region_laid); }
     std::shared_ptr<const EditLayer> lay(const Region& touched);
@@ -107,9 +107,13 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     const std::filesystem::path clip_path = on.stage->clips[performer.clip].path;
     const bool same = ready_ && ready_->node == performer.node && ready_->clip_path == clip_path &&
                       (own ? ready_->layer_path == layers->back().path
-                           : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path));
+                           : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path) &&
+                                 !on.editor.document().paint.contains(ready_->layer_path));  // undone, it is there yet
     if (same) return ready_;
-    if (failed_ == on.editor.id()) return nullptr;
+    if (failed_.id == on.editor.id() && failed_.node == performer.node) {
+        says_ = failed_.problem;
+        return nullptr;
+    }
     says_ = fmt::format("Reading {}, to be painted", performer.name);
     if (std::exchange(reading_, true)) return nullptr;
     auto ready = std::make_shared<Ready>();
@@ -125,9 +129,9 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
             if (reads_layer)
                 ready->layer = std::make_shared<const EditLayer>(read_paint(ready->layer_path, ready->clip->field));
         } catch (const std::exception& error) {
-            return [this, &on, id, problem = std::string(error.what())] {
+            return [this, &on, id, node = ready->node, problem = std::string(error.what())] {
                 reading_ = false;
-                failed_ = id;
+                failed_ = {id, node, problem};
                 on.editor.tell(problem, true);
                 lay(on);
             };
@@ -155,7 +159,7 @@ void BrushHand::update(OnStage& on, Hands& hands) {
         if (const auto ready = prepare(on, *performer)) say_what_is_painted(on, *ready);
     }
     if (on.tool == HandTool::kRegion) return pull_region(on, *performer, hand);
-    if (hand.aim && hand.select.went_down() && hand.at.what != PointedAt::What::kPanel) {
+    if (hand.aim && hand.takes_press() && hand.at.what != PointedAt::What::kPanel) {
         strokes_.push_back(begin(on, *performer));
         hand.feel(0.3);
     }
@@ -236,8 +240,9 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
         try {
             layer = stroke->lay(touched);
         } catch (const std::exception& error) {
-            return [this, &on, problem = std::string(error.what())] {
+            return [this, &on, stroke, problem = std::string(error.what())] {
                 on.editor.tell(problem, true);
+                stroke->failed = true;
                 finish(on);
             };
         }
@@ -256,7 +261,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
 void BrushHand::finish(OnStage& on) {
     on.editor.end_drag();
     const Stroke& stroke = *strokes_.front();
-    if (stroke.region_laid && !stroke.met) on.editor.tell("there is nothing in the box", true);
+    if (stroke.region_laid && !stroke.met && !stroke.failed) on.editor.tell("there is nothing in the box", true);
     strokes_.pop_front();
 }
 
@@ -271,7 +276,7 @@ void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
     for (const InstantPerformer& performer : on.instant.performers) {
         if (performer.performer != index) continue;
         const glm::dvec3 tip = glm::inverse(performer.world_from_performer) * glm::dvec4(tip_of(*hand.aim), 1);
-        if (hand.select.went_down() && hand.at.what != PointedAt::What::kPanel) {
+        if (hand.takes_press() && hand.at.what != PointedAt::What::kPanel) {
             corner_ = tip;
             hand.feel(0.3);
         }

@@ -64,7 +64,11 @@ class BrushHand {
     std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
     // The first is being laid, once its performer has been read; the last is the hand's until it is released.
     std::deque<std::shared_ptr<Stroke>> strokes_;
-    uint64_t failed_ = 0;  // document of which it cannot be known
+    struct Failed {
+        uint64_t id = 0;  // of the document
+        uint32_t node = 0;
+        std::string problem;
+    } failed_;  // what cannot be read
     bool reading_ = false;
     std::string says_;
     std::optional<PaintRegion> region_;

@@ -19,7 +19,8 @@ class Chosen {
     // Empty `path`: nothing is remembered.
     explicit Chosen(std::filesystem::path path) : path_(std::move(path)) {}
 
-    // Sets what was chosen before. What is wrong in the file is told by the editor, and stays as it is.
+    // Sets what was chosen before. What is wrong in the file is told by the editor and has its default, which save()
+    // writes over it.
     void load(OnStage& on, HoldSettings& hold);
     // Writes where something was chosen since. Throws RuntimeFailure.
     void save(const OnStage& on, const HoldSettings& hold);

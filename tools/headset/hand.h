@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "xr/hands.h"
 #include "xr/press.h"
@@ -23,13 +24,16 @@ struct Hand {
     Flick flick;
     PointedAt at;
     double selecting_s = 0;  // for how long select has been held
-    PointedAt pressed;  // what select was pressed on, while it is held; of the panel where it points now, or did last
+    PointedAt pressed;   // what select was pressed on, while it is held; of the panel where it points now, or did last
+    bool fresh = false;  // that press was begun, and nothing has been done by it
     bool held_long = false;   // that press has been taken for a long one
     bool deselects = false;   // it will, where it does not become one
     bool throws_arc = false;  // the stick is pushed for a teleport
     // What it may feel at the frame's end, 0..1.
     double pulse = 0;
 
+    // A press is taken once, in the frame in which it is begun or in the first in which edits are possible again.
+    bool takes_press() { return std::exchange(fresh, false); }
     void feel(double strength) { pulse = std::max(pulse, strength); }
 };
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <thread>
 
 #include "base/platform.h"
@@ -71,7 +71,8 @@ void Visit::open() {
         lost.reset();
     }
     if (lost) on.editor.tell("unsaved edits of an earlier run are taken: save keeps them");
-    if (lost && lost->changed) on.editor.tell("the stage's file has changed since: saving keeps that beside it");
+    if (lost && has_anothers_file(*lost))
+        on.editor.tell("the stage's file has changed since: saving keeps that beside it");
     on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
     on.follow_document();
     chosen.load(on, interaction.holding.settings);
@@ -96,7 +97,7 @@ void Visit::finish() {
 
 // Unsaved edits are not lost, but whoever leaves should know of them.
 void Visit::leave() {
-    leaves = !on.editor.modified() || now_s() < asked_until_s;
+    leaves = !on.editor.modified() || keeper->saving() || now_s() < asked_until_s;
     if (leaves) return;
     asked_until_s = now_s() + kNotice_s;
     on.editor.tell("not saved: Leave once more keeps the edits for --recover", true);
@@ -119,8 +120,8 @@ struct OnRuntime {
 
     Runtime runtime;
     Device device;
-    // Of all clips that were ever on stage: undoing a deletion in the middle of a session must not read one.
-    std::set<std::shared_ptr<const Field>> fields;
+    // Of all clips that were ever on stage, as read last: undoing a deletion in a session must not read one.
+    std::map<std::filesystem::path, std::shared_ptr<const Field>> fields;
     std::unique_ptr<StageRenderer> renderer;  // made for the first session's images
     std::shared_ptr<const Stage> drawn;
 };
@@ -143,7 +144,7 @@ void know_clips(OnStage& on, OnRuntime& at) {
     for (uint32_t clip = 0; clip < on.stage->clips.size(); clip++) {
         const auto field = at.renderer->shared_field(clip);
         on.leaf_boxes.emplace_back(field->leaves_min, field->leaves_max);
-        at.fields.insert(field);
+        at.fields[on.stage->clips[clip].path] = field;
     }
 }
 
@@ -195,7 +196,7 @@ void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
         std::make_unique<StageRenderer>(at.device, *at.drawn, eyes.capacity(), StageRenderer::Loaded{}, paint);
     know_clips(visit.on, at);
     visit.on.look_at_instant();
-    visit.on.floor_m = floor_of(visit.on);
+    if (!visit.placed) visit.on.floor_m = floor_of(visit.on);  // later it stays, with who stands on it
 }
 
 void hear(const SessionNews& news, InSession& in) {

@@ -52,6 +52,7 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
             take(on, hand, which);
         }
     }
+    if (on.tool != HandTool::kArrange) put_down(on);  // a hand has taken up another tool
     if (!grab_) return;
     for (int which = 0; which < kHands; which++) {
         if (!holds(which) || !hands[which].aim) continue;

@@ -59,6 +59,8 @@ void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head
     if (!on.is_behind()) select(on);
     if (!on.is_behind()) holding.update(on, hands, dt_s);
     if (!on.is_behind()) brush.update(on, hands);
+    if (!on.is_behind())
+        for (Hand& hand : hands) hand.fresh = false;
     std::array<bool, kHands> free{};
     for (int which = 0; which < kHands; which++)
         free[which] = !holding.holds(which) && hands[which].at.what != PointedAt::What::kPanel;
@@ -153,7 +155,8 @@ void Interaction::remember_presses() {
     for (Hand& hand : hands) {
         if (hand.select.went_down()) {
             hand.pressed = hand.at;
-            hand.held_long = false;
+            hand.fresh = true;
+            hand.held_long = hand.deselects = false;
         }
         if (!hand.select.held()) hand.pressed = {};
         const bool on_panel = hand.pressed.what == PointedAt::What::kPanel && hand.at.what == PointedAt::What::kPanel;
@@ -205,14 +208,16 @@ void Interaction::step_through(OnStage& on, Hand& hand) {
 void Interaction::select(OnStage& on) {
     for (int which = 0; which < kHands; which++) {
         Hand& hand = hands[which];
-        if (hand.select.went_up() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
-        if (!hand.select.went_down()) continue;
+        if (!hand.select.held() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
+        if (!hand.fresh) continue;
         if (hand.at.what == PointedAt::What::kPanel) {
+            hand.fresh = false;
             panel_hand_ = which;
             hand.feel(0.2);
             continue;
         }
         if (on.tool != HandTool::kArrange || holding.any()) continue;
+        hand.fresh = false;
         if (hand.at.what == PointedAt::What::kPerformer) {
             on.editor.select(on.stage->performers[hand.at.performer].node);
             hand.feel(0.5);

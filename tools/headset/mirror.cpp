@@ -21,6 +21,7 @@ bool Mirror::show(const DeviceImage* picture) {
     if (!picture) return true;
     const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
+    if (!commands_.is_done()) return true;  // the monitor is slower: this picture is left out
     commands_.wait();
     if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);

@@ -96,7 +96,7 @@ void Files::recover_panel() {
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
     ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
-    if (entry.changed)
+    if (has_anothers_file(entry))
         ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
     if (button(viewer_, "Recover")) {
