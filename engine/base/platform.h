@@ -40,7 +40,8 @@ uint64_t available_memory_bytes();
 // fit in RAM waits there. Freed all at once with the resource. Throws RuntimeFailure where the disk has no room.
 std::unique_ptr<std::pmr::memory_resource> spooled_memory(const std::filesystem::path& folder, uint64_t bytes);
 
-// After this, SIGINT and SIGTERM set a flag instead of ending the program; a second one ends it.
+// After this, SIGINT and SIGTERM set a flag instead of ending the program; a second one, later than half a second, ends
+// it.
 void catch_stop_signals();
 bool stop_requested();
 

@@ -301,7 +301,10 @@ TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
 TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
-    child.send(SIGINT);
+    for (int i = 0; i < 3; i++) {  // as `timeout` does, to the program and to its group
+        child.send(SIGINT);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
     EXPECT_EQ(child.wait(), 0) << read_text(log_);
     EXPECT_GT(load_checkpoint(nvv_).run.step, 0u);
     EXPECT_NE(read_text(log_).find("interrupted"), std::string::npos) << read_text(log_);
