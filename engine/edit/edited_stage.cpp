@@ -32,16 +32,6 @@ bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
     return saved != document.saved_paint.end() && saved->second == layer.second;
 }
 
-// "stage-theirs.gltf", "stage-theirs-2.gltf".
-std::filesystem::path path_of_theirs(const std::filesystem::path& stage) {
-    std::filesystem::path path;
-    for (int number = 1; path.empty() || std::filesystem::exists(path); number++)
-        path =
-            stage.parent_path() / fmt::format("{}-theirs{}{}", stage.stem().string(),
-                                              number > 1 ? fmt::format("-{}", number) : "", stage.extension().string());
-    return path;
-}
-
 // What the disk has in the place of this file, where that is another program's.
 std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const std::filesystem::path& path) {
     const StageFile& file = document.file;
@@ -78,12 +68,20 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
     }
     std::optional<std::filesystem::path> kept;
     if (const auto theirs = theirs_at(document, path)) {
-        kept = path_of_theirs(path);
+        kept = free_path(path.parent_path() / (path.stem().string() + "-theirs" + path.extension().string()));
         write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
     }
     save_stage_file(document.file, path);
     document.disk_is_anothers = false;
     return kept;
+}
+
+std::filesystem::path free_path(const std::filesystem::path& wanted) {
+    std::filesystem::path path = wanted;
+    for (int number = 2; std::filesystem::exists(path); number++)
+        path =
+            wanted.parent_path() / fmt::format("{}-{}{}", wanted.stem().string(), number, wanted.extension().string());
+    return path;
 }
 
 std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs) {

@@ -39,6 +39,8 @@ std::shared_ptr<const EditLayer> open_paint(Document& document, const std::files
 // name that is free, "stage-theirs.gltf", which is returned. Throws InputError for a document that could not be loaded
 // again (expect_sound_document), RuntimeFailure where the disk fails; what was written by then stays written.
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path);
+// The first of "stage.gltf", "stage-2.gltf", … that is not there.
+std::filesystem::path free_path(const std::filesystem::path& wanted);
 // "saved stage.gltf", and what became of another program's version.
 std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
 

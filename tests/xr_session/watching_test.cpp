@@ -207,12 +207,20 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
         << "four frames took three displays each";
 }
 
+// A picture in the middle of a window, as large as it fits: pixels for one of it, and its corner.
+struct Fitted {
+    double fits, left, top;
+};
+Fitted fitted(const Image& eye, const WindowPlace& window) {
+    const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
+    return {fits, (window.width - fits * eye.width) / 2, (window.height - fits * eye.height) / 2};
+}
+
 // Whether a picture of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
 // screen does not reach are left out. The middle of an eye's pixel lies within half a pixel of the screen's, so its
 // neighbour may have a share in that.
 bool is_mirrored(const Image& eye, const Image& screen, const WindowPlace& window) {
-    const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
-    const double left = (window.width - fits * eye.width) / 2, top = (window.height - fits * eye.height) / 2;
+    const auto [fits, left, top] = fitted(eye, window);
     int most = 0;
     for (uint32_t y = 4; y < eye.height; y += 8)
         for (uint32_t x = 4; x < eye.width; x += 8) {
@@ -227,8 +235,7 @@ bool is_mirrored(const Image& eye, const Image& screen, const WindowPlace& windo
 // A window that shows it.
 Image enlarged_into(const WindowPlace& window, const Image& eye) {
     Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
-    const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
-    const double left = (window.width - fits * eye.width) / 2, top = (window.height - fits * eye.height) / 2;
+    const auto [fits, left, top] = fitted(eye, window);
     for (uint32_t y = 0; y < shown.height; y++)
         for (uint32_t x = 0; x < shown.width; x++) {
             const double at_x = (x + 0.5 - left) / fits, at_y = (y + 0.5 - top) / fits;

@@ -1,21 +1,6 @@
 #include "tools/headset/keeper.h"
 
-#include <fmt/format.h>
-
 namespace neuvv {
-
-namespace {
-
-// "stage.gltf", "stage-2.gltf".
-std::filesystem::path free_path(const std::filesystem::path& wanted) {
-    std::filesystem::path path = wanted;
-    for (int number = 2; std::filesystem::exists(path); number++)
-        path =
-            wanted.parent_path() / fmt::format("{}-{}{}", wanted.stem().string(), number, wanted.extension().string());
-    return path;
-}
-
-}  // namespace
 
 std::optional<RecoveryEntry> lost_edits(const std::filesystem::path& stage) {
     if (recovery_folder().empty()) return std::nullopt;
