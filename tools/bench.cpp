@@ -9,7 +9,7 @@
 #include "base/platform.h"
 #include "gpu/commands.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 double quantile(std::vector<double> values, double p) {
     if (values.empty()) return 0;
@@ -28,24 +28,25 @@ void expect_not_stopped() {
     if (stop_requested()) throw RuntimeFailure("stopped before the end");
 }
 
-double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to) {
-    Commands commands(device, "copy");
+double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to) {
+    gpu::Commands commands(device, "copy");
     commands.begin();
     {
-        const PassScope scope(commands, "copy");
-        copy(commands, from, to, from.bytes);
+        const gpu::PassScope scope(commands, "copy");
+        gpu::copy(commands, from, to, from.bytes);
     }
     commands.submit();
     commands.wait();
     return commands.pass_times()[0].milliseconds;
 }
 
-void add_picture(std::vector<PassSum>& sums, const std::vector<PassTime>& passes) {
-    for (const PassTime& pass : passes) {
+void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes) {
+    for (const gpu::PassTime& pass : passes) {
         auto found = std::find_if(sums.begin(), sums.end(), [&](const PassSum& sum) { return sum.name == pass.name; });
         if (found == sums.end()) found = sums.insert(sums.end(), {pass.name, {}});
-        const bool again = std::find_if(passes.data(), &pass,
-                                        [&](const PassTime& earlier) { return earlier.name == pass.name; }) != &pass;
+        const bool again = std::find_if(passes.data(), &pass, [&](const gpu::PassTime& earlier) {
+                               return earlier.name == pass.name;
+                           }) != &pass;
         if (again)
             found->ms.back() += pass.milliseconds;
         else
@@ -74,4 +75,4 @@ void add_bench(CLI::App& app, CommonOptions& common) {
     add_bench_train(*verb, common);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

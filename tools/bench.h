@@ -6,7 +6,7 @@
 #include "gpu/commands.h"
 #include "tools/commands.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 void add_bench_instances(CLI::App& bench, CommonOptions& common);
 void add_bench_stereo(CLI::App& bench, CommonOptions& common);
@@ -23,7 +23,7 @@ double quantile(std::vector<double> values, double p);
 // Throws RuntimeFailure where the user has asked to stop.
 void expect_not_stopped();
 // How long the device takes to copy all of a buffer to another: the measure of what its memory gives.
-double copy_milliseconds(const Device& device, const Buffer& from, const Buffer& to);
+double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to);
 double mean(const std::vector<double>& values);  // 0 of none
 inline double median(std::vector<double> values) {
     return quantile(std::move(values), 0.5);
@@ -34,8 +34,8 @@ struct PassSum {
     std::string name;
     std::vector<double> ms;  // one a picture, however often the pass ran in it
 };
-void add_picture(std::vector<PassSum>& sums, const std::vector<PassTime>& passes);
+void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes);
 // "shade 1.2 trace 3.4": medians.
 std::string passes_text(const std::vector<PassSum>& sums);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -15,19 +15,19 @@
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct BenchInstancesOptions {
     std::string scene, size = "1280x720", picture;
     uint32_t count = 16, repeats = 5;
-    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
     bool json = false;
 };
 
 struct Shown {
-    Image picture;  // the last
+    media::Image picture;  // the last
     std::vector<PassSum> passes;
     std::vector<double> ms;     // with slices resident
     uint64_t buffer_bytes = 0;  // of renderer and performer on the device
@@ -36,11 +36,12 @@ struct Shown {
 };
 
 // Copies side by side in a square that faces the camera, each turned and at its own time.
-std::vector<Instance> copies_of(const VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count) {
+std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box,
+                                        uint32_t count) {
     const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double step_m = 1.05 * glm::length(box.second - box.first);
-    std::vector<Instance> copies;
+    std::vector<render::Instance> copies;
     for (uint32_t i = 0; i < count; i++) {
         const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
         glm::dmat4 place = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
@@ -52,10 +53,10 @@ std::vector<Instance> copies_of(const VOctree& tree, const std::pair<glm::dvec3,
 }
 
 // Sees a square of `count` copies from +Z.
-Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, PictureSize size) {
+stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, PictureSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
-    Camera camera;
+    stage::Camera camera;
     camera.width = size.width;
     camera.height = size.height;
     camera.cx = 0.5 * size.width;
@@ -66,31 +67,31 @@ Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, P
 }
 
 // Frames of so many instances each, one after the other.
-Shown show(const Device& device, const Field& field, const BenchInstancesOptions& options, const Camera& camera,
-           const std::vector<std::vector<Instance>>& frames) {
+Shown show(const gpu::Device& device, const render::Field& field, const BenchInstancesOptions& options,
+           const stage::Camera& camera, const std::vector<std::vector<render::Instance>>& frames) {
     const uint64_t before = device.buffer_bytes();
-    FrameCapacity capacity{camera.width, camera.height};
+    render::FrameCapacity capacity{camera.width, camera.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    FrameRenderer renderer(device, field, capacity);
-    FrameSettings settings;
+    render::FrameRenderer renderer(device, field, capacity);
+    render::FrameSettings settings;
     settings.width = camera.width;
     settings.height = camera.height;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     settings.resolve.background = {1, 1, 1, 1};
     Shown shown;
-    for (const std::vector<Instance>& instances : frames) {
+    for (const std::vector<render::Instance>& instances : frames) {
         settings.instances = instances;
         renderer.render(camera, settings);  // slices, compiles
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
             shown.picture = renderer.render(camera, settings);
             double sum = 0;
-            for (const PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
+            for (const gpu::PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
             shown.ms.push_back(sum);
             add_picture(shown.passes, renderer.pass_times());
         }
         for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
-        if (const SliceCache* slices = renderer.performer()->slices())
-            for (const Instance& instance : instances)
+        if (const render::SliceCache* slices = renderer.performer()->slices())
+            for (const render::Instance& instance : instances)
                 shown.slices += slices->find({instance.frame, instance.paint}).has_value();
     }
     shown.buffer_bytes = device.buffer_bytes() - before;
@@ -111,18 +112,18 @@ struct Result {
     }
 };
 
-Result measure_all(const Device& device, const VOctree& tree, const BenchInstancesOptions& options) {
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchInstancesOptions& options) {
     const uint64_t before = device.buffer_bytes();
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     Result result;
     result.field_bytes = device.buffer_bytes() - before;
     const auto box = occupied_box(tree);
-    const std::vector<Instance> copies = copies_of(tree, box, options.count);
-    const Camera camera = camera_of(box, options.count, parse_size(options.size));
+    const std::vector<render::Instance> copies = copies_of(tree, box, options.count);
+    const stage::Camera camera = camera_of(box, options.count, parse_size(options.size));
     Progress progress("bench", 2);
     result.count = options.count;
-    std::vector<std::vector<Instance>> alone;
-    for (const Instance& copy : copies) alone.push_back({copy});
+    std::vector<std::vector<render::Instance>> alone;
+    for (const render::Instance& copy : copies) alone.push_back({copy});
     result.one = show(device, field, options, camera, alone);
     progress.update(1);
     result.all = show(device, field, options, camera, {copies});
@@ -130,7 +131,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchInstanc
     return result;
 }
 
-void print(const Result& result, const Device& device, const BenchInstancesOptions& options) {
+void print(const Result& result, const gpu::Device& device, const BenchInstancesOptions& options) {
     fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
@@ -146,7 +147,7 @@ void print(const Result& result, const Device& device, const BenchInstancesOptio
                (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchInstancesOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchInstancesOptions& options) {
     const auto shown = [&](const Shown& one, uint32_t frames) {
         return nlohmann::ordered_json{{"ms", mean(one.ms)},
                                       {"covered_rays", one.covered / frames},
@@ -167,11 +168,11 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 void run(const BenchInstancesOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
-    const VOctree tree = read_nvv(options.scene);
-    const Device device(common.device);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (!options.picture.empty()) write_png(options.picture, result.all.picture);
+    if (!options.picture.empty()) media::write_png(options.picture, result.all.picture);
     if (options.json)
         fmt::print("{}", json_text(json_of(result, device, options)));
     else
@@ -185,7 +186,7 @@ void add_bench_instances(CLI::App& bench, CommonOptions& common) {
     const auto options = std::make_shared<BenchInstancesOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--count", options->count, "Copies, each turned and at its own time")
-        ->check(CLI::Range(2u, kMaxInstances))
+        ->check(CLI::Range(2u, render::kMaxInstances))
         ->capture_default_str();
     add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
@@ -204,4 +205,4 @@ void add_bench_instances(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -19,7 +19,7 @@
 #include "voctree/coarse.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -33,7 +33,7 @@ struct BenchOpenOptions {
 struct Opening {
     uint32_t leaves = 0;
     double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`
-    Image picture;
+    media::Image picture;
     double total() const { return read + upload + prepare + render; }
 };
 
@@ -43,28 +43,28 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
 }
 
 // `view`: that of both pictures, found with the first tree; finding it takes no part in the times.
-Opening open(const Device& device, const std::function<VOctree()>& read, std::optional<ViewStep>& view,
+Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read, std::optional<ViewStep>& view,
              PictureSize size) {
     Opening result;
     auto mark = std::chrono::steady_clock::now();
-    const VOctree tree = read();
+    const voctree::VOctree tree = read();
     result.read = seconds_since(mark);
-    if (!defect_of(tree).empty()) throw std::logic_error("a tree that was read has no defect");
+    if (!voctree::defect_of(tree).empty()) throw std::logic_error("a tree that was read has no defect");
     result.check = seconds_since(mark);
     result.leaves = tree.leaf_count;
     if (!view) view = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size)[0];
 
     seconds_since(mark);
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     result.upload = seconds_since(mark);
-    FrameRenderer renderer(device, field, {size.width, size.height});
+    render::FrameRenderer renderer(device, field, {size.width, size.height});
     result.prepare = seconds_since(mark);
-    FrameSettings settings;
+    render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(view->frame);
     settings.width = size.width;
     settings.height = size.height;
     settings.resolve.background = {1, 1, 1, 1};
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     result.picture = renderer.render(view->camera, settings);
     result.render = seconds_since(mark);
     return result;
@@ -81,10 +81,10 @@ void print(const char* name, const Opening& opening) {
                opening.total(), opening.read, opening.check, opening.upload, opening.prepare, opening.render);
 }
 
-void report(const BenchOpenOptions& options, const Device& device, uint64_t bytes, const std::optional<Opening>& first,
-            const Opening& whole) {
+void report(const BenchOpenOptions& options, const gpu::Device& device, uint64_t bytes,
+            const std::optional<Opening>& first, const Opening& whole) {
     const double share = first ? first->total() / whole.total() : 1;
-    const double psnr = first ? compare(whole.picture, first->picture).psnr : 99;
+    const double psnr = first ? training::compare(whole.picture, first->picture).psnr : 99;
     if (options.json) {
         fmt::print("{}", json_text({{"device", device.summary().name},
                                     {"scene", options.scene},
@@ -105,34 +105,34 @@ void report(const BenchOpenOptions& options, const Device& device, uint64_t byte
         fmt::print("the first picture takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
                    100 * share, psnr);
     else
-        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", kCoarseFrom);
+        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
 }
 
 void write_synthetic(const BenchOpenOptions& options) {
     if (std::filesystem::exists(options.scene))
         throw InputError(options.scene, "", "is there already", "name a new file, or leave --synthetic out");
     prepare_output_file("scene", options.scene);
-    const VOctree tree = synthetic_scene(options.synthetic_megabytes);
-    write_nvv(options.scene, tree, {}, 1, coarse_tree(tree));
+    const voctree::VOctree tree = synthetic_scene(options.synthetic_megabytes);
+    voctree::write_nvv(options.scene, tree, {}, 1, voctree::coarse_tree(tree));
 }
 
 void run(const BenchOpenOptions& options, const CommonOptions& common) {
     const PictureSize size = parse_size(options.size);
     if (!options.pictures.empty()) prepare_output_folder("--pictures", options.pictures);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
-    const NvvSummary summary = summarise_nvv(options.scene);
+    const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     std::optional<ViewStep> view;
     std::optional<Opening> first;
     if (has_coarse)
         first = open(
-            device, [&] { return *read_nvv_coarse(options.scene); }, view, size);
+            device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
     const Opening whole = open(
-        device, [&] { return read_nvv(options.scene); }, view, size);
+        device, [&] { return voctree::read_nvv(options.scene); }, view, size);
     if (!options.pictures.empty()) {
-        if (first) write_png(std::filesystem::path(options.pictures) / "coarse.png", first->picture);
-        write_png(std::filesystem::path(options.pictures) / "whole.png", whole.picture);
+        if (first) media::write_png(std::filesystem::path(options.pictures) / "coarse.png", first->picture);
+        media::write_png(std::filesystem::path(options.pictures) / "whole.png", whole.picture);
     }
     report(options, device, summary.file_bytes, first, whole);
 }
@@ -163,4 +163,4 @@ void add_bench_open(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -19,7 +19,7 @@
 #include "voctree/half.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -37,15 +37,15 @@ constexpr double kViewsPerSlice = 2 * 90 / 25.0;
 struct Way {
     const char* name;
     const char* key;  // in JSON
-    TraceMode mode;
+    render::TraceMode mode;
     std::vector<double> slice_ms, rest_ms;  // of each picture; a picture's slice is made once
     double seconds(double slices) const { return (slices * median(slice_ms) + median(rest_ms)) / 1000; }
     double p99(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
 };
 
-double milliseconds(const std::vector<PassTime>& passes, bool of_slice) {
+double milliseconds(const std::vector<gpu::PassTime>& passes, bool of_slice) {
     double sum = 0;
-    for (const PassTime& pass : passes)
+    for (const gpu::PassTime& pass : passes)
         if (pass.name.starts_with("slice") == of_slice) sum += pass.milliseconds;
     return sum;
 }
@@ -69,16 +69,18 @@ struct Result {
 };
 
 // The first of the slices that are kept.
-HostSlice host_slice(const Device& device, const Field& field, const Performer& performer) {
-    const SliceTrees& trees = performer.slices()->trees();
+HostSlice host_slice(const gpu::Device& device, const render::Field& field, const render::Performer& performer) {
+    const render::SliceTrees& trees = performer.slices()->trees();
     HostSlice slice;
     LiveCount count;
-    download(device, trees.counts, &count, sizeof(count));
+    gpu::download(device, trees.counts, &count, sizeof(count));
     std::vector<glm::uvec2> words(std::min(count.slots, trees.capacity));
     slice.nodes.resize(field.node_count());
-    download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
-    download(device, *performer.passes().shaded(), words.data(), words.size() * sizeof(glm::uvec2));
-    const auto number = [](uint32_t word, int shift) { return float_from_half(static_cast<uint16_t>(word >> shift)); };
+    gpu::download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
+    gpu::download(device, *performer.passes().shaded(), words.data(), words.size() * sizeof(glm::uvec2));
+    const auto number = [](uint32_t word, int shift) {
+        return voctree::float_from_half(static_cast<uint16_t>(word >> shift));
+    };
     for (const glm::uvec2 word : words) {
         if (word.x & kEntryIsNode)
             slice.entries.push_back({0, {}, word.y});
@@ -92,9 +94,9 @@ HostSlice host_slice(const Device& device, const Field& field, const Performer& 
     return slice;
 }
 
-HostTileRanges host_ranges(const Device& device, const TileRanges& of, size_t tiles) {
+HostTileRanges host_ranges(const gpu::Device& device, const render::TileRanges& of, size_t tiles) {
     std::vector<glm::uvec2> words(tiles);
-    download(device, of.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    gpu::download(device, of.ranges, words.data(), words.size() * sizeof(glm::uvec2));
     HostTileRanges ranges;
     for (const glm::uvec2 word : words)
         ranges.push_back(word.x == kNoTile ? glm::vec2(1, 0)
@@ -103,15 +105,15 @@ HostTileRanges host_ranges(const Device& device, const TileRanges& of, size_t ti
 }
 
 // The rays of the picture that the renderer has just shaded, by the host.
-void measure_host(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
-                  uint32_t repeats, HostTimes& host) {
+void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
+                  const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
     const HostSlice slice = host_slice(device, field, *renderer.performer());
     const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
     const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
     std::vector<glm::vec4> rays;
     for (uint32_t i = 0; i < repeats; i++) {
         const auto start = std::chrono::steady_clock::now();
-        rays = march_on_host(slice, ranges, camera, kStopTransmittance, host.counts);
+        rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
         host.pictures++;
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         host.ms.push_back(took.count());
@@ -123,23 +125,24 @@ void measure_host(const Device& device, const Field& field, const FrameRenderer&
 }
 
 // Adds to a way's times; returns the last picture.
-Image measure(FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t repeats, Result& result) {
-    FrameSettings settings;
+media::Image measure(render::FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t repeats,
+                     Result& result) {
+    render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(view.frame);
     settings.width = view.camera.width;
     settings.height = view.camera.height;
     settings.mode = way.mode;
     settings.resolve.background = {1, 1, 1, 1};
-    Image image = renderer.render(view.camera, settings);  // warms caches, compiles
+    media::Image image = renderer.render(view.camera, settings);  // warms caches, compiles
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         renderer.forget_slices();
         image = renderer.render(view.camera, settings);
-        const std::vector<PassTime> passes = renderer.pass_times();
+        const std::vector<gpu::PassTime> passes = renderer.pass_times();
         way.slice_ms.push_back(milliseconds(passes, true));
         way.rest_ms.push_back(milliseconds(passes, false));
-        if (way.mode != TraceMode::kShaded) continue;
+        if (way.mode != render::TraceMode::kShaded) continue;
         add_picture(result.passes, passes);
-        for (const PassTime& pass : passes)
+        for (const gpu::PassTime& pass : passes)
             if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
     }
     return image;
@@ -150,29 +153,29 @@ double covered_share(const std::vector<glm::vec4>& rays) {
     return static_cast<double>(seen) / static_cast<double>(rays.size());
 }
 
-Result measure_all(const Device& device, const VOctree& tree, const BenchRenderOptions& options) {
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchRenderOptions& options) {
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const PictureSize size = parse_size(options.size);
     std::vector<ViewStep> path = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     Result result;
     result.rays = uint64_t{size.width} * size.height;
-    result.ways = {{"the paper's: from the root, all numbers", "paper", TraceMode::kPaper, {}, {}},
-                   {"all numbers, our walk", "direct", TraceMode::kDirect, {}, {}},
-                   {"slice in slots, our walk", "slice", TraceMode::kSlice, {}, {}},
-                   {"slice tree and tile ranges", "tree", TraceMode::kTree, {}, {}},
-                   {"the same, shaded", "shaded", TraceMode::kShaded, {}, {}}};
-    FrameRenderer renderer(device, field, {size.width, size.height});
+    result.ways = {{"the paper's: from the root, all numbers", "paper", render::TraceMode::kPaper, {}, {}},
+                   {"all numbers, our walk", "direct", render::TraceMode::kDirect, {}, {}},
+                   {"slice in slots, our walk", "slice", render::TraceMode::kSlice, {}, {}},
+                   {"slice tree and tile ranges", "tree", render::TraceMode::kTree, {}, {}},
+                   {"the same, shaded", "shaded", render::TraceMode::kShaded, {}, {}}};
+    render::FrameRenderer renderer(device, field, {size.width, size.height});
     Progress progress("bench", options.views * result.ways.size());
     double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
         const ViewStep& view = path[i * path.size() / options.views];
-        Image truth;
+        media::Image truth;
         for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
             const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
-            const Image picture = measure(renderer, result.ways[w], view, repeats, result);
+            const media::Image picture = measure(renderer, result.ways[w], view, repeats, result);
             if (w == 0) truth = picture;
             if (w + 1 == result.ways.size()) {
-                const Quality quality = compare(truth, picture);
+                const training::Quality quality = training::compare(truth, picture);
                 result.mean_difference += quality.mae / options.views;
                 squares += std::pow(10, -quality.psnr / 10) / options.views;
                 if (!options.rival.empty())
@@ -184,7 +187,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchRenderO
         result.covered += covered_share(renderer.radiance()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
-    const Buffer copied(device, "copy", field.weights.bytes, MemoryKind::kDevice);
+    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
     std::vector<double> copies;
     for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
     result.copy_gb_s = 2e-6 * static_cast<double>(field.weights.bytes) / median(copies);
@@ -215,7 +218,8 @@ double ranges_and_trace_ms(const Result& result) {
     return sum;
 }
 
-void print(const Result& result, const Device& device, const BenchRenderOptions& options, const VOctree& tree) {
+void print(const Result& result, const gpu::Device& device, const BenchRenderOptions& options,
+           const voctree::VOctree& tree) {
     const auto rays = static_cast<double>(result.rays);
     fmt::print("{}: {}, {} leaves, degree {}; {} pixels, {} views, {:.0f} % of the pixels covered\n",
                device.summary().name, options.scene, tree.leaf_count, tree.hh_degree, options.size, options.views,
@@ -246,7 +250,7 @@ void print(const Result& result, const Device& device, const BenchRenderOptions&
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchRenderOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchRenderOptions& options) {
     auto ways = nlohmann::ordered_json::object();
     const double paper = result.ways[0].seconds(1);
     for (const Way& way : result.ways)
@@ -281,8 +285,8 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 
 void run(const BenchRenderOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Device device(common.device);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (!options.json) return print(result, device, options, tree);
@@ -315,4 +319,4 @@ void add_bench_render(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -10,7 +10,7 @@
 #include "tools/bench.h"
 #include "training/metrics.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -22,23 +22,26 @@ double picture_ms(const RivalTimes& times) {
     return median(times.project_ms) + median(times.sort_ms) + median(times.composite_ms);
 }
 
-RayBatch rays_of(const Device& device, const Camera& camera) {
-    const std::vector<Tile> tiles = tiles_of_picture(0, camera.width, camera.height);
-    RayBatch rays(device, 1, static_cast<uint32_t>(tiles.size()));
-    *rays.cameras.as<ShaderCamera>() = shader_camera(camera);
+render::RayBatch rays_of(const gpu::Device& device, const stage::Camera& camera) {
+    const std::vector<Tile> tiles = render::tiles_of_picture(0, camera.width, camera.height);
+    render::RayBatch rays(device, 1, static_cast<uint32_t>(tiles.size()));
+    *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
     std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
     return rays;
 }
 
-uint32_t count_pairs(const Device& device, const Field& field, const Performer& performer, const RayBatch& rays) {
-    const LeafRasterizer counter(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays, 1);
-    run_once(device, "count pairs",
-             [&](Commands& commands) { record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>()); });
-    return pairs_wanted(device, counter);
+uint32_t count_pairs(const gpu::Device& device, const render::Field& field, const render::Performer& performer,
+                     const render::RayBatch& rays) {
+    const render::LeafRasterizer counter(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
+                                         1);
+    gpu::run_once(device, "count pairs", [&](gpu::Commands& commands) {
+        render::record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>());
+    });
+    return render::pairs_wanted(device, counter);
 }
 
-void add_times(RivalTimes& times, const std::vector<PassTime>& passes) {
-    for (const PassTime& pass : passes) {
+void add_times(RivalTimes& times, const std::vector<gpu::PassTime>& passes) {
+    for (const gpu::PassTime& pass : passes) {
         if (pass.name == "project") times.project_ms.push_back(pass.milliseconds);
         if (pass.name == "sort") times.sort_ms.push_back(pass.milliseconds);
         if (pass.name == "composite") times.composite_ms.push_back(pass.milliseconds);
@@ -46,38 +49,38 @@ void add_times(RivalTimes& times, const std::vector<PassTime>& passes) {
 }
 
 // The rays over white.
-Image picture_of(const Device& device, const RayBatch& rays, uint32_t width, uint32_t height) {
-    const Buffer picture(device, "rival's picture", uint64_t{4} * width * height, MemoryKind::kDevice,
-                         VK_FORMAT_R32_UINT);
-    const Resolver resolver(device, RaysPerPixel::kWhole, rays, picture);
-    ResolveSettings settings;
+media::Image picture_of(const gpu::Device& device, const render::RayBatch& rays, uint32_t width, uint32_t height) {
+    const gpu::Buffer picture(device, "rival's picture", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
+                              VK_FORMAT_R32_UINT);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, rays, picture);
+    render::ResolveSettings settings;
     settings.background = {1, 1, 1, 1};
-    run_once(device, "resolve", [&](Commands& commands) {
-        record_resolve(commands, resolver, {width, height}, settings);
+    gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
+        render::record_resolve(commands, resolver, {width, height}, settings);
     });
-    Image image(width, height);
-    download(device, picture, image.rgba.data(), image.rgba.size());
+    media::Image image(width, height);
+    gpu::download(device, picture, image.rgba.data(), image.rgba.size());
     return image;
 }
 
 }  // namespace
 
-void measure_rival(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
-                   const Image& shaded, uint32_t repeats, RivalTimes& times) {
-    const Performer& performer = *renderer.performer();
-    const RayBatch rays = rays_of(device, camera);
+void measure_rival(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
+                   const stage::Camera& camera, const media::Image& shaded, uint32_t repeats, RivalTimes& times) {
+    const render::Performer& performer = *renderer.performer();
+    const render::RayBatch rays = rays_of(device, camera);
     const uint32_t pairs = count_pairs(device, field, performer, rays);
-    const LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
-                                    pairs);
-    Commands commands(device, "rival");
+    const render::LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(),
+                                            rays, pairs);
+    gpu::Commands commands(device, "rival");
     for (uint32_t i = 0; i < repeats + 1; i++) {
         commands.begin();
-        record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
+        render::record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
         commands.submit();
         commands.wait();
         if (i > 0) add_times(times, commands.pass_times());  // the first warms caches
     }
-    const Quality quality = compare(shaded, picture_of(device, rays, camera.width, camera.height));
+    const training::Quality quality = training::compare(shaded, picture_of(device, rays, camera.width, camera.height));
     times.pairs.push_back(pairs);
     times.differences.push_back(quality.mae);
     times.squares.push_back(std::pow(10, -quality.psnr / 10));
@@ -106,4 +109,4 @@ nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms) {
             {"psnr_db", psnr(times)}};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

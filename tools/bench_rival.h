@@ -7,7 +7,7 @@
 
 #include "render/frame.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct RivalTimes {
     std::vector<double> project_ms, sort_ms, composite_ms;  // of each picture
@@ -16,11 +16,11 @@ struct RivalTimes {
 };
 
 // Draws the picture that the renderer has just shaded, from the first of the slices that it keeps, so many times.
-void measure_rival(const Device& device, const Field& field, const FrameRenderer& renderer, const Camera& camera,
-                   const Image& shaded, uint32_t repeats, RivalTimes& times);
+void measure_rival(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
+                   const stage::Camera& camera, const media::Image& shaded, uint32_t repeats, RivalTimes& times);
 
 // `trace_ms`: what the same rays take with tile ranges and trace.
 std::string rival_text(const RivalTimes& times, double trace_ms);
 nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

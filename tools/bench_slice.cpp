@@ -11,7 +11,7 @@
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -28,22 +28,22 @@ struct SliceTimes {
 
 // Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of
 // every live leaf, its w^γ and w^HH; its SH and leaf.
-double density_bytes(const Field& field) {
+double density_bytes(const render::Field& field) {
     return field.leaf_count * (8.0 * field.busy_planes + 8);
 }
-double entry_bytes(const Field& field, double live) {
+double entry_bytes(const render::Field& field, double live) {
     const double read = 4 + 8 + 8 + 16 + 8.0 * (field.busy_planes + hh_count(field.hh_degree));
     return live * (read + 4.0 * kEntryWords * sh_count(field.hh_degree) + 4);
 }
 
-SliceTimes measure(const Device& device, const Field& field, const BenchSliceOptions& options) {
-    const LiveLeaves live(device, field, field.leaf_count);
-    const SliceTrees trees(device, field, most_entries(field), 1);
-    const TreeSlicer slicer(device, field, live, trees);
-    const Slice slots(device, field, field.leaf_count);
-    const Slicer slot_slicer(device, field, slots);
-    const Buffer target(device, "copy", field.weights.bytes, MemoryKind::kDevice);
-    Commands commands(device, "slice");
+SliceTimes measure(const gpu::Device& device, const render::Field& field, const BenchSliceOptions& options) {
+    const render::LiveLeaves live(device, field, field.leaf_count);
+    const render::SliceTrees trees(device, field, render::most_entries(field), 1);
+    const render::TreeSlicer slicer(device, field, live, trees);
+    const render::Slice slots(device, field, field.leaf_count);
+    const render::Slicer slot_slicer(device, field, slots);
+    const gpu::Buffer target(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
+    gpu::Commands commands(device, "slice");
     SliceTimes times;
     Progress progress("bench", options.frames * options.repeats);
     for (uint32_t i = 0; i <= options.frames * options.repeats && !stop_requested(); i++) {
@@ -51,13 +51,13 @@ SliceTimes measure(const Device& device, const Field& field, const BenchSliceOpt
         const float frame = static_cast<float>(field.frames - 1) * static_cast<float>(step) /
                             static_cast<float>(std::max(options.frames, 2u) - 1);
         commands.begin();
-        record_slice_tree(commands, slicer, 0, frame);
-        record_slice(commands, slot_slicer, frame);
+        render::record_slice_tree(commands, slicer, 0, frame);
+        render::record_slice(commands, slot_slicer, frame);
         commands.submit();
         commands.wait();
         const double copied = copy_milliseconds(device, field.weights, target);
         if (i == 0) continue;  // warms caches
-        const std::vector<PassTime> passes = commands.pass_times();
+        const std::vector<gpu::PassTime> passes = commands.pass_times();
         times.density.push_back(passes[0].milliseconds);
         times.nodes.push_back(passes[1].milliseconds);
         times.entries.push_back(passes[2].milliseconds);
@@ -65,9 +65,9 @@ SliceTimes measure(const Device& device, const Field& field, const BenchSliceOpt
         times.slots.push_back(passes[3].milliseconds);
         times.copy_gb_s.push_back(2e-6 * static_cast<double>(field.weights.bytes) / copied);
         LiveCount count;
-        download(device, live.live, &count, sizeof(count));
+        gpu::download(device, live.live, &count, sizeof(count));
         times.live.push_back(count.slots);
-        download(device, trees.counts, &count, sizeof(count));
+        gpu::download(device, trees.counts, &count, sizeof(count));
         times.entry_count.push_back(count.slots);
         progress.update(i);
     }
@@ -76,35 +76,36 @@ SliceTimes measure(const Device& device, const Field& field, const BenchSliceOpt
 
 void run(const BenchSliceOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Device device(common.device);
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const gpu::Device device(common.device);
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const SliceTimes times = measure(device, field, options);
     if (times.whole.empty()) return;
     const double live = median(times.live), copied = median(times.copy_gb_s);
     const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
     const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
     if (options.json) {
-        fmt::print("{}",
-                   json_text({{"device", device.summary().name},
-                              {"scene", options.scene},
-                              {"leaves", field.leaf_count},
-                              {"live_leaves", live},
-                              {"slice_bytes", slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
-                              {"density_ms", median(times.density)},
-                              {"nodes_ms", median(times.nodes)},
-                              {"entries_ms", median(times.entries)},
-                              {"slice_ms", median(times.whole)},
-                              {"slice_p99_ms", quantile(times.whole, 0.99)},
-                              {"slots_ms", median(times.slots)},
-                              {"density_gb_s", density_rate},
-                              {"entries_gb_s", entry_rate},
-                              {"copy_gb_s", copied}}));
+        fmt::print(
+            "{}",
+            json_text({{"device", device.summary().name},
+                       {"scene", options.scene},
+                       {"leaves", field.leaf_count},
+                       {"live_leaves", live},
+                       {"slice_bytes", render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
+                       {"density_ms", median(times.density)},
+                       {"nodes_ms", median(times.nodes)},
+                       {"entries_ms", median(times.entries)},
+                       {"slice_ms", median(times.whole)},
+                       {"slice_p99_ms", quantile(times.whole, 0.99)},
+                       {"slots_ms", median(times.slots)},
+                       {"density_gb_s", density_rate},
+                       {"entries_gb_s", entry_rate},
+                       {"copy_gb_s", copied}}));
         return;
     }
     fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name,
                options.scene, field.leaf_count, live,
-               size_text(slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
+               size_text(render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
     const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
         fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
         if (rate > 0) fmt::print(" {:>7.1f} GB/s, {:.0f} % of a copy's", rate, 100 * rate / copied);
@@ -136,4 +137,4 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

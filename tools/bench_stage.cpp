@@ -15,14 +15,14 @@
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct BenchStageOptions {
     std::string scene, size = "1280x720", picture;
     uint32_t repeats = 15, copies = 32;
-    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
     bool together = false, json = false;
 };
 
@@ -30,42 +30,43 @@ struct BenchStageOptions {
 struct Way {
     std::string name;
     bool shadows = true, falloff = true;
-    StageBlend blend = StageBlend::kExact;
+    stage::StageBlend blend = stage::StageBlend::kExact;
     std::vector<double> ms;
 };
 
 // A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
-Stage make_bench_stage(const BenchStageOptions& options, uint32_t performers) {
+stage::Stage make_bench_stage(const BenchStageOptions& options, uint32_t performers) {
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    StageFile file = new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const NvvHead head = summarise_nvv(clip).head;
+    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
+    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
     const double width = options.together ? 0.25 * head.box_size.x : 1.1 * head.box_size.x;
     const double first = -0.5 * width * (performers - 1);
     for (uint32_t i = 0; i < performers; i++) {
-        Placement place;
+        edit::Placement place;
         place.at = glm::dvec3(first + width * i, -head.box_min.y, 0);
-        PerformerEdit edit;
+        edit::PerformerEdit edit;
         edit.clip = clip;
-        edit.time =
-            parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))), "bench", "");
-        add_performer(file, fmt::format("performer {}", i), edit, place);
+        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))),
+                                          "bench", "");
+        edit::add_performer(file, fmt::format("performer {}", i), edit, place);
     }
-    return make_stage(std::move(file));
+    return stage::make_stage(std::move(file));
 }
 
-Camera camera_of_bench(const Stage& stage, PictureSize size, double distance_m) {
-    Camera camera = camera_of(stage, "camera", stage_at(stage, 0), size.width, size.height);
+stage::Camera camera_of_bench(const stage::Stage& stage, PictureSize size, double distance_m) {
+    stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
 }
 
 // Milliseconds of one picture by the host's clock (Commands::milliseconds); slices are there already where the budget
 // holds them.
-double draw(StageRenderer& renderer, Stage& stage, const Camera& camera, Way& way, Image& picture) {
+double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Way& way,
+            media::Image& picture) {
     stage.settings.shadows = way.shadows;
     stage.settings.falloff = way.falloff;
     stage.settings.blend = way.blend;
-    const StageInstant instant = stage_at(stage, 0);
+    const stage::StageInstant instant = stage::stage_at(stage, 0);
     renderer.show(instant);
     picture = renderer.frames().render(camera, renderer.settings_at(instant));
     return renderer.frames().milliseconds();
@@ -74,28 +75,28 @@ double draw(StageRenderer& renderer, Stage& stage, const Camera& camera, Way& wa
 struct Result {
     std::vector<Way> ways;
     uint64_t one_bytes = 0, all_bytes = 0;  // of a stage with one performer, and with all copies
-    Image picture;
+    media::Image picture;
 };
 
 // Ways take turns, so that what else the machine does hits all alike.
-std::vector<Way> measure_ways(const Device& device, const BenchStageOptions& options, Image& picture) {
-    Stage stage = make_bench_stage(options, 2);
+std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions& options, media::Image& picture) {
+    stage::Stage stage = make_bench_stage(options, 2);
     const PictureSize size = parse_size(options.size);
-    FrameCapacity capacity{size.width, size.height};
+    render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    StageRenderer renderer(device, stage, capacity);
-    const Camera camera = camera_of_bench(stage, size, 4);
+    render::StageRenderer renderer(device, stage, capacity);
+    const stage::Camera camera = camera_of_bench(stage, size, 4);
     std::vector<Way> ways = {{"plain", false, false},
                              {"shadows", true, false},
                              {"falloff", false, true},
                              {"shadows and falloff"},
-                             {"as layers (paper)", true, true, StageBlend::kPaper}};
+                             {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
     Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         for (Way& way : ways) {
-            Image shown;
+            media::Image shown;
             const double ms = draw(renderer, stage, camera, way, shown);
-            if (way.shadows && way.falloff && way.blend == StageBlend::kExact) picture = shown;
+            if (way.shadows && way.falloff && way.blend == stage::StageBlend::kExact) picture = shown;
             if (i == 0) continue;  // slices, pipelines, caches
             way.ms.push_back(ms);
         }
@@ -105,15 +106,15 @@ std::vector<Way> measure_ways(const Device& device, const BenchStageOptions& opt
 }
 
 // Buffers of a stage with so many copies, at as many times, after a picture of it.
-uint64_t bytes_with(const Device& device, const BenchStageOptions& options, uint32_t copies) {
+uint64_t bytes_with(const gpu::Device& device, const BenchStageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
-    Stage stage = make_bench_stage(options, copies);
+    stage::Stage stage = make_bench_stage(options, copies);
     const PictureSize size = parse_size(options.size);
-    FrameCapacity capacity{size.width, size.height};
+    render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    StageRenderer renderer(device, stage, capacity);
+    render::StageRenderer renderer(device, stage, capacity);
     Way way;
-    Image picture;
+    media::Image picture;
     draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, picture);
     return device.buffer_bytes() - before;
 }
@@ -122,7 +123,7 @@ double growth(const Result& result, size_t way) {
     return median(result.ways[way].ms) / median(result.ways[0].ms) - 1;
 }
 
-void print(const Result& result, const Device& device, const BenchStageOptions& options) {
+void print(const Result& result, const gpu::Device& device, const BenchStageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
     for (size_t i = 0; i < result.ways.size(); i++) {
@@ -134,7 +135,7 @@ void print(const Result& result, const Device& device, const BenchStageOptions& 
                static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchStageOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchStageOptions& options) {
     nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}, {"size", options.size}};
     for (size_t i = 0; i < result.ways.size(); i++)
         json["ways"].push_back(
@@ -148,14 +149,14 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 void run(const BenchStageOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     Result result;
     result.ways = measure_ways(device, options, result.picture);
     expect_not_stopped();
     result.one_bytes = bytes_with(device, options, 1);
     result.all_bytes = bytes_with(device, options, options.copies);
     expect_not_stopped();
-    if (!options.picture.empty()) write_png(options.picture, result.picture);
+    if (!options.picture.empty()) media::write_png(options.picture, result.picture);
     if (options.json)
         fmt::print("{}", json_text(json_of(result, device, options)));
     else
@@ -171,7 +172,7 @@ void add_bench_stage(CLI::App& bench, CommonOptions& common) {
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
     verb->add_flag("--together", options->together, "The performers stand in each other");
     verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
-        ->check(CLI::Range(1u, kMaxInstances))
+        ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
     add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--repeats", options->repeats, "Pictures of each way that the medians are over")
@@ -187,4 +188,4 @@ void add_bench_stage(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -16,7 +16,7 @@
 #include "training/metrics.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -31,7 +31,7 @@ struct Way {
     std::string name;
     const char* key;  // in JSON
     double scale = 1;
-    std::vector<Fovea> foveae;
+    std::vector<render::Fovea> foveae;
     bool one_by_one = false;  // an eye a frame
     std::vector<double> ms;
     double rays = 0;
@@ -41,14 +41,14 @@ struct Way {
 constexpr double kEyeDistance_m = 0.063;
 
 // Seen by a person who stands one height away, upright, with 90° from side to side.
-std::vector<Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, PictureSize size, double turn) {
+std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, PictureSize size, double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
-    std::vector<Camera> eyes(2);
+    std::vector<stage::Camera> eyes(2);
     for (int eye = 0; eye < 2; eye++) {
         glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
         place = glm::translate(place, glm::dvec3((eye - 0.5) * kEyeDistance_m, 0, away_m));
-        Camera& camera = eyes[static_cast<size_t>(eye)];
+        stage::Camera& camera = eyes[static_cast<size_t>(eye)];
         camera.world_from_camera = place;
         camera.width = size.width;
         camera.height = size.height;
@@ -59,25 +59,26 @@ std::vector<Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, Pi
     return eyes;
 }
 
-double milliseconds(const FrameRenderer& renderer) {
+double milliseconds(const render::FrameRenderer& renderer) {
     double sum = 0;
-    for (const PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
+    for (const gpu::PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
     return sum;
 }
 
 struct Drawn {
-    std::vector<Image> pictures;
+    std::vector<media::Image> pictures;
     double ms = 0;
 };
 
-Drawn draw(FrameRenderer& renderer, const std::vector<Camera>& eyes, const FrameSettings& settings, bool one_by_one) {
+Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes,
+           const render::FrameSettings& settings, bool one_by_one) {
     if (!one_by_one) {
         Drawn both{renderer.render_views(eyes, settings), 0};
         both.ms = milliseconds(renderer);
         return both;
     }
     Drawn drawn;
-    for (const Camera& eye : eyes) {
+    for (const stage::Camera& eye : eyes) {
         drawn.pictures.push_back(renderer.render(eye, settings));
         drawn.ms += milliseconds(renderer);
     }
@@ -98,7 +99,7 @@ struct Result {
 };
 
 std::vector<Way> ways_to_draw() {
-    const Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
+    const render::Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
     return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}},
             {"one eye after the other", "one_by_one", 1, {}, true, {}},
             {"inset of 40 %, beside it 0.4 rays a pixel's side", "foveated", 1, {inset, inset}, false, {}},
@@ -106,12 +107,12 @@ std::vector<Way> ways_to_draw() {
             {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}}};
 }
 
-void measure(FrameRenderer& renderer, Way& way, const std::vector<Camera>& eyes, uint32_t repeats,
-             std::vector<Image>& truth, Result& result) {
-    FrameSettings settings;
+void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage::Camera>& eyes, uint32_t repeats,
+             std::vector<media::Image>& truth, Result& result) {
+    render::FrameSettings settings;
     settings.width = eyes[0].width;
     settings.height = eyes[0].height;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     settings.scale = way.scale;
     settings.foveae = way.foveae;
     settings.resolve.background = {1, 1, 1, 1};
@@ -128,16 +129,18 @@ void measure(FrameRenderer& renderer, Way& way, const std::vector<Camera>& eyes,
         const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
         result.covered = static_cast<double>(seen) / static_cast<double>(rays.size());
     }
-    way.psnr = std::min(compare(truth[0], drawn.pictures[0]).psnr, compare(truth[1], drawn.pictures[1]).psnr);
+    way.psnr = std::min(training::compare(truth[0], drawn.pictures[0]).psnr,
+                        training::compare(truth[1], drawn.pictures[1]).psnr);
 }
 
-std::vector<double> play(FrameRenderer& renderer, const std::vector<Camera>& eyes, uint32_t clip_frames, bool ahead) {
+std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes, uint32_t clip_frames,
+                         bool ahead) {
     constexpr double kClipFps = 25, kDisplayHz = 90;
     constexpr uint32_t kDisplayFrames = 72;
-    FrameSettings settings;
+    render::FrameSettings settings;
     settings.width = eyes[0].width;
     settings.height = eyes[0].height;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     renderer.forget_slices();
     std::vector<double> ms;
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
@@ -150,14 +153,14 @@ std::vector<double> play(FrameRenderer& renderer, const std::vector<Camera>& eye
     return ms;
 }
 
-Result measure_all(const Device& device, const VOctree& tree, const BenchStereoOptions& options) {
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchStereoOptions& options) {
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const PictureSize size = parse_size(options.size);
-    const std::vector<Camera> eyes = eyes_before(occupied_box(tree), size, 0.4);
-    FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
+    const std::vector<stage::Camera> eyes = eyes_before(occupied_box(tree), size, 0.4);
+    render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
     result.ways = ways_to_draw();
-    std::vector<Image> truth;
+    std::vector<media::Image> truth;
     Progress progress("bench", result.ways.size() + 2);
     for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
         measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
@@ -167,7 +170,7 @@ Result measure_all(const Device& device, const VOctree& tree, const BenchStereoO
     progress.update(result.ways.size() + 1);
     result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
     progress.update(result.ways.size() + 2);
-    const Buffer copied(device, "copy", field.weights.bytes, MemoryKind::kDevice);
+    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
     std::vector<double> copies;
     for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
     result.copy_tb_s = 2 * static_cast<double>(field.weights.bytes) / (median(copies) / 1000) / 1e12;
@@ -178,7 +181,7 @@ double mrays_per_second(const Way& way) {
     return way.rays / median(way.ms) / 1000;
 }
 
-void print(const Result& result, const Device& device, const BenchStereoOptions& options) {
+void print(const Result& result, const gpu::Device& device, const BenchStereoOptions& options) {
     fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
@@ -194,7 +197,7 @@ void print(const Result& result, const Device& device, const BenchStereoOptions&
     fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchStereoOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchStereoOptions& options) {
     auto ways = nlohmann::ordered_json::object();
     for (const Way& way : result.ways)
         ways[way.key] = {{"ms", median(way.ms)},
@@ -218,8 +221,8 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 
 void run(const BenchStereoOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Device device(common.device);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (options.json)
@@ -249,4 +252,4 @@ void add_bench_stereo(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

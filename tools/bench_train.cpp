@@ -19,20 +19,20 @@
 #include "training/train.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct BenchTrainOptions {
-    std::string scene, dataset, format = kAnyFormat;
+    std::string scene, dataset, format = training::kAnyFormat;
     uint32_t tiles = 512, repeats = 30;
 };
 
 // Milliseconds of each pass over the repeats, in the order in which passes first came.
 class PassTable {
   public:
-    void add(const std::vector<PassTime>& passes) {
-        for (const PassTime& pass : passes) {
+    void add(const std::vector<gpu::PassTime>& passes) {
+        for (const gpu::PassTime& pass : passes) {
             if (!times_.contains(pass.name)) names_.push_back(pass.name);
             times_[pass.name].push_back(pass.milliseconds);
         }
@@ -64,37 +64,37 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-BenchTrainResult measure_train(const Device& device, const VOctree& tree, const Dataset& dataset,
-                               const BenchTrainOptions& options) {
+BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree& tree,
+                               const training::Dataset& dataset, const BenchTrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
-    TrainingStep step(device, tree, cameras, options.tiles);
-    std::optional<DirectStep> direct;
+    training::TrainingStep step(device, tree, cameras, options.tiles);
+    std::optional<training::DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
-        direct.emplace(device, tree, cameras, options.tiles, best_atomic_add(device));
-    BatchSampler sampler(dataset, options.tiles, 1, batches_in_a_row(tree));
+        direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
+    training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
     BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
     result.busy_planes = step.field().busy_planes;
     result.weight_bytes = step.field().weights.bytes;
     Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
-        const Batch batch = sampler.next();
-        StepSettings settings;  // rates are 0: weights stay as they are
-        settings.frame = static_cast<float>(frame_of_time(batch.time, tree.frames));
+        const training::Batch batch = sampler.next();
+        training::StepSettings settings;  // rates are 0: weights stay as they are
+        settings.frame = static_cast<float>(training::frame_of_time(batch.time, tree.frames));
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
-        settings.stop = kTrainingStop;
+        settings.stop = training::kTrainingStop;
         settings.adam.step = i + 1;
-        settings.learn_rows = tree.bases < tree.frames && i % kStepsPerRows == 0;
-        settings.lambda_smooth = TrainSettings().lambda_smooth;
-        load_batch(dataset, batch, step.rays(), step.batch());
+        settings.learn_rows = tree.bases < tree.frames && i % training::kStepsPerRows == 0;
+        settings.lambda_smooth = training::TrainSettings().lambda_smooth;
+        training::load_batch(dataset, batch, step.rays(), step.batch());
         const double start = seconds_now();
         step.submit(settings);
-        const StepResult found = step.wait();
+        const training::StepResult found = step.wait();
         const double took = seconds_now() - start;
         if (found.overflow > 0)
             throw RuntimeFailure(fmt::format(
                 "{} live leaves found no slot on this device: the scene is too large to train on it", found.overflow));
         if (direct) {
-            load_batch(dataset, batch, direct->rays(), direct->batch());
+            training::load_batch(dataset, batch, direct->rays(), direct->batch());
             direct->run(settings);
         }
         const double copied = copy_milliseconds(device, step.field().weights, step.moments().first);
@@ -144,9 +144,10 @@ void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
 
 void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Dataset dataset = load_dataset(options.dataset, Split::kTrain, {.format = options.format});
-    const Device device(common.device);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const training::Dataset dataset =
+        training::load_dataset(options.dataset, training::Split::kTrain, {.format = options.format});
+    const gpu::Device device(common.device);
     const BenchTrainResult result = measure_train(device, tree, dataset, options);
     if (result.slots.empty()) return;
     const double rays = median(result.rays);
@@ -183,4 +184,4 @@ void add_bench_train(CLI::App& bench, CommonOptions& common) {
     training->callback([options, &common] { run_train(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -13,7 +13,7 @@
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -26,7 +26,7 @@ struct BenchWalkOptions {
 struct Step {
     std::string name;
     const char* key;  // in JSON
-    WalkSteps walk;
+    render::WalkSteps walk;
     bool ranges = false;  // only tiles that see anything, between their bounds
     std::vector<double> ms = {};
 };
@@ -40,7 +40,7 @@ std::vector<Step> steps() {
 }
 
 // Every tile is listed, and its rays have no bounds.
-void list_every_tile(const Device& device, const TileRanges& ranges, uint32_t tiles) {
+void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges, uint32_t tiles) {
     const uint32_t near = 0, far = ~std::bit_cast<uint32_t>(1e30f);
     const std::vector<glm::uvec2> words(tiles, glm::uvec2(near, far));
     std::vector<uint32_t> list(tiles);
@@ -48,40 +48,41 @@ void list_every_tile(const Device& device, const TileRanges& ranges, uint32_t ti
     const uint32_t across = std::min(tiles, kListRow);
     list.resize(ranges.list.bytes / 4, kNoTile);
     const LiveCount count{across, (tiles + across - 1) / across, 1, tiles, 0};
-    upload(device, ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
-    upload(device, ranges.list, list.data(), list.size() * 4);
-    upload(device, ranges.count, &count, sizeof(count));
+    gpu::upload(device, ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    gpu::upload(device, ranges.list, list.data(), list.size() * 4);
+    gpu::upload(device, ranges.count, &count, sizeof(count));
 }
 
 // One slice of the field, shaded, and what walks need to trace it.
 class WalkBench {
   public:
-    WalkBench(const Device& device, const VOctree& tree, PictureSize size)
+    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, PictureSize size)
         : device_(device),
-          field_(upload_field(device, tree, WeightPrecision::kHalf)),
+          field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
           live_(device, field_, field_.leaf_count),
-          trees_(device, field_, most_entries(field_), 1),
-          shaded_(shaded_entries(device, trees_.capacity)),
+          trees_(device, field_, render::most_entries(field_), 1),
+          shaded_(render::shaded_entries(device, trees_.capacity)),
           target_(device, 2, layout_.ray_tiles(), layout_.picture_tiles()),
           slicer_(device, field_, live_, trees_),
           shader_(device, field_, trees_, shaded_),
           ranger_(device, field_, &trees_, target_.rays, target_.ranges) {
-        const std::vector<Tile> tiles = tiles_of_picture(0, size.width, size.height);
+        const std::vector<Tile> tiles = render::tiles_of_picture(0, size.width, size.height);
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
-            tracers_.push_back(std::make_unique<TreeTracer>(device, field_, trees_, shaded_, target_, Shading::kPerLeaf,
-                                                            Into::kLayer, nullptr, step.walk));
+            tracers_.push_back(std::make_unique<render::TreeTracer>(device, field_, trees_, shaded_, target_,
+                                                                    render::Shading::kPerLeaf, render::Into::kLayer,
+                                                                    nullptr, step.walk));
     }
 
     // GPU milliseconds of the trace of each step, for one view.
     void measure(const ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
-        const ShaderCamera camera = shader_camera(view.camera);
+        const ShaderCamera camera = render::shader_camera(view.camera);
         std::fill_n(target_.rays.cameras.as<ShaderCamera>(), 2, camera);
-        std::fill_n(target_.ranges.views.as<RangeView>(), 2, range_view(camera));
-        run_once(device_, "slice", [&](Commands& commands) {
-            record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
-            record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
+        std::fill_n(target_.ranges.views.as<RangeView>(), 2, render::range_view(camera));
+        gpu::run_once(device_, "slice", [&](gpu::Commands& commands) {
+            render::record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
+            render::record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
         });
         for (size_t i = 0; i < all.size() && !stop_requested(); i++) {
             if (!all[i].ranges) list_every_tile(device_, target_.ranges, layout_.ray_tiles());
@@ -95,36 +96,36 @@ class WalkBench {
     uint64_t rays() const { return uint64_t{layout_.width} * layout_.height; }
 
   private:
-    double trace(const TreeTracer& tracer, bool ranged) {
+    double trace(const render::TreeTracer& tracer, bool ranged) {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
-        record_clear(commands_, target_.rays, layout_.ray_tiles());
-        record_unseen(commands_, target_.ranges);
-        if (ranged) record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
-        record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
+        render::record_clear(commands_, target_.rays, layout_.ray_tiles());
+        render::record_unseen(commands_, target_.ranges);
+        if (ranged) render::record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
+        render::record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
         commands_.submit();
         commands_.wait();
         double sum = 0;
-        for (const PassTime& pass : commands_.pass_times())
+        for (const gpu::PassTime& pass : commands_.pass_times())
             if (pass.name == "trace" || pass.name == "tile ranges") sum += pass.milliseconds;
         return sum;
     }
 
-    const Device& device_;
-    const Field field_;
-    const ViewLayout layout_;
-    const LiveLeaves live_;
-    const SliceTrees trees_;
-    const Buffer shaded_;
-    const RayTarget target_;
-    const TreeSlicer slicer_;
-    const Shader shader_;
-    const TileRanger ranger_;
-    std::vector<std::unique_ptr<TreeTracer>> tracers_;
-    Commands commands_{device_, "walk"};
+    const gpu::Device& device_;
+    const render::Field field_;
+    const render::ViewLayout layout_;
+    const render::LiveLeaves live_;
+    const render::SliceTrees trees_;
+    const gpu::Buffer shaded_;
+    const render::RayTarget target_;
+    const render::TreeSlicer slicer_;
+    const render::Shader shader_;
+    const render::TileRanger ranger_;
+    std::vector<std::unique_ptr<render::TreeTracer>> tracers_;
+    gpu::Commands commands_{device_, "walk"};
 };
 
-void print(const std::vector<Step>& all, uint64_t rays, const Device& device, const BenchWalkOptions& options) {
+void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device, const BenchWalkOptions& options) {
     fmt::print("{}: {}, {}, {} views; a shaded slice, each step with those before it\n", device.summary().name,
                options.scene, options.size, options.views);
     fmt::print("{:<58} {:>9} {:>8} {:>10} {:>10}\n", "", "ms (p50)", "ns a ray", "of before", "of first");
@@ -136,7 +137,7 @@ void print(const std::vector<Step>& all, uint64_t rays, const Device& device, co
     }
 }
 
-nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const Device& device,
+nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device,
                                const BenchWalkOptions& options) {
     auto walk = nlohmann::ordered_json::object();
     for (const Step& step : all) walk[step.key] = median(step.ms);
@@ -149,8 +150,8 @@ nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, cons
 
 void run(const BenchWalkOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const VOctree tree = read_nvv(options.scene);
-    const Device device(common.device);
+    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const gpu::Device device(common.device);
     const PictureSize size = parse_size(options.size);
     const std::vector<ViewStep> path =
         orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
@@ -189,4 +190,4 @@ void add_bench_walk(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -16,7 +16,7 @@
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -28,27 +28,27 @@ struct BenchXrOptions {
 };
 
 // A floor, a spotlight and a performer, or a stage as it is.
-Stage stage_of(const BenchXrOptions& options) {
-    if (is_stage(options.scene)) return load_stage(options.scene);
+stage::Stage stage_of(const BenchXrOptions& options) {
+    if (is_stage(options.scene)) return stage::load_stage(options.scene);
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    StageFile file = new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const NvvHead head = summarise_nvv(clip).head;
-    Placement place;
+    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
+    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
+    edit::Placement place;
     place.at = glm::dvec3(0, -head.box_min.y, 0);
-    PerformerEdit performer;
+    edit::PerformerEdit performer;
     performer.clip = clip;
-    performer.time = parse_time_map("loop", "bench", "");
-    add_performer(file, "performer", performer, place);
-    return make_stage(std::move(file));
+    performer.time = stage::parse_time_map("loop", "bench", "");
+    edit::add_performer(file, "performer", performer, place);
+    return stage::make_stage(std::move(file));
 }
 
 // A person two metres before the performers who sways a little; 104 by 96 degrees an eye, as headsets have them.
-EyeViews eyes_at(const Stage& stage, double time_s) {
-    const auto [low, high] = performers_box(stage, stage_at(stage, 0));
+xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
+    const auto [low, high] = stage::performers_box(stage, stage::stage_at(stage, 0));
     const glm::dvec3 middle = 0.5 * (low + high);
     const glm::dvec3 head(middle.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
-    EyeViews eyes;
-    for (uint32_t eye = 0; eye < kEyes; eye++) {
+    xr::EyeViews eyes;
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         eyes.eye[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
         eyes.eye[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
         const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
@@ -59,16 +59,16 @@ EyeViews eyes_at(const Stage& stage, double time_s) {
 }
 
 struct EyeTargets {
-    EyeTargets(const Device& device, PictureSize size)
+    EyeTargets(const gpu::Device& device, PictureSize size)
         : colour(device, "eyes",
                  {size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-                  VK_SAMPLE_COUNT_1_BIT, 1, kEyes}),
+                  VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes}),
           depth(device, "depth of eyes",
                 {size.width, size.height, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                 VK_SAMPLE_COUNT_1_BIT, 1, kEyes}),
+                 VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes}),
           target{colour.image, depth.image, colour.view, depth.view, {size.width, size.height}} {}
-    DeviceImage colour, depth;
-    EyeTarget target;
+    gpu::DeviceImage colour, depth;
+    xr::EyeTarget target;
 };
 
 struct Result {
@@ -77,45 +77,46 @@ struct Result {
 };
 
 // Software devices leave compute passes out of the timestamps of frames that draw: there the host's clock counts.
-double milliseconds(const Device& device, const FrameRenderer& frames) {
+double milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
     if (device.summary().kind == "cpu") return frames.milliseconds();
     double sum = 0;
-    for (const PassTime& pass : frames.pass_times()) sum += pass.milliseconds;
+    for (const gpu::PassTime& pass : frames.pass_times()) sum += pass.milliseconds;
     return sum;
 }
 
-Result measure(const Device& device, const Stage& stage, const BenchXrOptions& options) {
+Result measure(const gpu::Device& device, const stage::Stage& stage, const BenchXrOptions& options) {
     const PictureSize size = parse_size(options.size);
-    FrameCapacity capacity{size.width, size.height};
-    capacity.views = kEyes;
-    StageRenderer renderer(device, stage, capacity);
+    render::FrameCapacity capacity{size.width, size.height};
+    capacity.views = xr::kEyes;
+    render::StageRenderer renderer(device, stage, capacity);
     const EyeTargets images(device, size);
-    EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
+    xr::EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
     Result result;
     Progress progress("frames", options.frames);
     constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
     for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
         const double time_s = i / options.hz;
         const double shown_s = std::floor(time_s * stage.fps) / stage.fps;
-        const StageInstant instant = stage_at(stage, shown_s);
+        const stage::StageInstant instant = stage::stage_at(stage, shown_s);
         renderer.show(instant);
-        FrameSettings settings = renderer.settings_at(instant);
+        render::FrameSettings settings = renderer.settings_at(instant);
         settings.width = size.width;
         settings.height = size.height;
-        settings.mode = TraceMode::kPlay;
+        settings.mode = render::TraceMode::kPlay;
         settings.scale = options.scale;
-        for (const Instance& next : renderer.settings_at(stage_at(stage, shown_s + 1 / stage.fps)).instances)
+        for (const render::Instance& next :
+             renderer.settings_at(stage::stage_at(stage, shown_s + 1 / stage.fps)).instances)
             settings.next_slices.push_back({{next.frame, next.paint}, next.field});
-        const EyeViews eyes = eyes_at(stage, time_s);
-        std::array<Camera, kEyes> cameras;
-        for (uint32_t eye = 0; eye < kEyes; eye++)
-            cameras[eye] = eye_camera(eyes.eye[eye], {}, {size.width, size.height});
-        const Buffer& pictures = renderer.frames().draw(cameras, settings);
+        const xr::EyeViews eyes = eyes_at(stage, time_s);
+        std::array<stage::Camera, xr::kEyes> cameras;
+        for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+            cameras[eye] = xr::eye_camera(eyes.eye[eye], {}, {size.width, size.height});
+        const gpu::Buffer& pictures = renderer.frames().draw(cameras, settings);
         const double both = milliseconds(device, renderer.frames());
-        const std::vector<PassTime> passes = renderer.frames().pass_times();
+        const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
         pass.draw(renderer, pictures, cameras, {}, 0, images.target);
         double eye_pass = 0;
-        for (const PassTime& one : pass.pass_times()) eye_pass += one.milliseconds;
+        for (const gpu::PassTime& one : pass.pass_times()) eye_pass += one.milliseconds;
         // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
         renderer.frames().draw(cameras, settings);
         const double again = milliseconds(device, renderer.frames());
@@ -137,7 +138,7 @@ double second_eye(const Result& result) {
     return first > 0 ? (1 - first) / first : 0;
 }
 
-void print(const Result& result, const Device& device, const BenchXrOptions& options) {
+void print(const Result& result, const gpu::Device& device, const BenchXrOptions& options) {
     const double budget_ms = 1000 / options.hz;
     fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
     fmt::print("a frame of both eyes: {:.1f} ms median, {:.1f} ms p99, {:.0f} % of {:.0f} Hz\n", median(result.both_ms),
@@ -151,7 +152,7 @@ void print(const Result& result, const Device& device, const BenchXrOptions& opt
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const Device& device, const BenchXrOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchXrOptions& options) {
     auto passes = nlohmann::ordered_json::object();
     for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
     return {{"device", device.summary().name},
@@ -166,8 +167,8 @@ nlohmann::ordered_json json_of(const Result& result, const Device& device, const
 
 void run(const BenchXrOptions& options, const CommonOptions& common) {
     catch_stop_signals();
-    const Stage stage = stage_of(options);
-    const Device device(common.device);
+    const stage::Stage stage = stage_of(options);
+    const gpu::Device device(common.device);
     const Result result = measure(device, stage, options);
     expect_not_stopped();
     if (options.json)
@@ -200,4 +201,4 @@ void add_bench_xr(CLI::App& bench, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -10,7 +10,7 @@
 #include "tools/progress.h"
 #include "training/capture.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -29,24 +29,24 @@ Examples (from the repository's root):
 
 struct Options {
     std::string model, folder, size = "512x512", background = "clear";
-    CaptureSettings settings;
+    training::CaptureSettings settings;
 };
 
 void run_capture(Options& options, const CommonOptions& common) {
-    CaptureSettings& settings = options.settings;
+    training::CaptureSettings& settings = options.settings;
     const PictureSize size = parse_size(options.size);
     settings.width = size.width;
     settings.height = size.height;
     if (options.background != "clear" && options.background != "checker")
         throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
                          "choose clear or checker");
-    if (options.background == "checker") settings.background = CaptureBackground::kChecker;
+    if (options.background == "checker") settings.background = training::CaptureBackground::kChecker;
     prepare_output_folder("--output", options.folder);
     catch_stop_signals();
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     std::unique_ptr<Progress> progress;
-    const CaptureResult result =
-        capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
+    const training::CaptureResult result =
+        training::capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
             if (!progress) progress = std::make_unique<Progress>("capture", total);
             progress->update(done, "pictures");
             return done == total || !stop_requested();
@@ -64,7 +64,7 @@ void run_capture(Options& options, const CommonOptions& common) {
 void add_capture(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("capture", "Render an animated glTF model into a multi-view data set");
     const auto options = std::make_shared<Options>();
-    CaptureSettings& settings = options->settings;
+    training::CaptureSettings& settings = options->settings;
     verb->add_option("MODEL", options->model, "the model, .glb or .gltf")->required();
     verb->add_option("-o,--output", options->folder, "the data set's folder; created")->required();
     verb->add_option("--cameras", settings.cameras, "cameras of the dome, in four rings")->capture_default_str();
@@ -78,4 +78,4 @@ void add_capture(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] { run_capture(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -9,7 +9,7 @@
 
 #include "training/formats.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // Options that every verb shares.
 struct CommonOptions {
@@ -49,7 +49,7 @@ inline void add_slice_budget_option(CLI::App& verb, double& megabytes) {
 // --format, for the verbs that read data sets.
 inline void add_format_option(CLI::App& verb, std::string& format) {
     verb.add_option("--format", format, "The data set's layout; auto: by the files in it")
-        ->check(CLI::IsMember(format_names()))
+        ->check(CLI::IsMember(training::format_names()))
         ->capture_default_str();
 }
 
@@ -68,4 +68,4 @@ void add_paint(CLI::App& app, CommonOptions& common);
 void add_view(CLI::App& app, CommonOptions& common);
 void add_xr(CLI::App& app, CommonOptions& common);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

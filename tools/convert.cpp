@@ -22,7 +22,7 @@
 #include "voctree/nvv.h"
 #include "voctree/round.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -43,7 +43,7 @@ float error_of(int strength) {
 // Pictures of one tree after the other, from the same views.
 class Views {
   public:
-    Views(const Device& device, const VOctree& tree, const ConvertOptions& options)
+    Views(const gpu::Device& device, const voctree::VOctree& tree, const ConvertOptions& options)
         : device_(device), size_(parse_size(options.size)) {
         const std::vector<ViewStep> path =
             orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size_);
@@ -51,15 +51,15 @@ class Views {
             views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * options.views)]);
     }
 
-    std::vector<Image> render(const VOctree& tree) const {
-        const Field field = upload_field(device_, tree, WeightPrecision::kHalf);
-        FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
-        FrameSettings settings;
+    std::vector<media::Image> render(const voctree::VOctree& tree) const {
+        const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
+        render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
+        render::FrameSettings settings;
         settings.width = size_.width;
         settings.height = size_.height;
         settings.samples = kDefaultSamples;
         settings.resolve.background = {1, 1, 1, 1};
-        std::vector<Image> pictures;
+        std::vector<media::Image> pictures;
         for (const ViewStep& view : views_) {
             settings.instances[0].frame = static_cast<float>(view.frame);
             pictures.push_back(renderer.render(view.camera, settings));
@@ -68,21 +68,21 @@ class Views {
     }
 
   private:
-    const Device& device_;
+    const gpu::Device& device_;
     PictureSize size_;
     std::vector<ViewStep> views_;
 };
 
-double worst_psnr(const std::vector<Image>& truth, const std::vector<Image>& pictures) {
+double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& pictures) {
     double worst = 99;
-    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, compare(truth[i], pictures[i]).psnr);
+    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], pictures[i]).psnr);
     return worst;
 }
 
-VOctree rounded(const VOctree& tree, int strength) {
-    VOctree result = tree;
-    round_weights(result, error_of(strength));
-    drop_empty_leaves(result);
+voctree::VOctree rounded(const voctree::VOctree& tree, int strength) {
+    voctree::VOctree result = tree;
+    voctree::round_weights(result, error_of(strength));
+    training::drop_empty_leaves(result);
     return result;
 }
 
@@ -92,8 +92,8 @@ struct Choice {
 };
 
 // Bisection for the coarsest strength whose pictures keep the quality. Throws InputError where none does.
-Choice choose(const VOctree& tree, const Views& views, const ConvertOptions& options) {
-    const std::vector<Image> truth = views.render(tree);
+Choice choose(const voctree::VOctree& tree, const Views& views, const ConvertOptions& options) {
+    const std::vector<media::Image> truth = views.render(tree);
     Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
     Choice best, last;
     uint64_t done = 0;
@@ -125,14 +125,14 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     if (std::filesystem::equivalent(options.scene, options.output, none))
         throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
                          "name another file");
-    const VOctree tree = read_clip(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene);
     const uint64_t bytes_before = std::filesystem::file_size(options.scene);
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     catch_stop_signals();
     const Views views(device, tree, options);
     Outcome outcome{choose(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
-    const VOctree result = rounded(tree, outcome.choice.strength);
-    write_nvv(options.output, result, {}, options.compression, coarse_tree(result));
+    const voctree::VOctree result = rounded(tree, outcome.choice.strength);
+    voctree::write_nvv(options.output, result, {}, options.compression, voctree::coarse_tree(result));
     outcome.leaves = result.leaf_count;
     outcome.bytes = std::filesystem::file_size(options.output);
     return outcome;
@@ -189,4 +189,4 @@ void add_convert(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

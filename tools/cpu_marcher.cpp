@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "shared/trace.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -130,7 +130,7 @@ uint64_t MarchCounts::bytes() const {
     return nodes * (kGrid + kNode) + descents * (kEntry + kNode) + entries * kEntry + 2 * rays * kResult;
 }
 
-std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const Camera& camera,
+std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const stage::Camera& camera,
                                      float stop, MarchCounts& counts) {
     std::vector<glm::vec4> rays(size_t{camera.width} * camera.height);
     const glm::mat3 rotation(camera.world_from_camera);
@@ -161,4 +161,4 @@ std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRange
     return rays;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -6,7 +6,7 @@
 
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // A shaded slice tree on the host (shared/slice_tree.h).
 struct HostSlice {
@@ -35,7 +35,7 @@ using HostTileRanges = std::vector<glm::vec2>;
 
 // One ray a pixel: premultiplied linear RGB and alpha, in rows. Rays end where transmittance falls below `stop`.
 // `counts` are added to.
-std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const Camera& camera,
+std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const stage::Camera& camera,
                                      float stop, MarchCounts& counts);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

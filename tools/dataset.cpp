@@ -17,7 +17,7 @@
 #include "training/hull.h"
 #include "training/pictures.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -26,7 +26,7 @@ constexpr size_t kNamesShown = 40;
 constexpr uint32_t kSheetCell = 200;
 
 struct DatasetOptions {
-    std::string folder, format = kAnyFormat, split = "train", output;
+    std::string folder, format = training::kAnyFormat, split = "train", output;
 };
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
@@ -57,25 +57,25 @@ std::vector<T> spread(const std::vector<T>& all, size_t count) {
 }
 
 // Some cameras at some instants; a camera without any of those instants shows its first.
-Rig sample(const Rig& rig) {
+training::Rig sample(const training::Rig& rig) {
     std::set<double> times;
-    std::map<uint32_t, std::vector<const Shot*>> shots;
-    for (const Shot& shot : rig.shots) {
+    std::map<uint32_t, std::vector<const training::Shot*>> shots;
+    for (const training::Shot& shot : rig.shots) {
         times.insert(shot.time);
         shots[shot.camera].push_back(&shot);
     }
     const std::vector<double> instants = spread(std::vector<double>(times.begin(), times.end()), kSampleInstants);
     std::vector<uint32_t> cameras;
     for (const auto& [camera, of_camera] : shots) cameras.push_back(camera);
-    Rig result = rig;
+    training::Rig result = rig;
     result.cameras.clear();
     result.shots.clear();
     for (const uint32_t camera : spread(cameras, kSampleCameras)) {
-        std::vector<const Shot*> chosen;
-        for (const Shot* shot : shots[camera])
+        std::vector<const training::Shot*> chosen;
+        for (const training::Shot* shot : shots[camera])
             if (std::find(instants.begin(), instants.end(), shot->time) != instants.end()) chosen.push_back(shot);
         if (chosen.empty()) chosen.push_back(shots[camera][0]);
-        for (const Shot* shot : chosen) {
+        for (const training::Shot* shot : chosen) {
             result.shots.push_back(*shot);
             result.shots.back().camera = static_cast<uint32_t>(result.cameras.size());
         }
@@ -85,10 +85,10 @@ Rig sample(const Rig& rig) {
 }
 
 // Share of the pixels that are performer; nothing where no picture has a matte.
-std::optional<double> matte_share(const Dataset& dataset) {
+std::optional<double> matte_share(const training::Dataset& dataset) {
     double opaque = 0, pixels = 0;
     bool clear = false;
-    for (const View& view : dataset.views)
+    for (const training::View& view : dataset.views)
         for (size_t i = 0; i < view.image.rgba.size() / 4; ++i) {
             if (!view.ignored.empty() && view.ignored[i]) continue;
             const uint8_t alpha = view.image.rgba[4 * i + 3];
@@ -100,26 +100,26 @@ std::optional<double> matte_share(const Dataset& dataset) {
     return opaque / pixels;
 }
 
-const char* text_of(LensModel model) {
+const char* text_of(training::LensModel model) {
     switch (model) {
-        case LensModel::kBrown:
+        case training::LensModel::kBrown:
             return "radial and tangential distortion";
-        case LensModel::kFisheye:
+        case training::LensModel::kFisheye:
             return "fisheye";
-        case LensModel::kFov:
+        case training::LensModel::kFov:
             return "FOV";
         default:
             return "pinhole";
     }
 }
 
-const char* text_of(MaskMeaning meaning) {
+const char* text_of(training::MaskMeaning meaning) {
     switch (meaning) {
-        case MaskMeaning::kLabels:
+        case training::MaskMeaning::kLabels:
             return "any value but 0 is the performer: they become the pictures' mattes";
-        case MaskMeaning::kUsable:
+        case training::MaskMeaning::kUsable:
             return "white pixels are looked at, black ones teach nothing";
-        case MaskMeaning::kIgnore:
+        case training::MaskMeaning::kIgnore:
             return "black pixels are looked at, white ones teach nothing";
         default:
             return "white is the performer, black the background: they become the pictures' mattes";
@@ -131,7 +131,7 @@ std::string range_text(double low, double high, int digits) {
     return a == b ? a : a + " to " + b;
 }
 
-std::string names_text(const std::vector<RigCamera>& cameras) {
+std::string names_text(const std::vector<training::RigCamera>& cameras) {
     std::string text;
     for (size_t i = 0; i < std::min(cameras.size(), kNamesShown); ++i) text += " " + cameras[i].name;
     if (cameras.size() > kNamesShown) text += fmt::format(" and {} more", cameras.size() - kNamesShown);
@@ -143,15 +143,15 @@ void print_field(const char* field, const std::string& text) {
     fmt::print("{:<9} {}\n", field, text);
 }
 
-void print_lenses(const Rig& rig, const Dataset& seen) {
+void print_lenses(const training::Rig& rig, const training::Dataset& seen) {
     std::set<std::string> models, sizes;
     double shortest = 1e30, longest = 0, widest = 0, narrowest = 180;
-    for (const RigCamera& camera : rig.cameras) {
-        models.insert(camera.lens.distorts() ? text_of(camera.lens.model) : text_of(LensModel::kPinhole));
+    for (const training::RigCamera& camera : rig.cameras) {
+        models.insert(camera.lens.distorts() ? text_of(camera.lens.model) : text_of(training::LensModel::kPinhole));
         shortest = std::min({shortest, camera.lens.fx, camera.lens.fy});
         longest = std::max({longest, camera.lens.fx, camera.lens.fy});
     }
-    for (const Camera& camera : seen.cameras) {
+    for (const stage::Camera& camera : seen.cameras) {
         sizes.insert(fmt::format("{}×{}", camera.width, camera.height));
         const double angle = 2 * std::atan(0.5 * camera.width / camera.fx) * 180 / std::numbers::pi;
         widest = std::max(widest, angle);
@@ -162,9 +162,9 @@ void print_lenses(const Rig& rig, const Dataset& seen) {
     print_field("size", fmt::format("{}", fmt::join(sizes, ", ")));
 }
 
-void print_frames(const Rig& rig) {
+void print_frames(const training::Rig& rig) {
     std::set<double> times;
-    for (const Shot& shot : rig.shots) times.insert(shot.time);
+    for (const training::Shot& shot : rig.shots) times.insert(shot.time);
     const size_t whole = times.size() * rig.cameras.size();
     print_field("frames", fmt::format("{}{}", times.size(),
                                       rig.fps > 0 ? fmt::format(" at {:g} fps", rig.fps) : ", frame rate not given"));
@@ -174,11 +174,11 @@ void print_frames(const Rig& rig) {
                     : fmt::format("{}, {} fewer than cameras × frames", rig.shots.size(), whole - rig.shots.size()));
 }
 
-void print_layers(const Rig& rig, const DatasetOptions& options, const std::optional<double>& matte) {
-    const auto masks =
-        std::count_if(rig.shots.begin(), rig.shots.end(), [](const Shot& shot) { return !shot.mask.path.empty(); });
+void print_layers(const training::Rig& rig, const DatasetOptions& options, const std::optional<double>& matte) {
+    const auto masks = std::count_if(rig.shots.begin(), rig.shots.end(),
+                                     [](const training::Shot& shot) { return !shot.mask.path.empty(); });
     const auto plates = std::count_if(rig.cameras.begin(), rig.cameras.end(),
-                                      [](const RigCamera& camera) { return !camera.plate.path.empty(); });
+                                      [](const training::RigCamera& camera) { return !camera.plate.path.empty(); });
     print_field("masks", masks == 0 ? "none" : fmt::format("{}; {}", masks, text_of(rig.masks)));
     print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
     print_field("mattes",
@@ -196,45 +196,47 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
                 hull.found ? text(*hull.found) + ", what the mattes leave at the instants looked at" : hull.missing);
 }
 
-void print_memory(const Rig& rig) {
+void print_memory(const training::Rig& rig) {
     print_field("memory",
                 fmt::format("{} for these pictures in training, next to the model; half of what is free is {}",
-                            size_text(picture_need(rig).bytes), size_text(picture_budget())));
+                            size_text(training::picture_need(rig).bytes), size_text(training::picture_budget())));
 }
 
-void draw(const std::filesystem::path& folder, const Rig& rig, const std::vector<RigCamera>& train,
-          const std::vector<RigCamera>& test, const Dataset& seen, const std::optional<Box>& box) {
-    write_png(folder / "rig.png", draw_rig(train, test, box));
-    std::vector<Image> pictures;
+void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,
+          const std::vector<training::RigCamera>& test, const training::Dataset& seen, const std::optional<Box>& box) {
+    media::write_png(folder / "rig.png", draw_rig(train, test, box));
+    std::vector<media::Image> pictures;
     std::vector<std::string> names;
-    for (const View& view : seen.views) {
+    for (const training::View& view : seen.views) {
         if (view.camera != pictures.size()) continue;  // the first of each
         pictures.push_back(view.image);
         names.push_back(rig.cameras[view.camera].name);
     }
     const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(pictures.size()))));
-    Image sheet = contact_sheet(pictures, columns, kSheetCell);
+    media::Image sheet = training::contact_sheet(pictures, columns, kSheetCell);
     for (uint32_t i = 0; i < names.size(); ++i)
         draw_text(sheet, static_cast<int>(i % columns * kSheetCell + 4), static_cast<int>(i / columns * kSheetCell + 4),
                   names[i], {200, 0, 120});
-    write_png(folder / "contact_sheet.png", sheet);
+    media::write_png(folder / "contact_sheet.png", sheet);
     fmt::print("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
 }
 
 void run(const DatasetOptions& options) {
     if (!options.output.empty()) prepare_output_folder("--output", options.output);
-    const auto read = [&](Split split) {
-        return look_for([&] { return read_rig(options.folder, split, options.format); });
+    const auto read = [&](training::Split split) {
+        return look_for([&] { return training::read_rig(options.folder, split, options.format); });
     };
-    const Finding<Rig> train = read(Split::kTrain), test = read(Split::kTest);
-    const Finding<Rig>& wanted = options.split == "train" ? train : test;
+    const Finding<training::Rig> train = read(training::Split::kTrain), test = read(training::Split::kTest);
+    const Finding<training::Rig>& wanted = options.split == "train" ? train : test;
     if (!wanted.found)
-        read_rig(options.folder, options.split == "train" ? Split::kTrain : Split::kTest, options.format);
-    const Rig& rig = *wanted.found;
-    const Rig looked_at = sample(rig);
-    const Dataset seen = read_pictures(looked_at, {.mattes_needed = false});
+        training::read_rig(options.folder, options.split == "train" ? training::Split::kTrain : training::Split::kTest,
+                           options.format);
+    const training::Rig& rig = *wanted.found;
+    const training::Rig looked_at = sample(rig);
+    const training::Dataset seen = training::read_pictures(looked_at, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(seen);
-    const auto hull = matte ? look_for([&] { return hull_box(seen); }) : Finding<Box>{{}, "not known without mattes"};
+    const auto hull =
+        matte ? look_for([&] { return training::hull_box(seen); }) : Finding<Box>{{}, "not known without mattes"};
     fmt::print("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
     for (const auto& [name, split] : {std::pair("train", &train), std::pair("test", &test)})
         print_field(name, split->found ? fmt::format("{} cameras:{}", split->found->cameras.size(),
@@ -247,8 +249,8 @@ void run(const DatasetOptions& options) {
     print_box(rig.box, hull);
     print_memory(rig);
     if (options.output.empty()) return;
-    const auto cameras = [](const Finding<Rig>& split) {
-        return split.found ? split.found->cameras : std::vector<RigCamera>();
+    const auto cameras = [](const Finding<training::Rig>& split) {
+        return split.found ? split.found->cameras : std::vector<training::RigCamera>();
     };
     draw(options.output, looked_at, cameras(train), cameras(test), seen, hull.found ? hull.found : rig.box);
 }
@@ -276,4 +278,4 @@ void add_dataset(CLI::App& app, CommonOptions&) {
     verb->callback([options] { run(*options); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -9,7 +9,7 @@
 #include "tools/commands.h"
 #include "tools/report.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -18,9 +18,9 @@ std::string version_text(uint32_t version) {
                        VK_API_VERSION_PATCH(version));
 }
 
-nlohmann::ordered_json json_of(const std::vector<DeviceSummary>& devices) {
+nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
     auto list = nlohmann::ordered_json::array();
-    for (const DeviceSummary& device : devices)
+    for (const gpu::DeviceSummary& device : devices)
         list.push_back({{"index", device.index},
                         {"name", device.name},
                         {"kind", device.kind},
@@ -33,8 +33,8 @@ nlohmann::ordered_json json_of(const std::vector<DeviceSummary>& devices) {
     return list;
 }
 
-void print(const std::vector<DeviceSummary>& devices) {
-    for (const DeviceSummary& device : devices) {
+void print(const std::vector<gpu::DeviceSummary>& devices) {
+    for (const gpu::DeviceSummary& device : devices) {
         fmt::print("{}  {}\n", device.index, device.name);
         fmt::print("   {}, Vulkan {}, {}, {}\n", device.kind, version_text(device.api_version),
                    size_text(device.memory_bytes), device.driver);
@@ -45,7 +45,7 @@ void print(const std::vector<DeviceSummary>& devices) {
 }
 
 void run(bool json) {
-    const std::vector<DeviceSummary> devices = list_devices();
+    const std::vector<gpu::DeviceSummary> devices = gpu::list_devices();
     if (json)
         fmt::print("{}", json_text(json_of(devices)));
     else
@@ -71,4 +71,4 @@ void add_devices(CLI::App& app, CommonOptions&) {
     verb->callback([json] { run(*json); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -24,15 +24,15 @@ constexpr std::array<uint16_t, kCharacters.size()> kDots = {
     0b111'001'010'000'010};
 constexpr int kDot = 2;
 
-void put(Image& image, double x, double y, const Colour& colour) {
+void put(media::Image& image, double x, double y, const Colour& colour) {
     if (!(x >= 0 && y >= 0 && x < image.width && y < image.height)) return;
     std::copy(colour.begin(), colour.end(), image.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y)));
 }
 
 }  // namespace
 
-Image blank(uint32_t width, uint32_t height, const Colour& colour) {
-    Image image(width, height);
+media::Image blank(uint32_t width, uint32_t height, const Colour& colour) {
+    media::Image image(width, height);
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {
             put(image, x, y, colour);
@@ -41,7 +41,7 @@ Image blank(uint32_t width, uint32_t height, const Colour& colour) {
     return image;
 }
 
-void draw_line(Image& image, glm::dvec2 from, glm::dvec2 to, const Colour& colour) {
+void draw_line(media::Image& image, glm::dvec2 from, glm::dvec2 to, const Colour& colour) {
     const double longest = std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
     constexpr double kFarthest = 1e5;  // pixels; nothing that is drawn here is longer
     if (!(longest < kFarthest)) return;
@@ -52,7 +52,7 @@ void draw_line(Image& image, glm::dvec2 from, glm::dvec2 to, const Colour& colou
     }
 }
 
-void draw_text(Image& image, int x, int y, const std::string& text, const Colour& colour) {
+void draw_text(media::Image& image, int x, int y, const std::string& text, const Colour& colour) {
     for (const char c : text) {
         const char capital = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
         const uint16_t dots = kDots[std::min(kCharacters.find(capital), kCharacters.size() - 1)];
@@ -65,4 +65,4 @@ void draw_text(Image& image, int x, int y, const std::string& text, const Colour
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -20,7 +20,7 @@
 #include "training/lpips.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -29,14 +29,16 @@ constexpr uint32_t kMeasureSamples = 4;
 constexpr size_t kSheetRows = 8, kPagePictures = 12;
 constexpr uint32_t kSheetCell = 320;
 
-const std::map<std::string, Split> kSplits = {{"test", Split::kTest}, {"train", Split::kTrain}, {"val", Split::kVal}};
+const std::map<std::string, training::Split> kSplits = {
+    {"test", training::Split::kTest}, {"train", training::Split::kTrain}, {"val", training::Split::kVal}};
 
 struct EvalOptions {
-    std::string scene, dataset, format = kAnyFormat, split = "test", json, images, html, per = "camera", lpips;
+    std::string scene, dataset, format = training::kAnyFormat, split = "test", json, images, html, per = "camera",
+                                lpips;
     uint32_t samples = kMeasureSamples;
 };
 
-nlohmann::ordered_json json_of(const Quality& quality) {
+nlohmann::ordered_json json_of(const training::Quality& quality) {
     return {{"psnr", quality.psnr}, {"ssim", quality.ssim}, {"mae", quality.mae}, {"flip", quality.flip}};
 }
 
@@ -45,8 +47,8 @@ double mean_lpips(const std::vector<double>& values) {
 }
 
 // `lpips` by view, or empty.
-nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& dataset, const Evaluation& evaluation,
-                               const std::vector<double>& lpips) {
+nlohmann::ordered_json json_of(const EvalOptions& options, const training::Dataset& dataset,
+                               const training::Evaluation& evaluation, const std::vector<double>& lpips) {
     nlohmann::ordered_json json = json_of(evaluation.mean);
     if (!lpips.empty()) json["lpips"] = mean_lpips(lpips);
     json["file"] = options.scene;
@@ -54,7 +56,7 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
     json["split"] = options.split;
     json["samples"] = options.samples;
     json["cameras"] = json["frames"] = json["images"] = nlohmann::ordered_json::array();
-    const std::vector<std::string> labels = camera_labels(dataset);
+    const std::vector<std::string> labels = training::camera_labels(dataset);
     for (size_t i = 0; i < evaluation.cameras.size(); ++i) {
         nlohmann::ordered_json camera = {{"camera", i}, {"name", labels[i]}};
         camera.update(json_of(evaluation.cameras[i].quality));
@@ -68,9 +70,11 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
         json["frames"].push_back(frame);
     }
     for (size_t i = 0; i < evaluation.views.size(); ++i) {
-        const View& view = dataset.views[i];
-        nlohmann::ordered_json image = {
-            {"name", view.name}, {"camera", view.camera}, {"frame", frame_of_view(dataset, view)}, {"time", view.time}};
+        const training::View& view = dataset.views[i];
+        nlohmann::ordered_json image = {{"name", view.name},
+                                        {"camera", view.camera},
+                                        {"frame", training::frame_of_view(dataset, view)},
+                                        {"time", view.time}};
         image.update(json_of(evaluation.views[i]));
         if (!lpips.empty()) image["lpips"] = lpips[i];
         json["images"].push_back(image);
@@ -82,17 +86,19 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const Dataset& datase
 struct PictureFolder {
     std::filesystem::path folder;
     std::vector<size_t> on_sheet;
-    std::vector<Image> sheet = {};
+    std::vector<media::Image> sheet = {};
 
-    void add(size_t view, const std::string& name, const Image& truth, const Image& render) {
-        const Image error = error_picture(truth, render);
-        write_png(folder / (name + "_truth.png"), truth);
-        write_png(folder / (name + "_render.png"), render);
-        write_png(folder / (name + "_error.png"), error);
+    void add(size_t view, const std::string& name, const media::Image& truth, const media::Image& render) {
+        const media::Image error = training::error_picture(truth, render);
+        media::write_png(folder / (name + "_truth.png"), truth);
+        media::write_png(folder / (name + "_render.png"), render);
+        media::write_png(folder / (name + "_error.png"), error);
         if (std::binary_search(on_sheet.begin(), on_sheet.end(), view))
             sheet.insert(sheet.end(), {truth, render, error});
     }
-    void finish() const { write_png(folder / "contact_sheet.png", contact_sheet(sheet, 3, kSheetCell)); }
+    void finish() const {
+        media::write_png(folder / "contact_sheet.png", training::contact_sheet(sheet, 3, kSheetCell));
+    }
 };
 
 // Keeps the pictures that the page shows: some spread over cameras and instants, and the worst of all.
@@ -102,7 +108,7 @@ struct PageCollector {
     PagePicture worst = {};
     double worst_psnr = 1e9;
 
-    void add(size_t view, const Image& truth, const Image& render, double psnr) {
+    void add(size_t view, const media::Image& truth, const media::Image& render, double psnr) {
         if (std::binary_search(chosen.begin(), chosen.end(), view)) pictures.push_back({view, truth, render});
         if (psnr >= worst_psnr) return;
         worst_psnr = psnr;
@@ -113,15 +119,15 @@ struct PageCollector {
     }
 };
 
-void print_row(const std::string& name, size_t images, const Quality& quality) {
+void print_row(const std::string& name, size_t images, const training::Quality& quality) {
     fmt::print("{:<12} {:>7} {:>9.3f} {:>9.5f} {:>9.5f} {:>9.5f}\n", name, images, quality.psnr, quality.ssim,
                quality.mae, quality.flip);
 }
 
-void print(const Evaluation& evaluation, const Dataset& dataset, const std::string& per) {
+void print(const training::Evaluation& evaluation, const training::Dataset& dataset, const std::string& per) {
     fmt::print("{:<12} {:>7} {:>9} {:>9} {:>9} {:>9}\n", per, "images", "PSNR dB", "SSIM", "MAE", "FLIP");
-    const std::vector<std::string> labels = camera_labels(dataset);
-    const std::vector<Evaluation::Group>& groups = per == "frame" ? evaluation.frames : evaluation.cameras;
+    const std::vector<std::string> labels = training::camera_labels(dataset);
+    const std::vector<training::Evaluation::Group>& groups = per == "frame" ? evaluation.frames : evaluation.cameras;
     for (size_t i = 0; i < groups.size(); ++i)
         print_row(per == "frame" ? std::to_string(i) : labels[i], groups[i].images, groups[i].quality);
     print_row("mean", evaluation.views.size(), evaluation.mean);
@@ -139,28 +145,30 @@ void write_text_file(const std::string& path, const std::string& text) {
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
-    const VOctree tree = read_clip(options.scene);
-    const Dataset dataset = load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
+    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const training::Dataset dataset =
+        training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
     if (tree.frames != dataset.times.size())
         fmt::print(stderr, "neuvv: {} has {} frames, {} {} instants: each is compared with the scene at its time\n",
                    options.scene, tree.frames, options.dataset, dataset.times.size());
-    std::optional<Lpips> network;
+    std::optional<training::Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
     std::vector<double> lpips;
-    PictureFolder folder{options.images, spread_views(dataset, kSheetRows)};
-    PageCollector page{spread_views(dataset, kPagePictures)};
-    const Device device(common.device);
+    PictureFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
+    PageCollector page{training::spread_views(dataset, kPagePictures)};
+    const gpu::Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
-    const ViewCallback done = [&](size_t view, const Image& truth, const Image& render, const Quality& quality) {
+    const training::ViewCallback done = [&](size_t view, const media::Image& truth, const media::Image& render,
+                                            const training::Quality& quality) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
         if (network) lpips.push_back(network->distance(truth, render));
         progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
     };
-    const Evaluation evaluation = evaluate(device, tree, dataset, options.samples, done);
+    const training::Evaluation evaluation = training::evaluate(device, tree, dataset, options.samples, done);
     progress.finish();
     if (evaluation.views.size() < dataset.views.size())
         throw RuntimeFailure("stopped before the end; no means are given");
@@ -226,4 +234,4 @@ void add_eval(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

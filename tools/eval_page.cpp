@@ -9,7 +9,7 @@
 #include "training/contact_sheet.h"
 #include "training/flip.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -105,15 +105,15 @@ addEventListener('resize', draw); addEventListener('load', draw); draw();
 
 struct Metric {
     const char *name, *unit;
-    std::function<double(const Quality&)> of;
+    std::function<double(const training::Quality&)> of;
     int digits;
 };
 
 const std::array<Metric, 4>& metrics() {
-    static const std::array<Metric, 4> all{{{"PSNR", " dB", [](const Quality& q) { return q.psnr; }, 2},
-                                            {"SSIM", "", [](const Quality& q) { return q.ssim; }, 4},
-                                            {"MAE", "", [](const Quality& q) { return q.mae; }, 4},
-                                            {"FLIP", "", [](const Quality& q) { return q.flip; }, 4}}};
+    static const std::array<Metric, 4> all{{{"PSNR", " dB", [](const training::Quality& q) { return q.psnr; }, 2},
+                                            {"SSIM", "", [](const training::Quality& q) { return q.ssim; }, 4},
+                                            {"MAE", "", [](const training::Quality& q) { return q.mae; }, 4},
+                                            {"FLIP", "", [](const training::Quality& q) { return q.flip; }, 4}}};
     return all;
 }
 
@@ -130,7 +130,7 @@ std::string base64(const std::vector<uint8_t>& bytes) {
     return text;
 }
 
-std::string cells(const Quality& quality) {
+std::string cells(const training::Quality& quality) {
     std::string text;
     for (const Metric& metric : metrics()) text += fmt::format("<td>{:.{}f}</td>", metric.of(quality), metric.digits);
     return text;
@@ -146,10 +146,10 @@ std::string table(const std::string& title, const std::string& first, const std:
 }
 
 // Curves of one number over the clip: the mean over cameras.
-std::string plot(const Metric& metric, const std::vector<Evaluation::Group>& frames) {
+std::string plot(const Metric& metric, const std::vector<training::Evaluation::Group>& frames) {
     constexpr double kWidth = 420, kHeight = 170, kLeft = 48, kBottom = 22, kTop = 10, kRight = 10;
     double low = 1e30, high = -1e30;
-    for (const Evaluation::Group& frame : frames)
+    for (const training::Evaluation::Group& frame : frames)
         if (frame.images > 0) {
             low = std::min(low, metric.of(frame.quality));
             high = std::max(high, metric.of(frame.quality));
@@ -175,7 +175,8 @@ std::string plot(const Metric& metric, const std::vector<Evaluation::Group>& fra
         high, metric.digits, low, kHeight - 6, frames.size() - 1, kWidth / 2, metric.unit);
 }
 
-std::string all_tables(const Dataset& dataset, const Evaluation& evaluation, const std::vector<std::string>& cameras) {
+std::string all_tables(const training::Dataset& dataset, const training::Evaluation& evaluation,
+                       const std::vector<std::string>& cameras) {
     std::string of_cameras, of_frames, of_views;
     for (size_t i = 0; i < cameras.size(); ++i)
         of_cameras += fmt::format("<tr><td>{}</td><td>{}</td>{}</tr>\n", html_text(cameras[i]),
@@ -185,36 +186,39 @@ std::string all_tables(const Dataset& dataset, const Evaluation& evaluation, con
                                  evaluation.frames[i].images, cells(evaluation.frames[i].quality));
     for (size_t i = 0; i < evaluation.views.size(); ++i)
         of_views += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td>{}</tr>\n", html_text(dataset.views[i].name),
-                                html_text(cameras[dataset.views[i].camera]), frame_of_view(dataset, dataset.views[i]),
-                                cells(evaluation.views[i]));
+                                html_text(cameras[dataset.views[i].camera]),
+                                training::frame_of_view(dataset, dataset.views[i]), cells(evaluation.views[i]));
     return "<div class=\"tables\">\n" + table("Cameras", "<th>camera</th><th>pictures</th>", of_cameras) +
            table("Frames", "<th>frame</th><th>time</th><th>pictures</th>", of_frames) +
            table("All pictures", "<th>picture</th><th>camera</th><th>frame</th>", of_views) + "</div>\n";
 }
 
-std::string layer(const Image& image, const char* name) {
-    return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", name, base64(encode_png(image)));
+std::string layer(const media::Image& image, const char* name) {
+    return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", name, base64(media::encode_png(image)));
 }
 
 // Smaller by a whole factor where it is larger than the page shows.
-Image page_sized(const Image& image) {
-    return std::max(image.width, image.height) > kPageSide ? scaled_to_fit(image, kPageSide) : image;
+media::Image page_sized(const media::Image& image) {
+    return std::max(image.width, image.height) > kPageSide ? training::scaled_to_fit(image, kPageSide) : image;
 }
 
-std::string figure(const Dataset& dataset, const Evaluation& evaluation, const PagePicture& picture) {
-    const Quality& quality = evaluation.views[picture.view];
+std::string figure(const training::Dataset& dataset, const training::Evaluation& evaluation,
+                   const PagePicture& picture) {
+    const training::Quality& quality = evaluation.views[picture.view];
     std::string caption = html_text(dataset.views[picture.view].name) + ":";
     for (const Metric& metric : metrics())
         caption += fmt::format(" {} {:.{}f}{}", metric.name, metric.of(quality), metric.digits, metric.unit);
-    const Image flip_map = flip_picture(flip(picture.truth, picture.render), picture.truth.width, picture.truth.height);
+    const media::Image flip_map = training::flip_picture(training::flip(picture.truth, picture.render),
+                                                         picture.truth.width, picture.truth.height);
     return "<figure hidden><div class=\"stage\">\n" + layer(page_sized(picture.truth), "truth") +
            layer(page_sized(picture.render), "render") +
-           layer(page_sized(error_picture(picture.truth, picture.render)), "error") +
+           layer(page_sized(training::error_picture(picture.truth, picture.render)), "error") +
            layer(page_sized(flip_map), "FLIP") + "<div class=\"bar\"></div></div><figcaption>" + caption +
            "</figcaption></figure>\n";
 }
 
-std::string controls(const Dataset& dataset, const Evaluation& evaluation, const std::vector<PagePicture>& pictures) {
+std::string controls(const training::Dataset& dataset, const training::Evaluation& evaluation,
+                     const std::vector<PagePicture>& pictures) {
     std::string names;
     for (const PagePicture& picture : pictures)
         names += fmt::format("<option>{} ({:.2f} dB)</option>", html_text(dataset.views[picture.view].name),
@@ -263,8 +267,8 @@ std::string html_text(const std::string& text) {
     return safe;
 }
 
-std::string comparison_page(const PageFacts& facts, const Dataset& dataset, const Evaluation& evaluation,
-                            const std::vector<PagePicture>& pictures) {
+std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
+                            const training::Evaluation& evaluation, const std::vector<PagePicture>& pictures) {
     std::string page = kHead;
     page += fmt::format("<title>{}</title>\n{}</head><body>\n", html_text(facts.scene), kStyle);
     page += fmt::format("<h1>{} against {}</h1>\n", html_text(facts.scene), html_text(facts.dataset));
@@ -280,8 +284,9 @@ std::string comparison_page(const PageFacts& facts, const Dataset& dataset, cons
     for (const PagePicture& picture : pictures) page += figure(dataset, evaluation, picture);
     page += "<h2>Over the clip</h2>\n<div class=\"plots\">";
     for (const Metric& metric : metrics()) page += plot(metric, evaluation.frames);
-    page += "</div>\n" + all_tables(dataset, evaluation, camera_labels(dataset)) + kScript + "</body></html>\n";
+    page +=
+        "</div>\n" + all_tables(dataset, evaluation, training::camera_labels(dataset)) + kScript + "</body></html>\n";
     return page;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

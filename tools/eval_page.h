@@ -6,12 +6,12 @@
 
 #include "training/evaluate.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // A picture of the page, kept while the evaluation goes on.
 struct PagePicture {
     size_t view = 0;  // index into Dataset::views
-    Image truth, render;
+    media::Image truth, render;
 };
 
 struct PageFacts {
@@ -22,10 +22,10 @@ struct PageFacts {
 // truth, render, error and FLIP to slide over each other or to blink between; scaled down to at most kPageSide pixels.
 // All names are escaped.
 constexpr uint32_t kPageSide = 1280;
-std::string comparison_page(const PageFacts& facts, const Dataset& dataset, const Evaluation& evaluation,
-                            const std::vector<PagePicture>& pictures);
+std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
+                            const training::Evaluation& evaluation, const std::vector<PagePicture>& pictures);
 
 // Text as HTML: <, >, &, " and ' as entities, control characters as spaces.
 std::string html_text(const std::string& text);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -12,7 +12,7 @@
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -21,32 +21,32 @@ struct InfoOptions {
     bool json = false, check = false, memory = false;
 };
 
-uint32_t weights_per_leaf(const NvvHead& head) {
+uint32_t weights_per_leaf(const voctree::NvvHead& head) {
     return 2 * head.bases + 3 * hh_count(head.hh_degree);
 }
 
-double clip_seconds(const NvvHead& head) {
+double clip_seconds(const voctree::NvvHead& head) {
     return head.frames / static_cast<double>(head.fps);
 }
 
 // Of a PlenOctree, which has no version and no chunks, as the clip that it is played as.
-NvvSummary summary_of_plenoctree(const std::string& file) {
-    const VOctree tree = read_clip(file);
-    NvvSummary summary;
+voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
+    const voctree::VOctree tree = voctree::read_clip(file);
+    voctree::NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);
-    summary.head = head_of(tree);
+    summary.head = voctree::head_of(tree);
     return summary;
 }
 
-bool is_nvv(const NvvSummary& summary) {
+bool is_nvv(const voctree::NvvSummary& summary) {
     return summary.version != 0;
 }
 
-nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& summary) {
-    const NvvHead& head = summary.head;
+nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSummary& summary) {
+    const voctree::NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
     auto chunks = nlohmann::ordered_json::array();
-    for (const NvvSummary::Chunk& chunk : summary.chunks)
+    for (const voctree::NvvSummary::Chunk& chunk : summary.chunks)
         chunks.push_back({{"name", chunk.name}, {"raw_bytes", chunk.raw_bytes}, {"stored_bytes", chunk.stored_bytes}});
     return {{"file", options.file},
             {"format", is_nvv(summary) ? "nvv" : "PlenOctree"},
@@ -67,8 +67,8 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const NvvSummary& sum
             {"checked", options.check}};
 }
 
-void print(const InfoOptions& options, const NvvSummary& summary) {
-    const NvvHead& head = summary.head;
+void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
+    const voctree::NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
     fmt::print("{}: {}, {}\n", options.file,
                is_nvv(summary) ? fmt::format(".nvv version {}", summary.version) : "PlenOctree",
@@ -80,7 +80,7 @@ void print(const InfoOptions& options, const NvvSummary& summary) {
                head.node_levels, 1u << (2 * head.node_levels));
     fmt::print("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
                head.bases, head.hh_degree, hh_count(head.hh_degree));
-    for (const NvvSummary::Chunk& chunk : summary.chunks) {
+    for (const voctree::NvvSummary::Chunk& chunk : summary.chunks) {
         const double share =
             static_cast<double>(chunk.stored_bytes) / std::max(1.0, static_cast<double>(chunk.raw_bytes));
         fmt::print("{}    {:>10} stored as {:>10}, {:.0f} %\n", chunk.name, size_text(chunk.raw_bytes),
@@ -100,11 +100,11 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
-    const NvvSummary summary =
-        is_plenoctree(options.file) ? summary_of_plenoctree(options.file) : summarise_nvv(options.file);
+    const voctree::NvvSummary summary = voctree::is_plenoctree(options.file) ? summary_of_plenoctree(options.file)
+                                                                             : voctree::summarise_nvv(options.file);
     if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole
-        read_nvv_coarse(options.file);
-        read_nvv(options.file);
+        voctree::read_nvv_coarse(options.file);
+        voctree::read_nvv(options.file);
     }
     if (options.json)
         fmt::print("{}", json_text(json_of(options, summary)));
@@ -132,4 +132,4 @@ void add_info(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

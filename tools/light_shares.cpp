@@ -4,12 +4,13 @@
 
 #include "render/stage_renderer.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
-std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instant) {
-    std::vector<SetLight> lights;
-    for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
-    const ShaderLights packed = pack_lights(lights, {}, {}, {}, performers_box(stage, instant), std::nullopt);
+std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::StageInstant& instant) {
+    std::vector<render::SetLight> lights;
+    for (const stage::InstantLight& light : instant.lights) lights.push_back(render::set_light(light));
+    const ShaderLights packed =
+        render::pack_lights(lights, {}, {}, {}, stage::performers_box(stage, instant), std::nullopt);
     std::vector<LightShare> shares(lights.size());
     for (size_t i = 0; i < lights.size(); ++i) {
         LightShare& share = shares[i];
@@ -24,4 +25,4 @@ std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instan
     return shares;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -6,7 +6,7 @@
 
 #include "stage/stage_instant.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // As a light is packed for a frame.
 struct LightShare {
@@ -15,6 +15,6 @@ struct LightShare {
 };
 
 // By instant.lights.
-std::vector<LightShare> shares_of(const Stage& stage, const StageInstant& instant);
+std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::StageInstant& instant);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

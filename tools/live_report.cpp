@@ -9,7 +9,7 @@
 #include "tools/options.h"
 #include "training/preview.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -22,12 +22,12 @@ void expect_extension(const char* option, const std::filesystem::path& file, con
     prepare_output_file(option, file);
 }
 
-Dataset shown_dataset(const Dataset& training, const LoadOptions& load) {
+training::Dataset shown_dataset(const training::Dataset& training, const training::LoadOptions& load) {
     try {
-        return preview_dataset(load_dataset(training.folder, Split::kTest, load));
+        return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
     } catch (const std::runtime_error& error) {
         fmt::print(stderr, "the preview shows a training picture, as no held-out one can be read: {}\n", error.what());
-        return preview_dataset(training);
+        return training::preview_dataset(training);
     }
 }
 
@@ -38,12 +38,13 @@ void prepare_live_outputs(const LiveOptions& options) {
     if (!options.metrics.empty()) expect_extension("--metrics", options.metrics, ".jsonl");
 }
 
-LiveReport::LiveReport(const Device& device, const Dataset& training, const LoadOptions& load, LiveOptions options)
+LiveReport::LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
+                       LiveOptions options)
     : device_(device), options_(std::move(options)) {
     if (!options_.preview.empty()) shown_ = shown_dataset(training, load);
 }
 
-void LiveReport::update(const TrainProgress& now) {
+void LiveReport::update(const training::TrainProgress& now) {
     write_preview_if_due(now);
     if (options_.metrics.empty()) return;
     try {
@@ -55,14 +56,14 @@ void LiveReport::update(const TrainProgress& now) {
     }
 }
 
-void LiveReport::write_preview_if_due(const TrainProgress& now) {
+void LiveReport::write_preview_if_due(const training::TrainProgress& now) {
     using Clock = std::chrono::steady_clock;
     const double wait = std::max(kPreviewEvery, preview_took_ / kPreviewShare);
     if (options_.preview.empty() || now.elapsed_s - previewed_at_ < wait) return;
     const Clock::time_point begin = Clock::now();
     try {
-        const Quality quality = write_preview(device_, *now.field, shown_, options_.preview);
-        score_ = PreviewScore{shown_.views[0].name, quality.psnr};
+        const training::Quality quality = training::write_preview(device_, *now.field, shown_, options_.preview);
+        score_ = training::PreviewScore{shown_.views[0].name, quality.psnr};
     } catch (const RuntimeFailure& failure) {
         fmt::print(stderr, "\nno more previews: {}\n", failure.what());
         options_.preview.clear();
@@ -71,4 +72,4 @@ void LiveReport::write_preview_if_due(const TrainProgress& now) {
     previewed_at_ = now.elapsed_s + preview_took_;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

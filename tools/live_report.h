@@ -6,7 +6,7 @@
 
 #include "training/metrics_log.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct LiveOptions {
     std::filesystem::path preview;  // PNG; empty: none
@@ -19,21 +19,22 @@ void prepare_live_outputs(const LiveOptions& options);
 class LiveReport {
   public:
     // Loads a held-out picture where a preview is wanted; a data set without any gives one of the training's.
-    LiveReport(const Device& device, const Dataset& training, const LoadOptions& load, LiveOptions options);
+    LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
+               LiveOptions options);
 
     // Call with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
     // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.
-    void update(const TrainProgress& now);
+    void update(const training::TrainProgress& now);
 
   private:
-    void write_preview_if_due(const TrainProgress& now);
+    void write_preview_if_due(const training::TrainProgress& now);
 
-    const Device& device_;
+    const gpu::Device& device_;
     LiveOptions options_;
-    Dataset shown_;
-    std::optional<MetricsLog> log_;
-    std::optional<PreviewScore> score_;
+    training::Dataset shown_;
+    std::optional<training::MetricsLog> log_;
+    std::optional<training::PreviewScore> score_;
     double previewed_at_ = -1e9, preview_took_ = 0;  // seconds of the run
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

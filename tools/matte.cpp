@@ -11,25 +11,25 @@
 #include "tools/report.h"
 #include "training/make_mattes.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct MatteOptions {
-    MakeMattes what;
+    training::MakeMattes what;
     bool overwrite = false;
 };
 
 void run_matte(MatteOptions options) {
-    MakeMattes& what = options.what;
+    training::MakeMattes& what = options.what;
     if (what.output.empty()) what.output = what.dataset / "mattes";
-    if (!options.overwrite && count_existing_mattes(what) > 0)
+    if (!options.overwrite && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
     prepare_output_folder("--output", what.output);
     catch_stop_signals();
     std::unique_ptr<Progress> progress;
-    const MattesMade made = make_mattes(what, [&](uint64_t done, uint64_t total) {
+    const training::MattesMade made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
         if (!progress) progress = std::make_unique<Progress>("matte", total);
         progress->update(done);
         return !stop_requested();
@@ -46,7 +46,7 @@ void run_matte(MatteOptions options) {
 
 void add_matte(CLI::App& app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
-    MakeMattes& what = options->what;
+    training::MakeMattes& what = options->what;
     CLI::App* verb = app.add_subcommand("matte", "Find the performer in pictures that have no alpha");
     verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
     add_format_option(*verb, what.format);
@@ -75,4 +75,4 @@ void add_matte(CLI::App& app, CommonOptions&) {
     verb->callback([options] { run_matte(*options); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -53,24 +53,24 @@ int run(int argc, char** argv) {
     app.require_subcommand(1);
     app.failure_message(usage_error);
     app.set_version_flag("--version", NEUVV_VERSION);
-    neuvv::CommonOptions common;
+    neuvv::tools::CommonOptions common;
     app.add_option("--device", common.device, "Vulkan device: an index or part of a name (see `neuvv devices`)")
         ->envname("NEUVV_DEVICE");
     app.fallthrough();
-    neuvv::add_devices(app, common);
-    neuvv::add_info(app, common);
-    neuvv::add_capture(app, common);
-    neuvv::add_dataset(app, common);
-    neuvv::add_matte(app, common);
-    neuvv::add_train(app, common);
-    neuvv::add_eval(app, common);
-    neuvv::add_bench(app, common);
-    neuvv::add_convert(app, common);
-    neuvv::add_render(app, common);
-    neuvv::add_stage(app, common);
-    neuvv::add_paint(app, common);
-    neuvv::add_view(app, common);
-    neuvv::add_xr(app, common);
+    neuvv::tools::add_devices(app, common);
+    neuvv::tools::add_info(app, common);
+    neuvv::tools::add_capture(app, common);
+    neuvv::tools::add_dataset(app, common);
+    neuvv::tools::add_matte(app, common);
+    neuvv::tools::add_train(app, common);
+    neuvv::tools::add_eval(app, common);
+    neuvv::tools::add_bench(app, common);
+    neuvv::tools::add_convert(app, common);
+    neuvv::tools::add_render(app, common);
+    neuvv::tools::add_stage(app, common);
+    neuvv::tools::add_paint(app, common);
+    neuvv::tools::add_view(app, common);
+    neuvv::tools::add_xr(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
         "Examples (from the repository's root):\n"

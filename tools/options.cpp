@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -67,8 +67,8 @@ PictureSize parse_size(const std::string& text) {
     const size_t cross = std::min(text.find('x'), text.size());
     const bool numbers = cross < text.size() && read_number(std::string_view(text).substr(0, cross), size.width) &&
                          read_number(std::string_view(text).substr(cross + 1), size.height);
-    if (!numbers || size.width == 0 || size.height == 0 || std::max(size.width, size.height) > kMaxImageSide)
-        throw InputError("--size", text, fmt::format("is not a picture's size of 1 to {} a side", kMaxImageSide),
+    if (!numbers || size.width == 0 || size.height == 0 || std::max(size.width, size.height) > media::kMaxImageSide)
+        throw InputError("--size", text, fmt::format("is not a picture's size of 1 to {} a side", media::kMaxImageSide),
                          "write WIDTHxHEIGHT, as in 1280x720");
     return size;
 }
@@ -106,7 +106,8 @@ glm::vec4 parse_colour(const std::string& option, const std::string& text) {
     if (!digits) throw InputError(option, text, "is not a colour", "write '#rrggbb', " + names + "or clear");
     const auto rgb = static_cast<uint32_t>(std::stoul(hex, nullptr, 16));
     glm::vec4 colour(1);
-    for (int c = 0; c < 3; ++c) colour[c] = static_cast<float>(linear_from_srgb((rgb >> (16 - 8 * c) & 255u) / 255.0));
+    for (int c = 0; c < 3; ++c)
+        colour[c] = static_cast<float>(media::linear_from_srgb((rgb >> (16 - 8 * c) & 255u) / 255.0));
     return colour;
 }
 
@@ -179,4 +180,4 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     prepare_output_folder(option, link_target(file).parent_path());
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

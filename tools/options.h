@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct PictureSize {
     uint32_t width = 0, height = 0;
@@ -55,4 +55,4 @@ PictureOutput parse_output(const std::string& text);
 void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
 void prepare_output_file(const std::string& option, const std::filesystem::path& file);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

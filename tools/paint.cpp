@@ -18,7 +18,7 @@
 #include "tools/report.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -26,31 +26,32 @@ namespace {
 struct PickedScene {
     PickedScene(const Easel& easel, const CommonOptions& common)
         : device(common.device),
-          field(upload_field(device, easel.tree, WeightPrecision::kHalf)),
+          field(render::upload_field(device, easel.tree, render::WeightPrecision::kHalf)),
           picker(device, field) {
         show(easel, easel.at);
     }
     void show(const Easel& easel, float frame) {
-        const std::vector<PaintUse> paint = easel.shown();
-        sigma = densities(easel.canvas, frame, paint);
+        const std::vector<render::PaintUse> paint = easel.shown();
+        sigma = edit::densities(easel.canvas, frame, paint);
         picker.show(frame, paint);
     }
-    Device device;
-    Field field;
-    Picker picker;
+    gpu::Device device;
+    render::Field field;
+    render::Picker picker;
     std::vector<float> sigma;
 };
 
 // Those in the region.
-std::vector<LeafEdit> held_in(std::vector<LeafEdit> edits, const Canvas& canvas, const Region& region) {
-    std::erase_if(edits, [&](const LeafEdit& edit) { return !region(canvas.middles[edit.leaf]); });
+std::vector<voctree::LeafEdit> held_in(std::vector<voctree::LeafEdit> edits, const edit::Canvas& canvas,
+                                       const edit::Region& region) {
+    std::erase_if(edits, [&](const voctree::LeafEdit& edit) { return !region(canvas.middles[edit.leaf]); });
     return edits;
 }
 
 // Through each frame's own surface: as if a projector stood there while the clip plays.
-std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const Image& image, const Camera& camera,
-                                         const EditFrames& frames) {
-    std::vector<LeafEdit> all;
+std::vector<voctree::LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const media::Image& image,
+                                                  const stage::Camera& camera, const edit::EditFrames& frames) {
+    std::vector<voctree::LeafEdit> all;
     const auto first = static_cast<uint32_t>(std::ceil(frames.first)), last = static_cast<uint32_t>(frames.last);
     if (first > last)
         throw InputError("--frames", fmt::format("{}:{}", frames.first, frames.last), "has no whole frame",
@@ -59,62 +60,64 @@ std::vector<LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const
     for (uint32_t frame = first; frame <= last; frame++) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
         scene.show(easel, static_cast<float>(frame));
-        for (LeafEdit& edit : project(scene.picker, easel.canvas, scene.sigma, image, camera)) {
+        for (voctree::LeafEdit& edit : edit::project(scene.picker, easel.canvas, scene.sigma, image, camera)) {
             edit.first = edit.last = static_cast<float>(frame);
             all.push_back(edit);
         }
         progress.update(frame - first + 1);
     }
-    return through_between(std::move(all), frames.first, frames.last);
+    return edit::through_between(std::move(all), frames.first, frames.last);
 }
 
 // With their frames.
-std::vector<LeafEdit> projected(Easel& easel, const PaintOptions& options, const EditFrames& frames,
-                                const CommonOptions& common) {
+std::vector<voctree::LeafEdit> projected(Easel& easel, const PaintOptions& options, const edit::EditFrames& frames,
+                                         const CommonOptions& common) {
     catch_stop_signals();
-    const Image image = read_png(options.image);
-    const Camera camera = camera_of(options, easel, {image.width, image.height});
+    const media::Image image = media::read_png(options.image);
+    const stage::Camera camera = camera_of(options, easel, {image.width, image.height});
     PickedScene scene(easel, common);
-    std::vector<LeafEdit> edits =
+    std::vector<voctree::LeafEdit> edits =
         options.every_frame
             ? projected_on_every(easel, scene, image, camera, frames)
-            : at_frames(easel.canvas, project(scene.picker, easel.canvas, scene.sigma, image, camera), frames);
-    for (LeafEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
+            : edit::at_frames(easel.canvas, edit::project(scene.picker, easel.canvas, scene.sigma, image, camera),
+                              frames);
+    for (voctree::LeafEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
     return held_in(std::move(edits), easel.canvas, region_of(options));
 }
 
-std::vector<LeafEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
+std::vector<voctree::LeafEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
     expect_change(options);
-    const Brush brush = brush_of(options);
+    const edit::Brush brush = brush_of(options);
     const std::vector<glm::dvec2> line = line_of(options);
-    const Camera camera = camera_of(options, easel, picture_size(options, easel));
+    const stage::Camera camera = camera_of(options, easel, picture_size(options, easel));
     PickedScene scene(easel, common);
-    return held_in(stroke(easel.canvas, scene.sigma, brush, touches_under(scene.picker, camera, line)), easel.canvas,
-                   region_of(options));
+    return held_in(edit::stroke(easel.canvas, scene.sigma, brush, edit::touches_under(scene.picker, camera, line)),
+                   easel.canvas, region_of(options));
 }
 
 // With their frames.
-std::vector<LeafEdit> filled(const Easel& easel, const PaintOptions& options, const EditFrames& frames) {
-    const Region region = region_of(options);
+std::vector<voctree::LeafEdit> filled(const Easel& easel, const PaintOptions& options, const edit::EditFrames& frames) {
+    const edit::Region region = region_of(options);
     // A density brings leaves to life, so it goes to all of them.
     const std::vector<uint32_t> leaves = options.density.value_or(0) > 0
-                                             ? all_leaves_in(easel.canvas, region)
-                                             : leaves_in(easel.canvas, region, frames.first, frames.last);
-    const auto sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
-    std::vector<LeafEdit> edits;
+                                             ? edit::all_leaves_in(easel.canvas, region)
+                                             : edit::leaves_in(easel.canvas, region, frames.first, frames.last);
+    const auto sigma = static_cast<float>(options.density.value_or(double{voctree::kKeepSigma}));
+    std::vector<voctree::LeafEdit> edits;
     if (options.density && (options.hue || options.saturation))
-        edits = at_frames(easel.canvas, set_density(leaves, sigma), frames);
+        edits = edit::at_frames(easel.canvas, edit::set_density(leaves, sigma), frames);
     if (options.hue || options.saturation) {
-        std::vector<LeafEdit> colours = shift_colours(
+        std::vector<voctree::LeafEdit> colours = edit::shift_colours(
             easel.canvas, leaves, frames.first, frames.last,
             {static_cast<float>(options.hue.value_or(0)), static_cast<float>(options.saturation.value_or(1))});
-        for (LeafEdit& edit : colours) edit.alpha *= static_cast<float>(options.alpha);
+        for (voctree::LeafEdit& edit : colours) edit.alpha *= static_cast<float>(options.alpha);
         edits.insert(edits.end(), colours.begin(), colours.end());
         return edits;
     }
-    edits = fill_leaves(leaves, colour_of(options), options.colour.empty() ? 0.0f : static_cast<float>(options.alpha));
-    for (LeafEdit& edit : edits) edit.sigma = sigma;
-    return at_frames(easel.canvas, edits, frames);
+    edits = edit::fill_leaves(leaves, colour_of(options),
+                              options.colour.empty() ? 0.0f : static_cast<float>(options.alpha));
+    for (voctree::LeafEdit& edit : edits) edit.sigma = sigma;
+    return edit::at_frames(easel.canvas, edits, frames);
 }
 
 // Where the layer lies on its stage.
@@ -128,10 +131,10 @@ nlohmann::ordered_json stage_json(const StagePlace& place) {
 }
 
 void print_layer(const PaintOptions& options, const Easel& easel) {
-    const EditLayer& layer = easel.layer;
+    const voctree::EditLayer& layer = easel.layer;
     std::map<uint32_t, size_t> of_leaf;
     size_t colours = 0, densities_set = 0, erased = 0;
-    for (const LeafEdit& edit : layer.edits) {
+    for (const voctree::LeafEdit& edit : layer.edits) {
         of_leaf[edit.leaf]++;
         colours += edit.alpha > 0;
         densities_set += edit.sigma > 0;
@@ -163,20 +166,20 @@ void finish(const PaintOptions& options, const Easel& easel) {
 }
 
 // What a verb adds to the layer.
-using Edits = std::function<std::vector<LeafEdit>(Easel&, const EditFrames&)>;
+using Edits = std::function<std::vector<voctree::LeafEdit>(Easel&, const edit::EditFrames&)>;
 
 void paint(const PaintOptions& options, const Edits& make) {
     prepare_output_file("layer", options.layer);
     Easel easel(options);
-    const EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
-    const std::vector<LeafEdit> edits = make(easel, frames);
+    const edit::EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
+    const std::vector<voctree::LeafEdit> edits = make(easel, frames);
     if (edits.empty()) {
         fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
         easel.leave();
         print_layer(options, easel);
         return;
     }
-    add_edits(easel.layer, edits);
+    voctree::add_edits(easel.layer, edits);
     finish(options, easel);
 }
 
@@ -184,8 +187,9 @@ void restore(const PaintOptions& options) {
     expect_region(options);
     Easel easel(options, Easel::Use::kRead);
     prepare_output_file("layer", options.layer);
-    const EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
-    remove_edits(easel.layer, all_leaves_in(easel.canvas, region_of(options)), frames.first, frames.last);
+    const edit::EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
+    voctree::remove_edits(easel.layer, edit::all_leaves_in(easel.canvas, region_of(options)), frames.first,
+                          frames.last);
     finish(options, easel);
 }
 
@@ -204,7 +208,7 @@ void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options,
         ->excludes(follow);
     verb->callback([options, &common] {
         paint(*options,
-              [&](Easel& easel, const EditFrames& frames) { return projected(easel, *options, frames, common); });
+              [&](Easel& easel, const edit::EditFrames& frames) { return projected(easel, *options, frames, common); });
     });
 }
 
@@ -220,8 +224,8 @@ void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, c
     add_frame_options(*verb, *options);
     add_follow_option(*verb, *options);
     verb->callback([options, &common] {
-        paint(*options, [&](Easel& easel, const EditFrames& frames) {
-            return at_frames(easel.canvas, brushed(easel, *options, common), frames);
+        paint(*options, [&](Easel& easel, const edit::EditFrames& frames) {
+            return edit::at_frames(easel.canvas, brushed(easel, *options, common), frames);
         });
     });
 }
@@ -229,7 +233,7 @@ void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, c
 void fill(const PaintOptions& options) {
     expect_region(options);
     expect_change(options);
-    paint(options, [&](Easel& easel, const EditFrames& frames) { return filled(easel, options, frames); });
+    paint(options, [&](Easel& easel, const edit::EditFrames& frames) { return filled(easel, options, frames); });
 }
 
 void add_region(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
@@ -305,4 +309,4 @@ void add_paint(CLI::App& app, CommonOptions& common) {
         "--line 600,380 680,380 --colour '#d02020' --follow run");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

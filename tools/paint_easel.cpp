@@ -14,7 +14,7 @@
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -28,38 +28,38 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
 }
 
 // Index into stage.performers of the node that is named; of the only one where none is.
-uint32_t chosen_performer(const Stage& stage, const std::string& node) {
-    const std::vector<StagePerformer>& all = stage.performers;
+uint32_t chosen_performer(const stage::Stage& stage, const std::string& node) {
+    const std::vector<stage::StagePerformer>& all = stage.performers;
     if (node.empty() && all.size() == 1) return 0;
     std::string names;
-    for (const StagePerformer& one : all)
+    for (const stage::StagePerformer& one : all)
         names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", one.node, one.name);
     const std::string mend = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
     if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), mend);
-    const uint32_t index = find_node(stage.file, node);
+    const uint32_t index = edit::find_node(stage.file, node);
     for (uint32_t i = 0; i < all.size(); i++)
         if (all[i].node == index) return i;
     throw InputError("--node", node, "is no performer of the stage", mend);
 }
 
 // Whether an entry of a performer's list names the painted layer.
-bool is_painted(const Stage& stage, const PaintLayer& entry, const std::string& layer) {
-    return is_same_file(file_of_uri(stage.file, entry.uri, "paint"), layer);
+bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const std::string& layer) {
+    return is_same_file(stage::file_of_uri(stage.file, entry.uri, "paint"), layer);
 }
 
 StagePlace place_on_stage(const PaintOptions& options, Easel::Use use) {
     StagePlace place;
-    place.stage = load_stage(options.scene);
+    place.stage = stage::load_stage(options.scene);
     place.performer = chosen_performer(place.stage, options.node);
-    const std::vector<PaintLayer>& list = place.who().settings.paint;
+    const std::vector<stage::PaintLayer>& list = place.who().settings.paint;
     while (place.layer < list.size() && !is_painted(place.stage, list[place.layer], options.layer)) place.layer++;
     if (place.layer == list.size() && use == Easel::Use::kPaint) {
         prepare_output_file("scene", options.scene);
-        StageFile file = place.stage.file;
-        place.change = add_paint_layer(file, place.who().node, options.layer, {});
-        place.stage = make_stage(std::move(file));
+        stage::StageFile file = place.stage.file;
+        place.change = edit::add_paint_layer(file, place.who().node, options.layer, {});
+        place.stage = stage::make_stage(std::move(file));
     }
-    place.instant = stage_at(place.stage, options.time_s.value_or(0));
+    place.instant = stage::stage_at(place.stage, options.time_s.value_or(0));
     return place;
 }
 
@@ -74,19 +74,19 @@ std::optional<StagePlace> opened_stage(const PaintOptions& options, Easel::Use u
 }
 
 // The key of a camera path.
-Camera path_camera(const PaintOptions& options, PictureSize size) {
-    const CameraPath path = read_camera_path(options.camera, 1);
+stage::Camera path_camera(const PaintOptions& options, PictureSize size) {
+    const stage::CameraPath path = training::read_camera_path(options.camera, 1);
     const uint32_t key = options.key.value_or(0);
     if (key >= path.keys.size())
         throw InputError(options.camera, fmt::format("frame {}", key), "is not there",
                          fmt::format("choose --key 0 to {}", path.keys.size() - 1));
-    return camera_at(path, path.keys[key].time_s, size.width, size.height);
+    return stage::camera_at(path, path.keys[key].time_s, size.width, size.height);
 }
 
 // On the orbit around a box, at an angle.
-Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, PictureSize size) {
+stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, PictureSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
-    Camera camera = orbit_path(box, {{0, 0}, 25, 25}, size)[0].camera;
+    stage::Camera camera = orbit_path(box, {{0, 0}, 25, 25}, size)[0].camera;
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0));
     camera.world_from_camera = glm::translate(glm::dmat4(1), middle) * turned * glm::translate(glm::dmat4(1), -middle) *
                                camera.world_from_camera;
@@ -94,40 +94,43 @@ Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees
 }
 
 // In the world: a path's, the stage's by name, or as `neuvv render` chooses one.
-Camera stage_camera(const PaintOptions& options, const StagePlace& place, PictureSize size) {
+stage::Camera stage_camera(const PaintOptions& options, const StagePlace& place, PictureSize size) {
     if (names_camera_path(options.camera)) return path_camera(options, size);
     if (options.key) throw InputError("--key", fmt::format("{}", *options.key), "is for camera paths", "leave it out");
-    const bool orbits = options.orbit_deg || (options.camera.empty() && !has_camera(place.instant));
-    if (orbits) return orbit_camera(performers_box(place.stage, place.instant), options.orbit_deg.value_or(0), size);
-    return camera_of(place.stage, options.camera, place.instant, size.width, size.height);
+    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(place.instant));
+    if (orbits)
+        return orbit_camera(stage::performers_box(place.stage, place.instant), options.orbit_deg.value_or(0), size);
+    return stage::camera_of(place.stage, options.camera, place.instant, size.width, size.height);
 }
 
 }  // namespace
 
 Easel::Easel(const PaintOptions& options, Use use)
     : place(opened_stage(options, use)),
-      tree(read_clip(place ? place->stage.clips[place->who().clip].path : std::filesystem::path(options.scene))),
+      tree(voctree::read_clip(place ? place->stage.clips[place->who().clip].path
+                                    : std::filesystem::path(options.scene))),
       canvas(tree) {
-    layer.field = painted_field(tree);
-    if (use == Use::kRead || std::filesystem::exists(options.layer)) layer = read_paint(options.layer, layer.field);
+    layer.field = voctree::painted_field(tree);
+    if (use == Use::kRead || std::filesystem::exists(options.layer))
+        layer = voctree::read_paint(options.layer, layer.field);
     at = static_cast<float>(options.at.value_or(place ? double{place->stands().frame} : 0));
     if (!(at >= 0 && at <= static_cast<float>(tree.frames - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
                          fmt::format("choose 0 to {}", tree.frames - 1));
     if (!place) return;
-    for (const PaintLayer& entry : place->who().settings.paint) {
+    for (const stage::PaintLayer& entry : place->who().settings.paint) {
         const bool read = entry.visible && entry.opacity > 0 && !is_painted(place->stage, entry, options.layer);
-        others_.push_back(read ? std::make_unique<EditLayer>(read_paint(
-                                     file_of_uri(place->stage.file, entry.uri, place->who().name), layer.field))
+        others_.push_back(read ? std::make_unique<voctree::EditLayer>(voctree::read_paint(
+                                     stage::file_of_uri(place->stage.file, entry.uri, place->who().name), layer.field))
                                : nullptr);
     }
 }
 
-std::vector<PaintUse> Easel::shown() const {
-    if (!place) return {PaintUse{&layer}};
-    std::vector<PaintUse> uses;
+std::vector<render::PaintUse> Easel::shown() const {
+    if (!place) return {render::PaintUse{&layer}};
+    std::vector<render::PaintUse> uses;
     for (size_t i = 0; i < others_.size(); i++) {
-        const PaintLayer& entry = place->who().settings.paint[i];
+        const stage::PaintLayer& entry = place->who().settings.paint[i];
         if (!entry.visible || entry.opacity <= 0) continue;
         uses.push_back({others_[i] ? others_[i].get() : &layer, entry.blend, static_cast<float>(entry.opacity)});
     }
@@ -141,36 +144,36 @@ void Easel::leave() {
 }
 
 void Easel::save(const PaintOptions& options) const {
-    write_paint(options.layer, layer);
+    voctree::write_paint(options.layer, layer);
     if (!place || place->change.empty()) return;
-    StageFile file = place->stage.file;
-    if (read_stage_file(options.scene).saved->bytes != file.saved->bytes)
+    stage::StageFile file = place->stage.file;
+    if (stage::read_stage_file(options.scene).saved->bytes != file.saved->bytes)
         throw InputError(options.scene, "", "was changed by somebody else meanwhile",
                          fmt::format("add the layer, which is painted: `neuvv stage paint {} {} --add {}`",
                                      options.scene, place->who().node, options.layer));
-    save_stage_file(file, options.scene);
+    stage::save_stage_file(file, options.scene);
 }
 
 PictureSize picture_size(const PaintOptions& options, const Easel& easel) {
     if (!options.size.empty()) return parse_size(options.size);
     if (easel.place ? names_camera_path(options.camera) : !options.camera.empty()) {
-        const CameraPath path = read_camera_path(options.camera, 1);
+        const stage::CameraPath path = training::read_camera_path(options.camera, 1);
         if (path.width > 0 && path.height > 0) return {path.width, path.height};
     }
     return easel.place ? kStageSize : kClipSize;
 }
 
-Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size) {
+stage::Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size) {
     if (!easel.place)
         return options.camera.empty() ? orbit_camera(occupied_box(easel.tree), options.orbit_deg.value_or(0), size)
                                       : path_camera(options, size);
     const StagePlace& place = *easel.place;
-    if (!is_placeable(place.stands().world_from_performer))
+    if (!stage::is_placeable(place.stands().world_from_performer))
         throw InputError(
             options.scene, fmt::format("/nodes/{}", place.who().node),
             fmt::format("\"{}\" is flat, or out of this world, at {} s", place.who().name, place.instant.time_s),
             "choose another --time");
-    return in_performer(stage_camera(options, place, size), glm::mat4(place.stands().world_from_performer));
+    return render::in_performer(stage_camera(options, place, size), glm::mat4(place.stands().world_from_performer));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

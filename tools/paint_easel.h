@@ -10,19 +10,19 @@
 #include "tools/options.h"
 #include "tools/paint_options.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // A performer on its stage, at the instant that is looked at.
 struct StagePlace {
-    Stage stage;
-    StageInstant instant;
+    stage::Stage stage;
+    stage::StageInstant instant;
     uint32_t performer = 0;  // of stage.performers and instant.performers
     size_t layer = 0;        // the painted one's place in its list: in `stage`, though it may not be saved yet; the
                              // list's size: it is not there
     std::string change;      // what adding it there said; empty where it lay there before
 
-    const StagePerformer& who() const { return stage.performers[performer]; }
-    const InstantPerformer& stands() const { return instant.performers[performer]; }
+    const stage::StagePerformer& who() const { return stage.performers[performer]; }
+    const stage::InstantPerformer& stands() const { return instant.performers[performer]; }
 };
 
 struct Easel {
@@ -32,14 +32,14 @@ struct Easel {
     explicit Easel(const PaintOptions& options, Use use = Use::kPaint);
 
     std::optional<StagePlace> place;  // where the scene is a stage
-    VOctree tree;
-    Canvas canvas;
-    EditLayer layer;  // the painted one
-    float at = 0;     // the frame that is looked at
+    voctree::VOctree tree;
+    edit::Canvas canvas;
+    voctree::EditLayer layer;  // the painted one
+    float at = 0;              // the frame that is looked at
 
     // What the performer looks like: the layers of its list that show, the painted one in its place; that one alone
     // where there is no stage. Pointers into the easel.
-    std::vector<PaintUse> shown() const;
+    std::vector<render::PaintUse> shown() const;
 
     // Nothing was painted: what the stage's list would have got it does not get.
     void leave();
@@ -47,12 +47,13 @@ struct Easel {
     void save(const PaintOptions& options) const;
 
   private:
-    std::vector<std::unique_ptr<EditLayer>> others_;  // by the list; null for the painted one and what does not show
+    std::vector<std::unique_ptr<voctree::EditLayer>>
+        others_;  // by the list; null for the painted one and what does not show
 };
 
 // The size of the picture whose pixels the options name.
 PictureSize picture_size(const PaintOptions& options, const Easel& easel);
 // The camera of the options in a picture of this size, in the performer's space as it stands on its stage.
-Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size);
+stage::Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -8,13 +8,13 @@
 #include "base/error.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
-std::optional<PaintBlend> blend_of(const std::string& name) {
-    for (size_t i = 0; i < std::size(kPaintBlendNames); i++)
-        if (name == kPaintBlendNames[i]) return static_cast<PaintBlend>(i);
+std::optional<stage::PaintBlend> blend_of(const std::string& name) {
+    for (size_t i = 0; i < std::size(stage::kPaintBlendNames); i++)
+        if (name == stage::kPaintBlendNames[i]) return static_cast<stage::PaintBlend>(i);
     return std::nullopt;
 }
 
@@ -47,16 +47,16 @@ std::optional<std::string> last_part(const std::string& text) {
 
 }  // namespace
 
-PaintBlend parse_blend(const std::string& option, const std::string& text) {
+stage::PaintBlend parse_blend(const std::string& option, const std::string& text) {
     if (const auto blend = blend_of(text)) return *blend;
     throw InputError(option, "", fmt::format("there is no blend `{}`", text),
                      "write normal, multiply, tint or recolour");
 }
 
-PaintStack read_paint_stack(const std::vector<std::string>& names, const PaintedField& field) {
+PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree::PaintedField& field) {
     PaintStack stack;
     for (std::string file : names) {
-        PaintUse use;
+        render::PaintUse use;
         const auto last = last_part(file);
         if (const auto opacity = last ? opacity_of(*last) : std::nullopt) {
             file.resize(file.size() - last->size() - 1);
@@ -72,7 +72,7 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const Painted
                 file.resize(file.size() - last->size() - 1);
             }
         }
-        stack.layers.push_back(read_paint(file, field));
+        stack.layers.push_back(voctree::read_paint(file, field));
         stack.uses.push_back(use);
         stack.files.push_back(file);
     }
@@ -80,4 +80,4 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const Painted
     return stack;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -6,20 +6,20 @@
 
 #include "render/paint.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // Layers that are read, and how they show.
 struct PaintStack {
-    std::vector<EditLayer> layers;
-    std::vector<PaintUse> uses;  // of them, the lowest first
+    std::vector<voctree::EditLayer> layers;
+    std::vector<render::PaintUse> uses;  // of them, the lowest first
     std::vector<std::string> files;
 };
 
 // "layer.nvpaint", "layer.nvpaint:tint" or "layer.nvpaint:tint:0.5" each; normal and 1 where nothing is said. Throws
 // InputError.
-PaintStack read_paint_stack(const std::vector<std::string>& names, const PaintedField& field);
+PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree::PaintedField& field);
 
 // normal, multiply, tint, recolour.
-PaintBlend parse_blend(const std::string& option, const std::string& text);
+stage::PaintBlend parse_blend(const std::string& option, const std::string& text);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

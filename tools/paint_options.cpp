@@ -5,20 +5,20 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
-Region box_of(const std::string& option, const std::string& text) {
+edit::Region box_of(const std::string& option, const std::string& text) {
     const std::vector<double> n = parse_numbers(option, text, 6, "write X0,Y0,Z0,X1,Y1,Z1");
     const glm::vec3 a(n[0], n[1], n[2]), b(n[3], n[4], n[5]);
-    return box_region(glm::min(a, b), glm::max(a, b));
+    return edit::box_region(glm::min(a, b), glm::max(a, b));
 }
 
-Region sphere_of(const std::string& option, const std::string& text) {
+edit::Region sphere_of(const std::string& option, const std::string& text) {
     const std::vector<double> n = parse_numbers(option, text, 4, "write X,Y,Z,RADIUS");
     if (!(n[3] > 0)) throw InputError(option, text, "has no radius above 0", "write X,Y,Z,RADIUS in metres");
-    return sphere_region({n[0], n[1], n[2]}, static_cast<float>(n[3]));
+    return edit::sphere_region({n[0], n[1], n[2]}, static_cast<float>(n[3]));
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ void add_scene_options(CLI::App& paint, PaintOptions& options) {
     paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none")->required();
     paint.add_option("--node", options.node, "Of a stage: the performer, by name or index; not needed where it is one");
     paint.add_option("--time", options.time_s, "Of a stage: the time at which it is looked at, seconds (default: 0)")
-        ->check(number_between(-kMaxStageSeconds, kMaxStageSeconds));
+        ->check(number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds));
     paint.add_flag("--json", options.json, "Print JSON: edits, leaves, colours, densities, erased; the stage's layer");
 }
 
@@ -92,16 +92,17 @@ void add_brush_options(CLI::App& verb, PaintOptions& options) {
         ->capture_default_str();
 }
 
-Region region_of(const PaintOptions& options) {
+edit::Region region_of(const PaintOptions& options) {
     const bool anywhere = options.boxes.empty() && options.spheres.empty();
-    Region region = [anywhere](glm::vec3) { return anywhere; };
-    for (const std::string& text : options.boxes) region = either(region, box_of("--box", text));
-    for (const std::string& text : options.spheres) region = either(region, sphere_of("--sphere", text));
-    for (const std::string& text : options.within_boxes) region = both(region, box_of("--within-box", text));
-    for (const std::string& text : options.within_spheres) region = both(region, sphere_of("--within-sphere", text));
-    for (const std::string& text : options.without_boxes) region = without(region, box_of("--without-box", text));
+    edit::Region region = [anywhere](glm::vec3) { return anywhere; };
+    for (const std::string& text : options.boxes) region = edit::either(region, box_of("--box", text));
+    for (const std::string& text : options.spheres) region = edit::either(region, sphere_of("--sphere", text));
+    for (const std::string& text : options.within_boxes) region = edit::both(region, box_of("--within-box", text));
+    for (const std::string& text : options.within_spheres)
+        region = edit::both(region, sphere_of("--within-sphere", text));
+    for (const std::string& text : options.without_boxes) region = edit::without(region, box_of("--without-box", text));
     for (const std::string& text : options.without_spheres)
-        region = without(region, sphere_of("--without-sphere", text));
+        region = edit::without(region, sphere_of("--without-sphere", text));
     return region;
 }
 
@@ -116,23 +117,25 @@ void expect_change(const PaintOptions& options) {
                          "give --colour '#d02020', --density, or for a region --hue or --saturation");
 }
 
-EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames) {
-    EditFrames frames;
-    frames.follow = options.follow == "all" ? Follow::kAll : options.follow == "run" ? Follow::kRun : Follow::kNot;
+edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames) {
+    edit::EditFrames frames;
+    frames.follow = options.follow == "all"   ? edit::Follow::kAll
+                    : options.follow == "run" ? edit::Follow::kRun
+                                              : edit::Follow::kNot;
     const FrameRange range = parse_frame_range(options.frames, clip_frames);
-    const bool instant = options.frames.empty() && frames.follow != Follow::kNot;
+    const bool instant = options.frames.empty() && frames.follow != edit::Follow::kNot;
     frames.first = instant ? at : static_cast<float>(range.first);
     frames.last = instant ? at : static_cast<float>(range.last);
     return frames;
 }
 
-Brush brush_of(const PaintOptions& options) {
-    Brush brush;
+edit::Brush brush_of(const PaintOptions& options) {
+    edit::Brush brush;
     brush.radius_m = static_cast<float>(options.radius_m);
     brush.hardness = static_cast<float>(options.hardness);
     brush.colour = colour_of(options);
     brush.alpha = options.colour.empty() ? 0 : static_cast<float>(options.alpha);
-    brush.sigma = static_cast<float>(options.density.value_or(double{kKeepSigma}));
+    brush.sigma = static_cast<float>(options.density.value_or(double{voctree::kKeepSigma}));
     return brush;
 }
 
@@ -152,4 +155,4 @@ glm::vec3 colour_of(const PaintOptions& options) {
     return glm::vec3(colour);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -9,7 +9,7 @@
 
 #include "edit/brush.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct PaintOptions {
     std::string scene, layer;  // .nvv, .gltf or .glb; .nvpaint
@@ -49,19 +49,19 @@ void add_brush_options(CLI::App& verb, PaintOptions& options);
 // All that follows throws InputError.
 
 // Any of the boxes and spheres, where there are none everywhere; in all those to be within, in none of those without.
-Region region_of(const PaintOptions& options);
+edit::Region region_of(const PaintOptions& options);
 // Throws where neither a box nor a sphere is given.
 void expect_region(const PaintOptions& options);
 // Throws where nothing is said that becomes of the leaves.
 void expect_change(const PaintOptions& options);
 
 // The frames of --frames and --follow; `at` is the one that is looked at.
-EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames);
+edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames);
 
-Brush brush_of(const PaintOptions& options);
+edit::Brush brush_of(const PaintOptions& options);
 std::vector<glm::dvec2> line_of(const PaintOptions& options);  // pixels
 
 // --colour, linear; black where there is none.
 glm::vec3 colour_of(const PaintOptions& options);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -4,7 +4,7 @@
 
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -43,25 +43,25 @@ void PictureSink::record_finished(uint32_t i) {
     write_render_record(record_path_, record_);
 }
 
-void PictureSink::add(uint32_t i, const Image& picture) {
+void PictureSink::add(uint32_t i, const media::Image& picture) {
     assert(!output_.exr && "this output wants linear pictures");
     if (video_)
         video_->add(picture);
     else
-        write_png(output_.file(i), picture);
+        media::write_png(output_.file(i), picture);
     record_finished(i);
 }
 
-void PictureSink::add(uint32_t i, const LinearImage& picture) {
+void PictureSink::add(uint32_t i, const media::LinearImage& picture) {
     assert(output_.exr && "this output wants sRGB pictures");
-    write_exr(output_.file(i), picture);
+    media::write_exr(output_.file(i), picture);
     record_finished(i);
 }
 
 void PictureSink::finish(uint32_t pictures) {
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
-        for (uint32_t i = 0; i < pictures; ++i) video_->add(read_png(output_.file(i)));
+        for (uint32_t i = 0; i < pictures; ++i) video_->add(media::read_png(output_.file(i)));
     }
     if (video_) video_->finish();
     if (video_path_.empty()) return;
@@ -71,4 +71,4 @@ void PictureSink::finish(uint32_t pictures) {
     std::filesystem::remove(record_path_.parent_path(), ignored);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

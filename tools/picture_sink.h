@@ -9,7 +9,7 @@
 #include "tools/options.h"
 #include "tools/render_record.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // Numbered pictures have a record beside them ("out_render.json" for out_%04d.png), so that `resume` goes on with those
 // that an interrupted render left. A video can only go on where it was begun with `resume`: its pictures are then kept
@@ -28,8 +28,8 @@ class PictureSink {
     bool exr() const { return output_.exr; }
 
     // In order, each that it has not.
-    void add(uint32_t i, const Image& picture);
-    void add(uint32_t i, const LinearImage& picture);
+    void add(uint32_t i, const media::Image& picture);
+    void add(uint32_t i, const media::LinearImage& picture);
     // After the last of `pictures`.
     void finish(uint32_t pictures);
 
@@ -39,9 +39,9 @@ class PictureSink {
     PictureSize size_;
     double fps_;
     std::filesystem::path video_path_;  // likewise; else empty
-    std::optional<VideoWriter> video_;
+    std::optional<media::VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderRecord record_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

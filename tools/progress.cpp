@@ -8,7 +8,7 @@
 
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 constexpr std::chrono::milliseconds kTerminalPeriod{200}, kLogPeriod{10000};
@@ -65,4 +65,4 @@ void Progress::print() {
     dirty_ = false;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

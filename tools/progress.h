@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 class Progress {
   public:
@@ -33,4 +33,4 @@ class Progress {
 // "4.2 s", "3:07", "1:02:30"
 std::string format_duration(double seconds);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

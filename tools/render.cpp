@@ -8,7 +8,7 @@
 #include "tools/render_job.h"
 #include "tools/report.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -137,4 +137,4 @@ void add_render(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

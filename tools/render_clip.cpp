@@ -10,16 +10,16 @@
 #include "voctree/chunk_file.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 // Sets the rate of `playback`, which the path may have.
-std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tree, Playback& playback,
+std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOctree& tree, Playback& playback,
                                 PictureSize size) {
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
     if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kClipSize);
-    const CameraPath path = read_camera_path(options.camera, playback.output_fps);
+    const stage::CameraPath path = training::read_camera_path(options.camera, playback.output_fps);
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
     return path_steps(path, playback, tree.frames, size, kClipSize);
 }
@@ -27,8 +27,8 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const VOctree& tre
 // What is rendered, all of it known before the device is touched.
 struct RenderPlan {
     PictureOutput output;
-    ResolveSettings resolve;
-    VOctree tree;
+    render::ResolveSettings resolve;
+    voctree::VOctree tree;
     PaintStack paint;
     Playback playback;
     std::vector<ViewStep> path;
@@ -43,8 +43,8 @@ RenderPlan plan_render(const RenderOptions& options) {
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
-    plan.tree = read_clip(options.scene);
-    plan.paint = read_paint_stack(options.paint, painted_field(plan.tree));
+    plan.tree = voctree::read_clip(options.scene);
+    plan.paint = read_paint_stack(options.paint, voctree::painted_field(plan.tree));
     const double clip_fps = plan.tree.fps;
     plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
     plan.path = view_path(options, plan.tree, plan.playback, wanted);
@@ -60,9 +60,9 @@ RenderPlan plan_render(const RenderOptions& options) {
     return plan;
 }
 
-void render_picture(FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan, uint32_t paint,
-                    uint32_t i, PictureSink& sink) {
-    FrameSettings settings;
+void render_picture(render::FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan,
+                    uint32_t paint, uint32_t i, PictureSink& sink) {
+    render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
     settings.instances[0].paint = paint;
     settings.width = plan.size.width;
@@ -70,11 +70,11 @@ void render_picture(FrameRenderer& renderer, const RenderOptions& options, const
     settings.samples = plan.samples;
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
-    settings.mode = options.direct ? TraceMode::kDirect : TraceMode::kPlay;
-    const Image picture = renderer.render(plan.path[i].camera, settings);
+    settings.mode = options.direct ? render::TraceMode::kDirect : render::TraceMode::kPlay;
+    const media::Image picture = renderer.render(plan.path[i].camera, settings);
     if (sink.exr())
-        sink.add(i, linear_picture(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
-                                   plan.samples, plan.resolve.background));
+        sink.add(i, render::linear_picture(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
+                                           plan.samples, plan.resolve.background));
     else
         sink.add(i, picture);
 }
@@ -90,8 +90,8 @@ void expect_no_stage_options(const RenderOptions& options) {
 }  // namespace
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
-    if (std::filesystem::exists(options.scene) && content_of(options.scene) == FileContent::kOther &&
-        !is_plenoctree(options.scene))
+    if (std::filesystem::exists(options.scene) && voctree::content_of(options.scene) == voctree::FileContent::kOther &&
+        !voctree::is_plenoctree(options.scene))
         throw InputError(options.scene, "", "is neither a clip nor a stage",
                          "name a .nvv of `neuvv train`, the .npz of a PlenOctree, or a .gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
@@ -106,13 +106,13 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
         facts["--paint " + options.paint[i]] = content_fact(plan.paint.files[i]);
     facts["--direct"] = fmt::format("{}", options.direct);
     PictureSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
-    const Device device(common.device);
-    const Field field = upload_field(device, plan.tree, WeightPrecision::kHalf);
+    const gpu::Device device(common.device);
+    const render::Field field = render::upload_field(device, plan.tree, render::WeightPrecision::kHalf);
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
+    render::FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
     const uint32_t paint = plan.paint.uses.empty() ? 0 : renderer.paints().add(plan.paint.uses);
     return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, renderer,
                            [&](uint32_t i) { render_picture(renderer, options, plan, paint, i, sink); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -10,7 +10,7 @@
 #include "tools/progress.h"
 #include "tools/report.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -18,17 +18,17 @@ constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 }  // namespace
 
-ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output) {
+render::ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output) {
     const bool video = output.kind == PictureOutput::Kind::kVideo;
-    ResolveSettings resolve;
+    render::ResolveSettings resolve;
     resolve.background =
         parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
-    if (options.depth) resolve.show = Show::kDepth;
-    if (options.alpha) resolve.show = Show::kAlpha;
-    if (options.level) resolve.show = Show::kLevel;
-    if (options.cost) resolve.show = Show::kCost;
+    if (options.depth) resolve.show = render::Show::kDepth;
+    if (options.alpha) resolve.show = render::Show::kAlpha;
+    if (options.level) resolve.show = render::Show::kLevel;
+    if (options.cost) resolve.show = render::Show::kCost;
     resolve.cost_max = static_cast<float>(options.cost_max);
-    if (video && resolve.show == Show::kColour && resolve.background.a < 1)
+    if (video && resolve.show == render::Show::kColour && resolve.background.a < 1)
         throw InputError("--background", options.background, "a video holds no transparency",
                          "choose a colour, or write pictures: out_%04d.png");
     return resolve;
@@ -72,11 +72,11 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
 }
 
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
-                             uint32_t pictures, PictureSink& sink, const FrameRenderer& renderer,
+                             uint32_t pictures, PictureSink& sink, const render::FrameRenderer& renderer,
                              const std::function<void(uint32_t)>& render) {
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
-    const PictureSize encoded{video_side(size.width), video_side(size.height)};
+    const PictureSize encoded{media::video_side(size.width), media::video_side(size.height)};
     RenderTotals totals{pictures, 0, video ? encoded : size, fps};
     Progress progress("render", pictures);
     for (uint32_t i = 0; i < pictures; ++i) {
@@ -99,4 +99,4 @@ RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& 
     return totals;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

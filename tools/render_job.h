@@ -8,7 +8,7 @@
 #include "tools/commands.h"
 #include "tools/picture_sink.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
@@ -16,9 +16,9 @@ struct RenderOptions {
     std::optional<double> fps;       // the clip's or the stage's where not given
     uint32_t samples = kDefaultSamples;
     double scale = 1;
-    double slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
     bool orbit = false, depth = false, alpha = false, level = false, cost = false;
-    double cost_max = double{ResolveSettings{}.cost_max};
+    double cost_max = double{render::ResolveSettings{}.cost_max};
     bool direct = false, resume = false, json = false;
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
@@ -37,7 +37,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
 
 // What the pictures show, as the output can hold it: a video no transparency, an .exr no picture of depth and the like.
 // Throws InputError.
-ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
+render::ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
 void expect_fitting_output(const PictureOutput& output, const RenderOptions& options);
 void expect_fitting_output(const PictureOutput& output, size_t pictures);
 // That of --fps, else of the camera path where it has one, else `otherwise`.
@@ -52,7 +52,7 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
 // The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
 // the user stops it.
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
-                             uint32_t pictures, PictureSink& sink, const FrameRenderer& renderer,
+                             uint32_t pictures, PictureSink& sink, const render::FrameRenderer& renderer,
                              const std::function<void(uint32_t)>& render);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // By the name that a user knows it by: an option, or the scene.
 using RenderFacts = std::map<std::string, std::string>;
@@ -27,4 +27,4 @@ void write_render_record(const std::filesystem::path& file, const RenderRecord& 
 // record of another render, naming what differs, and for a damaged one.
 uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts& facts);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

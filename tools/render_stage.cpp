@@ -12,7 +12,7 @@
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -22,11 +22,11 @@ constexpr double kTurnSeconds = 4;          // of a stage that nothing moves on 
 
 struct StagePlan {
     PictureOutput output;
-    ResolveSettings resolve;
-    Stage stage;
-    std::optional<CameraPath> path;  // else a camera of the stage,
-    bool own_path = false;           // the path is the stage's: in its time
-    std::vector<ViewStep> turn;      // or where it has none a turn around it
+    render::ResolveSettings resolve;
+    stage::Stage stage;
+    std::optional<stage::CameraPath> path;  // else a camera of the stage,
+    bool own_path = false;                  // the path is the stage's: in its time
+    std::vector<ViewStep> turn;             // or where it has none a turn around it
     double first_s = 0, fps = 25;
     uint32_t pictures = 1;
     PictureSize size;
@@ -40,9 +40,9 @@ std::pair<double, double> time_range(const std::string& text, double duration_s)
         if (part.empty()) return otherwise;
         char* end = nullptr;
         const double value = std::strtod(part.c_str(), &end);
-        if (*end != '\0' || !(std::abs(value) <= kMaxStageSeconds))
+        if (*end != '\0' || !(std::abs(value) <= stage::kMaxStageSeconds))
             throw InputError("--time", text, fmt::format("\"{}\" is no time in seconds", part),
-                             fmt::format("give FROM:TO within {} s", kMaxStageSeconds));
+                             fmt::format("give FROM:TO within {} s", stage::kMaxStageSeconds));
         return value;
     };
     const size_t colon = text.find(':');
@@ -61,8 +61,9 @@ void expect_stage_options(const RenderOptions& options) {
     if (options.direct) throw InputError("--direct", "", "is for clips", "leave it out, or choose --slice-budget 0");
 }
 
-void override_settings(const RenderOptions& options, Stage& stage) {
-    if (options.blend) stage.settings.blend = *options.blend == "paper" ? StageBlend::kPaper : StageBlend::kExact;
+void override_settings(const RenderOptions& options, stage::Stage& stage) {
+    if (options.blend)
+        stage.settings.blend = *options.blend == "paper" ? stage::StageBlend::kPaper : stage::StageBlend::kExact;
     if (options.shadows) stage.settings.shadows = *options.shadows == "on";
     if (options.falloff) stage.settings.falloff = *options.falloff == "on";
 }
@@ -73,15 +74,16 @@ std::vector<ViewStep> turn_around(const StagePlan& plan) {
     Playback turn;  // as if a clip of that many frames played
     turn.clip_fps = turn.output_fps = plan.fps;
     turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
-    return orbit_path(performers_box(plan.stage, stage_at(plan.stage, plan.first_s)), turn, plan.size);
+    return orbit_path(stage::performers_box(plan.stage, stage::stage_at(plan.stage, plan.first_s)), turn, plan.size);
 }
 
 // The camera of picture i.
-Camera camera_of(const RenderOptions& options, const StagePlan& plan, const StageInstant& instant, uint32_t i) {
+stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, const stage::StageInstant& instant,
+                        uint32_t i) {
     const PictureSize size = plan.size;
-    if (plan.path) return camera_at(*plan.path, plan.time_s(i), size.width, size.height);
+    if (plan.path) return stage::camera_at(*plan.path, plan.time_s(i), size.width, size.height);
     if (!plan.turn.empty()) return plan.turn[i % plan.turn.size()].camera;
-    return camera_of(plan.stage, options.camera, instant, size.width, size.height);
+    return stage::camera_of(plan.stage, options.camera, instant, size.width, size.height);
 }
 
 // Nearest and farthest that anything stands in pictures of depth, by some instants of them all.
@@ -90,9 +92,9 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
     double nearest = INFINITY, farthest = 0;
     for (uint32_t k = 0; k < std::min(kInstants, plan.pictures); k++) {
         const auto i = static_cast<uint32_t>(uint64_t{plan.pictures} * k / std::min(kInstants, plan.pictures));
-        const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
+        const stage::StageInstant instant = stage::stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =
-            depth_range({{camera_of(options, plan, instant, i), 0}}, performers_box(plan.stage, instant));
+            depth_range({{camera_of(options, plan, instant, i), 0}}, stage::performers_box(plan.stage, instant));
         nearest = std::min(nearest, near);
         farthest = std::max(farthest, far);
     }
@@ -117,7 +119,7 @@ void plan_time(const RenderOptions& options, StagePlan& plan) {
 }
 
 // More lights than the renderer takes are no mistake of the file, but a surprise.
-void tell_of_lights(const Stage& stage, const StageInstant& instant) {
+void tell_of_lights(const stage::Stage& stage, const stage::StageInstant& instant) {
     const std::vector<LightShare> shares = shares_of(stage, instant);
     const std::string file = stage.file.path.string();
     size_t shining = 0, casting = 0, shadowless = 0;
@@ -140,11 +142,11 @@ StagePlan plan_stage(const RenderOptions& options) {
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
     const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
-    plan.stage = load_stage(options.scene);
+    plan.stage = stage::load_stage(options.scene);
     override_settings(options, plan.stage);
     plan.fps = checked_fps(options, 0, plan.stage.fps);
     if (names_camera_path(options.camera)) {
-        plan.path = read_camera_path(options.camera, plan.fps);
+        plan.path = training::read_camera_path(options.camera, plan.fps);
         plan.fps = checked_fps(options, plan.path->fps, plan.stage.fps);
     }
     if (options.camera == kStagePath && plan.stage.settings.camera_path) {
@@ -160,8 +162,9 @@ StagePlan plan_stage(const RenderOptions& options) {
                                                 : kStageSize;
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
-    const StageInstant first = stage_at(plan.stage, plan.first_s);
-    if (!plan.path && (options.orbit || (!has_camera(first) && options.camera.empty()))) plan.turn = turn_around(plan);
+    const stage::StageInstant first = stage::stage_at(plan.stage, plan.first_s);
+    if (!plan.path && (options.orbit || (!stage::has_camera(first) && options.camera.empty())))
+        plan.turn = turn_around(plan);
     camera_of(options, plan, first, 0);  // there is one
     tell_of_lights(plan.stage, first);
     set_depth_range(options, plan);
@@ -172,38 +175,38 @@ StagePlan plan_stage(const RenderOptions& options) {
 RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.pictures);
     facts["stage"] = content_fact(options.scene);
-    for (const StageClip& clip : plan.stage.clips) facts["clip " + clip.path.string()] = content_fact(clip.path);
+    for (const stage::StageClip& clip : plan.stage.clips) facts["clip " + clip.path.string()] = content_fact(clip.path);
     if (const auto& environment = plan.stage.settings.environment)
-        facts["environment"] = content_fact(file_of_uri(plan.stage.file, environment->uri, "environment"));
+        facts["environment"] = content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));
     for (const char* kind : {"buffers", "images"})
         if (const auto list = plan.stage.file.json.find(kind); list != plan.stage.file.json.end())
             for (const auto& one : *list) {
                 const std::string uri = one.value("uri", "");
                 if (!uri.empty() && uri.rfind("data:", 0) != 0)
-                    facts[std::string(kind) + " " + uri] = content_fact(file_of_uri(plan.stage.file, uri, kind));
+                    facts[std::string(kind) + " " + uri] = content_fact(stage::file_of_uri(plan.stage.file, uri, kind));
             }
-    for (const StagePerformer& performer : plan.stage.performers)
-        for (const PaintLayer& layer : performer.settings.paint)
-            facts["paint " + layer.uri] = content_fact(file_of_uri(plan.stage.file, layer.uri, performer.name));
+    for (const stage::StagePerformer& performer : plan.stage.performers)
+        for (const stage::PaintLayer& layer : performer.settings.paint)
+            facts["paint " + layer.uri] = content_fact(stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
     facts["--camera"] = plan.path && !plan.own_path ? content_fact(options.camera)
                         : options.orbit             ? "orbit"
                                                     : options.camera;
     facts["--time"] = fmt::format("{}", plan.first_s);
-    facts["--blend"] = kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];
+    facts["--blend"] = stage::kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];
     facts["--shadows"] = fmt::format("{}", plan.stage.settings.shadows);
     facts["--falloff"] = fmt::format("{}", plan.stage.settings.falloff);
     return facts;
 }
 
-void render_picture(StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
+void render_picture(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
                     PictureSink& sink) {
-    const StageInstant instant = stage_at(plan.stage, plan.time_s(i));
-    const Camera camera = camera_of(options, plan, instant, i);
+    const stage::StageInstant instant = stage::stage_at(plan.stage, plan.time_s(i));
+    const stage::Camera camera = camera_of(options, plan, instant, i);
     renderer.show(instant, options.background.empty());
-    FrameSettings settings = renderer.settings_at(instant);
+    render::FrameSettings settings = renderer.settings_at(instant);
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
-    const Image picture = renderer.frames().render(camera, settings);
+    const media::Image picture = renderer.frames().render(camera, settings);
     if (sink.exr())
         sink.add(i, renderer.linear_picture_of(camera, plan.resolve.background));
     else
@@ -215,14 +218,14 @@ void render_picture(StageRenderer& renderer, const RenderOptions& options, const
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
     PictureSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
-    const Device device(common.device);
-    FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
+    const gpu::Device device(common.device);
+    render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     Progress reading("read", plan.stage.clips.size());
-    StageRenderer renderer(device, plan.stage, capacity, [&](size_t done, size_t) { reading.update(done); });
+    render::StageRenderer renderer(device, plan.stage, capacity, [&](size_t done, size_t) { reading.update(done); });
     reading.finish();
     return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, renderer.frames(),
                            [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

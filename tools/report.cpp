@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 std::string json_text(const nlohmann::ordered_json& json) {
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -26,14 +26,14 @@ bool trace_wanted() {
     return value && *value && std::string_view(value) != "0";
 }
 
-std::string pass_times_text(const std::vector<PassTime>& times) {
+std::string pass_times_text(const std::vector<gpu::PassTime>& times) {
     std::string text;
     double sum = 0;
-    for (const PassTime& pass : times) {
+    for (const gpu::PassTime& pass : times) {
         text += fmt::format("{} {:.2f} ms, ", pass.name, pass.milliseconds);
         sum += pass.milliseconds;
     }
     return text + fmt::format("together {:.2f} ms", sum);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

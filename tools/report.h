@@ -7,7 +7,7 @@
 
 #include "gpu/commands.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // Names from file systems need not be UTF-8; JSON is.
 std::string json_text(const nlohmann::ordered_json& json);
@@ -18,7 +18,7 @@ std::string size_text(uint64_t bytes);
 // NEUVV_TRACE=1 asks for times.
 bool trace_wanted();
 // "slice 1.2 ms, trace 20.1 ms; 21.3 ms".
-std::string pass_times_text(const std::vector<PassTime>& times);
+std::string pass_times_text(const std::vector<gpu::PassTime>& times);
 
 // The part of a --help that verbs on the GPU share.
 constexpr const char* kDeviceHelp =
@@ -29,4 +29,4 @@ constexpr const char* kExamplesHead =
     "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
     "`neuvv train build/performer -o build/performer.nvv`:\n";
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

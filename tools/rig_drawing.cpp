@@ -8,7 +8,7 @@
 
 #include "tools/drawing.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -31,13 +31,13 @@ struct Panel {
     }
 };
 
-glm::dvec3 place(const RigCamera& camera) {
+glm::dvec3 place(const training::RigCamera& camera) {
     return glm::dvec3(camera.world_from_camera[3]);
 }
 
 // The picture's corners at this depth.
-std::array<glm::dvec3, 4> corners(const RigCamera& camera, double depth) {
-    const Lens& lens = camera.lens;
+std::array<glm::dvec3, 4> corners(const training::RigCamera& camera, double depth) {
+    const training::Lens& lens = camera.lens;
     const double width = lens.width ? lens.width : 2 * lens.cx, height = lens.height ? lens.height : 2 * lens.cy;
     std::array<glm::dvec3, 4> result;
     for (int i = 0; i < 4; ++i) {
@@ -48,7 +48,8 @@ std::array<glm::dvec3, 4> corners(const RigCamera& camera, double depth) {
     return result;
 }
 
-void draw_camera(Image& image, const Panel& panel, const RigCamera& camera, double depth, const Colour& colour) {
+void draw_camera(media::Image& image, const Panel& panel, const training::RigCamera& camera, double depth,
+                 const Colour& colour) {
     const glm::dvec2 apex = panel(place(camera));
     const auto ends = corners(camera, depth);
     for (size_t i = 0; i < 4; ++i) {
@@ -65,7 +66,7 @@ void draw_camera(Image& image, const Panel& panel, const RigCamera& camera, doub
     draw_text(image, static_cast<int>(corner.x), static_cast<int>(corner.y), name, colour);
 }
 
-void draw_box(Image& image, const Panel& panel, const std::pair<glm::dvec3, glm::dvec3>& box) {
+void draw_box(media::Image& image, const Panel& panel, const std::pair<glm::dvec3, glm::dvec3>& box) {
     const auto corner = [&](int i) {
         return panel({i & 1 ? box.second.x : box.first.x, i & 2 ? box.second.y : box.first.y,
                       i & 4 ? box.second.z : box.first.z});
@@ -75,7 +76,7 @@ void draw_box(Image& image, const Panel& panel, const std::pair<glm::dvec3, glm:
             if (!(i & axis)) draw_line(image, corner(i), corner(i | axis), kBlack);
 }
 
-void draw_scale(Image& image, const Panel& panel, const char* title) {
+void draw_scale(media::Image& image, const Panel& panel, const char* title) {
     const double unit = std::pow(10, std::floor(std::log10(0.4 * kPanel / panel.pixels_per_unit)));
     const glm::dvec2 start(panel.left + 10, kPanel - 12.0);
     const glm::dvec2 end = start + glm::dvec2(unit * panel.pixels_per_unit, 0);
@@ -87,25 +88,25 @@ void draw_scale(Image& image, const Panel& panel, const char* title) {
 }
 
 // Of all cameras and the box.
-std::pair<glm::dvec3, glm::dvec3> bounds(const std::vector<const RigCamera*>& cameras,
+std::pair<glm::dvec3, glm::dvec3> bounds(const std::vector<const training::RigCamera*>& cameras,
                                          const std::optional<std::pair<glm::dvec3, glm::dvec3>>& box) {
     std::pair<glm::dvec3, glm::dvec3> result{glm::dvec3(1e30), glm::dvec3(-1e30)};
     const auto include = [&](glm::dvec3 point) {
         result = {glm::min(result.first, point), glm::max(result.second, point)};
     };
-    for (const RigCamera* camera : cameras) include(place(*camera));
+    for (const training::RigCamera* camera : cameras) include(place(*camera));
     if (box) include(box->first), include(box->second);
     return result;
 }
 
 }  // namespace
 
-Image draw_rig(const std::vector<RigCamera>& train, const std::vector<RigCamera>& test,
-               const std::optional<std::pair<glm::dvec3, glm::dvec3>>& box) {
-    Image image = blank(2 * kPanel, kPanel, kWhite);
-    std::vector<const RigCamera*> all;
-    for (const RigCamera& camera : train) all.push_back(&camera);
-    for (const RigCamera& camera : test) all.push_back(&camera);
+media::Image draw_rig(const std::vector<training::RigCamera>& train, const std::vector<training::RigCamera>& test,
+                      const std::optional<std::pair<glm::dvec3, glm::dvec3>>& box) {
+    media::Image image = blank(2 * kPanel, kPanel, kWhite);
+    std::vector<const training::RigCamera*> all;
+    for (const training::RigCamera& camera : train) all.push_back(&camera);
+    for (const training::RigCamera& camera : test) all.push_back(&camera);
     const auto [low, high] = bounds(all, box);
     const glm::dvec3 size = high - low;
     const double longest = std::max({size.x, size.y, size.z, 1e-6});
@@ -127,4 +128,4 @@ Image draw_rig(const std::vector<RigCamera>& train, const std::vector<RigCamera>
     return image;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

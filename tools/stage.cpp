@@ -18,27 +18,28 @@
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 // A time map whose parts lie in the clip. Clips may be missing: then nobody knows.
-void expect_fitting_time(const TimeMap& time, const std::filesystem::path& clip) {
+void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
-    const ClipHead head = read_clip_head(clip);
-    const std::string text = text_of(time);
-    expect_parts_within(timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text), "--time", text);
+    const voctree::ClipHead head = voctree::read_clip_head(clip);
+    const std::string text = stage::text_of(time);
+    stage::expect_parts_within(stage::timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text),
+                               "--time", text);
 }
 
 // A layer that the performer's clip can wear: what does not fit would only show when it is rendered.
-void expect_fitting_paint(const StageFile& file, uint32_t node, const std::string& performer,
+void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std::string& performer,
                           const std::filesystem::path& layer) {
-    const std::filesystem::path clip = clip_of(file, node);
+    const std::filesystem::path clip = edit::clip_of(file, node);
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
     try {
-        read_paint(layer, painted_field(read_clip(clip)));
+        voctree::read_paint(layer, voctree::painted_field(voctree::read_clip(clip)));
     } catch (const InputError& problem) {
         throw InputError(file.path.string(), fmt::format("\"{}\", which plays {}", performer, clip.filename().string()),
                          problem.what());
@@ -56,8 +57,8 @@ void add_new(CLI::App& stage) {
         if (std::filesystem::exists(*output, error))
             throw InputError(*output, "", "is there already", "remove it, or choose another name");
         prepare_output_file("STAGE", *output);
-        StageFile file = new_stage(*output);
-        save_stage_file(file, *output);
+        stage::StageFile file = edit::new_stage(*output);
+        stage::save_stage_file(file, *output);
         fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);
     });
 }
@@ -81,12 +82,12 @@ void add_add(CLI::App& stage) {
                  "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5");
     verb->callback([options] {
-        read_clip_head(options->clip);
-        edit_stage(options->target, [&](StageFile& file) {
-            PerformerEdit performer = options->performer.edit();
+        voctree::read_clip_head(options->clip);
+        edit_stage(options->target, [&](stage::StageFile& file) {
+            edit::PerformerEdit performer = options->performer.edit();
             performer.clip = options->clip;
             if (performer.time) expect_fitting_time(*performer.time, options->clip);
-            return add_performer(file, options->name, performer, options->place.placement());
+            return edit::add_performer(file, options->name, performer, options->place.placement());
         });
     });
 }
@@ -100,23 +101,24 @@ struct SetOptions {
     StageOptions stage;
 };
 
-std::string set_node(StageFile& file, const SetOptions& options) {
-    const uint32_t node = find_node(file, *options.node);
-    PerformerEdit performer = options.performer.edit();
+std::string set_node(stage::StageFile& file, const SetOptions& options) {
+    const uint32_t node = edit::find_node(file, *options.node);
+    edit::PerformerEdit performer = options.performer.edit();
     if (options.clip) {
-        read_clip_head(*options.clip);
+        voctree::read_clip_head(*options.clip);
         performer.clip = *options.clip;
     }
-    if (performer.time) expect_fitting_time(*performer.time, performer.clip ? *performer.clip : clip_of(file, node));
+    if (performer.time)
+        expect_fitting_time(*performer.time, performer.clip ? *performer.clip : edit::clip_of(file, node));
     const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||
                               performer.visible || performer.casts_shadow || performer.receives_shadow;
     std::string change;
     const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
-    if (options.name) also(rename_node(file, node, *options.name));
-    if (options.place.any()) also(place_node(file, node, options.place.placement()));
-    if (!options.shown.empty()) also(show_node(file, node, options.shown == "on"));
-    if (!options.locked.empty()) also(lock_node(file, node, options.locked == "on"));
-    if (of_performer) also(set_performer(file, node, performer));
+    if (options.name) also(edit::rename_node(file, node, *options.name));
+    if (options.place.any()) also(edit::place_node(file, node, options.place.placement()));
+    if (!options.shown.empty()) also(edit::show_node(file, node, options.shown == "on"));
+    if (!options.locked.empty()) also(edit::lock_node(file, node, options.locked == "on"));
+    if (of_performer) also(edit::set_performer(file, node, performer));
     if (change.empty()) throw InputError("stage set", *options.node, "nothing to change", "see --help");
     return change;
 }
@@ -150,9 +152,10 @@ void add_set(CLI::App& stage) {
                              "leave the node out, or set them one after the other");
         if (!names_node && node->count_all() + performer->count_all() > 0)
             throw InputError("stage set", options->target.stage, "these options are a node's", "name the node");
-        if (options->stage.environment && !options->stage.environment->empty()) read_png(*options->stage.environment);
-        edit_stage(options->target, [&](StageFile& file) {
-            return names_node ? set_node(file, *options) : set_stage(file, options->stage.edit());
+        if (options->stage.environment && !options->stage.environment->empty())
+            media::read_png(*options->stage.environment);
+        edit_stage(options->target, [&](stage::StageFile& file) {
+            return names_node ? set_node(file, *options) : edit::set_stage(file, options->stage.edit());
         });
     });
 }
@@ -171,7 +174,7 @@ void add_duplicate(CLI::App& stage) {
     add_target(*verb, options->target);
     verb->add_option("NODE", options->node, "Its name or index")->required();
     verb->add_option("--count", options->count, "Copies, besides the node itself")
-        ->check(CLI::Range(int64_t{1}, int64_t{kMaxCopies}))
+        ->check(CLI::Range(int64_t{1}, int64_t{edit::kMaxCopies}))
         ->capture_default_str();
     CLI::App* pattern = verb->add_option_group("How they stand");
     pattern->add_option("--row", options->row, "One beside the other along +X, so many metres apart")
@@ -187,26 +190,27 @@ void add_duplicate(CLI::App& stage) {
                      "from the start on; what does not starts so much later, and the stage becomes longer")
         ->capture_default_str();
     verb->add_option("--spin-step", options->spin_step, "Each spins so much faster, degrees a second")
-        ->check(number_between(-kMaxSpin, kMaxSpin));
+        ->check(number_between(-stage::kMaxSpin, stage::kMaxSpin));
     verb->footer(
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
         "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45");
     verb->callback([options] {
-        CopySettings settings;
+        edit::CopySettings settings;
         settings.count = static_cast<uint32_t>(options->count);
-        settings.stagger = parse_clip_time(options->stagger, "--stagger", "");
+        settings.stagger = stage::parse_clip_time(options->stagger, "--stagger", "");
         settings.spin_step = options->spin_step;
-        if (options->ring) settings.pattern = CopyPattern::kRing;
+        if (options->ring) settings.pattern = edit::CopyPattern::kRing;
         if (!options->fan.empty()) {
-            settings.pattern = CopyPattern::kFan;
+            settings.pattern = edit::CopyPattern::kFan;
             settings.arc_deg = options->fan[1];
         }
         if (!options->fan.empty() && options->fan[0] == 0)
             throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
         settings.distance_m = options->row ? *options->row : options->ring ? *options->ring : options->fan[0];
-        edit_stage(options->target,
-                   [&](StageFile& file) { return duplicate_node(file, find_node(file, options->node), settings); });
+        edit_stage(options->target, [&](stage::StageFile& file) {
+            return edit::duplicate_node(file, edit::find_node(file, options->node), settings);
+        });
     });
 }
 
@@ -223,7 +227,9 @@ void add_remove(CLI::App& stage) {
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage remove build/show.gltf berta");
     verb->callback([options] {
-        edit_stage(options->target, [&](StageFile& file) { return remove_node(file, find_node(file, options->node)); });
+        edit_stage(options->target, [&](stage::StageFile& file) {
+            return edit::remove_node(file, edit::find_node(file, options->node));
+        });
     });
 }
 
@@ -236,15 +242,15 @@ struct LightVerbOptions {
     LightOptions light;
 };
 
-std::string change_light(StageFile& file, const LightVerbOptions& options) {
+std::string change_light(stage::StageFile& file, const LightVerbOptions& options) {
     if (options.add == options.node.has_value() || (options.add && options.remove))
         throw InputError("stage light", options.target.stage, "needs either a light's node or --add",
                          "see `neuvv stage light --help`");
-    if (options.add) return add_light(file, options.name, options.light.edit(), options.place.placement());
-    const uint32_t node = find_node(file, *options.node);
-    if (options.remove) return remove_light(file, node);
-    std::string change = set_light(file, node, options.light.edit());
-    if (options.place.any()) change += "; " + place_node(file, node, options.place.placement());
+    if (options.add) return edit::add_light(file, options.name, options.light.edit(), options.place.placement());
+    const uint32_t node = edit::find_node(file, *options.node);
+    if (options.remove) return edit::remove_light(file, node);
+    std::string change = edit::set_light(file, node, options.light.edit());
+    if (options.place.any()) change += "; " + edit::place_node(file, node, options.place.placement());
     return change;
 }
 
@@ -266,8 +272,9 @@ void add_light_verb(CLI::App& stage) {
         "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
         "  neuvv stage light build/show.gltf back --remove");
-    verb->callback(
-        [options] { edit_stage(options->target, [&](StageFile& file) { return change_light(file, *options); }); });
+    verb->callback([options] {
+        edit_stage(options->target, [&](stage::StageFile& file) { return change_light(file, *options); });
+    });
 }
 
 struct PaintVerbOptions {
@@ -280,22 +287,22 @@ struct PaintVerbOptions {
     bool remove = false;
 };
 
-std::string change_paint(StageFile& file, const PaintVerbOptions& options) {
-    const uint32_t node = find_node(file, options.node);
-    PaintEdit edit{options.name, {}, options.opacity, {}};
+std::string change_paint(stage::StageFile& file, const PaintVerbOptions& options) {
+    const uint32_t node = edit::find_node(file, options.node);
+    edit::PaintEdit edit{options.name, {}, options.opacity, {}};
     if (!options.visible.empty()) edit.visible = options.visible == "on";
-    for (size_t i = 0; options.blend && i < std::size(kPaintBlendNames); ++i)
-        if (*options.blend == kPaintBlendNames[i]) edit.blend = static_cast<PaintBlend>(i);
+    for (size_t i = 0; options.blend && i < std::size(stage::kPaintBlendNames); ++i)
+        if (*options.blend == stage::kPaintBlendNames[i]) edit.blend = static_cast<stage::PaintBlend>(i);
     if (options.add.has_value() == options.layer.has_value())
         throw InputError("stage paint", options.target.stage, "needs either --add or --layer",
                          "see `neuvv stage paint --help`");
     if (options.add) {
         expect_fitting_paint(file, node, options.node, *options.add);
-        return add_paint_layer(file, node, *options.add, edit);
+        return edit::add_paint_layer(file, node, *options.add, edit);
     }
-    if (options.remove) return remove_paint_layer(file, node, *options.layer);
-    const std::string change = set_paint_layer(file, node, *options.layer, edit);
-    return options.to ? move_paint_layer(file, node, *options.layer, *options.to) : change;
+    if (options.remove) return edit::remove_paint_layer(file, node, *options.layer);
+    const std::string change = edit::set_paint_layer(file, node, *options.layer, edit);
+    return options.to ? edit::move_paint_layer(file, node, *options.layer, *options.to) : change;
 }
 
 void add_paint(CLI::App& stage) {
@@ -320,8 +327,9 @@ void add_paint(CLI::App& stage) {
         "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
         "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
         "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5");
-    verb->callback(
-        [options] { edit_stage(options->target, [&](StageFile& file) { return change_paint(file, *options); }); });
+    verb->callback([options] {
+        edit_stage(options->target, [&](stage::StageFile& file) { return change_paint(file, *options); });
+    });
 }
 
 }  // namespace
@@ -346,4 +354,4 @@ void add_stage(CLI::App& app, CommonOptions& common) {
                  "  neuvv stage info build/show.gltf");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -14,7 +14,7 @@
 #include "tools/stage_target.h"
 #include "training/camera_path_file.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -29,18 +29,19 @@ struct CameraOptions {
     PlacementOptions place;
 };
 
-std::string change_camera(StageFile& file, const CameraOptions& options) {
+std::string change_camera(stage::StageFile& file, const CameraOptions& options) {
     if (options.add == options.node.has_value())
         throw InputError("stage camera", options.target.stage, "needs either a camera's node or --add",
                          "see `neuvv stage camera --help`");
     std::string change;
     const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
     if (options.add)
-        also(add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kUsualAngle_deg)), glm::dmat4(1)));
+        also(edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kUsualAngle_deg)),
+                              glm::dmat4(1)));
     const uint32_t node =
-        options.add ? static_cast<uint32_t>(file.json["nodes"].size() - 1) : find_node(file, *options.node);
-    if (!options.add && options.angle_deg) also(set_camera(file, node, glm::radians(*options.angle_deg)));
-    if (options.place.any()) also(place_node(file, node, options.place.placement()));
+        options.add ? static_cast<uint32_t>(file.json["nodes"].size() - 1) : edit::find_node(file, *options.node);
+    if (!options.add && options.angle_deg) also(edit::set_camera(file, node, glm::radians(*options.angle_deg)));
+    if (options.place.any()) also(edit::place_node(file, node, options.place.placement()));
     if (change.empty()) throw InputError("stage camera", *options.node, "nothing to change", "see --help");
     return change;
 }
@@ -55,9 +56,9 @@ struct PathOptions {
 };
 
 // The key that a camera of the stage makes at an instant.
-CameraPathKey key_of(const Stage& stage, const std::string& name, double time_s) {
-    const Camera camera = camera_of(stage, name, stage_at(stage, time_s), 2, 2);
-    CameraPathKey key;
+stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, double time_s) {
+    const stage::Camera camera = stage::camera_of(stage, name, stage::stage_at(stage, time_s), 2, 2);
+    stage::CameraPathKey key;
     key.time_s = time_s;
     key.position = glm::dvec3(camera.world_from_camera[3]);
     key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(camera.world_from_camera)));
@@ -66,23 +67,25 @@ CameraPathKey key_of(const Stage& stage, const std::string& name, double time_s)
 }
 
 // The path with what is said of it as a whole.
-std::string change_whole_path(StageFile& file, const PathOptions& options, std::optional<CameraPath> path) {
+std::string change_whole_path(stage::StageFile& file, const PathOptions& options,
+                              std::optional<stage::CameraPath> path) {
     if (!path) throw InputError("stage path", options.target.stage, "has no camera path", "begin one with --key");
-    for (size_t i = 0; options.interpolation && i < std::size(kInterpolationNames); ++i)
-        if (*options.interpolation == kInterpolationNames[i]) path->interpolation = static_cast<Interpolation>(i);
+    for (size_t i = 0; options.interpolation && i < std::size(stage::kInterpolationNames); ++i)
+        if (*options.interpolation == stage::kInterpolationNames[i])
+            path->interpolation = static_cast<stage::Interpolation>(i);
     if (!options.cyclic.empty()) path->cyclic = options.cyclic == "on";
     if (options.duration_s) path->duration_s = *options.duration_s;
-    return set_camera_path(file, path);
+    return edit::set_camera_path(file, path);
 }
 
-std::string change_path(StageFile& file, const PathOptions& options) {
-    if (options.remove) return set_camera_path(file, {});
-    const Stage stage = make_stage(file);
+std::string change_path(stage::StageFile& file, const PathOptions& options) {
+    if (options.remove) return edit::set_camera_path(file, {});
+    const stage::Stage stage = stage::make_stage(file);
     const double frame_s = 1 / stage.fps;
-    if (options.from) return change_whole_path(file, options, read_camera_path(*options.from, stage.fps));
-    if (options.key_s) return add_path_key(file, key_of(stage, options.camera, *options.key_s), frame_s);
-    if (options.remove_key) return remove_path_key(file, *options.remove_key);
-    if (options.move_key) return move_path_key(file, *options.move_key, *options.to_s, frame_s);
+    if (options.from) return change_whole_path(file, options, training::read_camera_path(*options.from, stage.fps));
+    if (options.key_s) return edit::add_path_key(file, key_of(stage, options.camera, *options.key_s), frame_s);
+    if (options.remove_key) return edit::remove_path_key(file, *options.remove_key);
+    if (options.move_key) return edit::move_path_key(file, *options.move_key, *options.to_s, frame_s);
     if (!options.interpolation && options.cyclic.empty() && !options.duration_s)
         throw InputError("stage path", options.target.stage, "nothing to change", "see `neuvv stage path --help`");
     return change_whole_path(file, options, stage.settings.camera_path);
@@ -94,7 +97,7 @@ void add_path_verb(CLI::App& stage) {
     CLI::App* verb = stage.add_subcommand(
         "path", "Give a stage a camera path, and change it; `neuvv render --camera path` follows it");
     const auto options = std::make_shared<PathOptions>();
-    const auto seconds = number_between(0, kMaxStageSeconds);
+    const auto seconds = number_between(0, stage::kMaxStageSeconds);
     add_target(*verb, options->target);
     CLI::App* what = verb->add_option_group("One of these");
     what->add_option("--from", options->from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
@@ -121,8 +124,9 @@ void add_path_verb(CLI::App& stage) {
         "  neuvv stage path build/show.gltf --key 0 --camera camera\n"
         "  neuvv stage path build/show.gltf --key 2 --camera left\n"
         "  neuvv stage path build/show.gltf --cyclic on --duration 4");
-    verb->callback(
-        [options] { edit_stage(options->target, [&](StageFile& file) { return change_path(file, *options); }); });
+    verb->callback([options] {
+        edit_stage(options->target, [&](stage::StageFile& file) { return change_path(file, *options); });
+    });
 }
 
 void add_camera_verb(CLI::App& stage) {
@@ -139,8 +143,9 @@ void add_camera_verb(CLI::App& stage) {
         "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
         "  neuvv stage camera build/show.gltf left --angle 30");
-    verb->callback(
-        [options] { edit_stage(options->target, [&](StageFile& file) { return change_camera(file, *options); }); });
+    verb->callback([options] {
+        edit_stage(options->target, [&](stage::StageFile& file) { return change_camera(file, *options); });
+    });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

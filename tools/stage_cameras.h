@@ -3,9 +3,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace neuvv {
+namespace neuvv::tools {
 
 void add_camera_verb(CLI::App& stage);
 void add_path_verb(CLI::App& stage);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

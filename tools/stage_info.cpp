@@ -16,7 +16,7 @@
 #include "tools/report.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -27,17 +27,18 @@ struct ClipMemory {
     uint64_t field_bytes = 0, slice_bytes = 0;
 };
 
-std::vector<ClipMemory> measure_memory(const Stage& stage, const StageInfoOptions& options,
+std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInfoOptions& options,
                                        const CommonOptions& common) {
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     const auto budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     std::vector<ClipMemory> all;
-    for (const StageClip& clip : stage.clips) {
+    for (const stage::StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
-        const Field field = upload_field(device, read_clip(clip.path), WeightPrecision::kHalf);
+        const render::Field field =
+            render::upload_field(device, voctree::read_clip(clip.path), render::WeightPrecision::kHalf);
         const uint64_t with_field = device.buffer_bytes();
-        const Paints paints(device, field);
-        const Performer performer(device, field, paints, slice_share(budget, stage.clips.size()));
+        const render::Paints paints(device, field);
+        const render::Performer performer(device, field, paints, render::slice_share(budget, stage.clips.size()));
         all.push_back({with_field - before, device.buffer_bytes() - with_field});
     }
     return all;
@@ -47,8 +48,10 @@ ordered_json vector_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-const char* kind_name(GltfLightKind kind) {
-    return kind == GltfLightKind::kSpot ? "spot" : kind == GltfLightKind::kPoint ? "point" : "directional";
+const char* kind_name(stage::GltfLightKind kind) {
+    return kind == stage::GltfLightKind::kSpot    ? "spot"
+           : kind == stage::GltfLightKind::kPoint ? "point"
+                                                  : "directional";
 }
 
 // How a performer's node stands: degrees about the world's X, then Y, then Z, as --turn has them, and factors along its
@@ -69,27 +72,27 @@ Stand stand_of(const glm::dmat4& world_from_node) {
     return stand;
 }
 
-const GltfLight& light_of(const Stage& stage, const InstantLight& light) {
+const stage::GltfLight& light_of(const stage::Stage& stage, const stage::InstantLight& light) {
     return stage.scene.lights[static_cast<size_t>(stage.scene.nodes[light.node].light)];
 }
 
-ordered_json paint_json(const PerformerSettings& settings) {
+ordered_json paint_json(const stage::PerformerSettings& settings) {
     auto list = ordered_json::array();
-    for (const PaintLayer& layer : settings.paint) list.push_back(json_of(layer));
+    for (const stage::PaintLayer& layer : settings.paint) list.push_back(stage::json_of(layer));
     return list;
 }
 
-ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
+ordered_json performers_json(const stage::Stage& stage, const stage::StageInstant& instant) {
     auto list = ordered_json::array();
-    for (const InstantPerformer& at : instant.performers) {
-        const StagePerformer& performer = stage.performers[at.performer];
-        const PerformerSettings& settings = performer.settings;
-        const double length = length_s(performer.timeline);
+    for (const stage::InstantPerformer& at : instant.performers) {
+        const stage::StagePerformer& performer = stage.performers[at.performer];
+        const stage::PerformerSettings& settings = performer.settings;
+        const double length = stage::length_s(performer.timeline);
         const Stand stand = stand_of(instant.pose.world_from_node[performer.node]);
         list.push_back({{"node", performer.node},
                         {"name", performer.name},
                         {"clip", at.clip},
-                        {"time", text_of(settings.time)},
+                        {"time", stage::text_of(settings.time)},
                         {"seconds", std::isfinite(length) ? ordered_json(length) : ordered_json()},
                         {"frame", at.frame},
                         {"position", vector_json(glm::dvec3(at.world_from_performer[3]))},
@@ -106,10 +109,10 @@ ordered_json performers_json(const Stage& stage, const StageInstant& instant) {
     return list;
 }
 
-ordered_json light_json(const Stage& stage, const InstantLight& light, const LightShare& share) {
-    const GltfLight& source = light_of(stage, light);
+ordered_json light_json(const stage::Stage& stage, const stage::InstantLight& light, const LightShare& share) {
+    const stage::GltfLight& source = light_of(stage, light);
     ordered_json json = {{"node", light.node},
-                         {"name", node_title(stage.scene, light.node)},
+                         {"name", stage::node_title(stage.scene, light.node)},
                          {"kind", kind_name(light.kind)},
                          {"position", vector_json(light.position)},
                          {"direction", vector_json(light.direction)},
@@ -119,19 +122,20 @@ ordered_json light_json(const Stage& stage, const InstantLight& light, const Lig
                          {"shines", share.shines},
                          {"casts_shadow", share.casts_shadow},
                          {"limited", !share.text.empty()}};
-    if (light.kind == GltfLightKind::kSpot)
+    if (light.kind == stage::GltfLightKind::kSpot)
         json["cone"] = {glm::degrees(source.inner_cone_rad), glm::degrees(source.outer_cone_rad)};
     return json;
 }
 
-ordered_json json_of(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
+ordered_json json_of(const stage::Stage& stage, const stage::StageInstant& instant,
+                     const std::vector<ClipMemory>& memory) {
     ordered_json json = {{"file", stage.file.path.string()},
                          {"duration", stage.duration_s},
                          {"fps", stage.fps},
                          {"at", instant.time_s},
                          {"ambient", vector_json(stage.ambient)},
                          {"background", vector_json(stage.settings.background)},
-                         {"blend", kStageBlendNames[static_cast<size_t>(stage.settings.blend)]},
+                         {"blend", stage::kStageBlendNames[static_cast<size_t>(stage.settings.blend)]},
                          {"shadows", stage.settings.shadows},
                          {"falloff", stage.settings.falloff}};
     if (const auto& environment = stage.settings.environment)
@@ -141,7 +145,7 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
     json["clips"] = json["lights"] = json["cameras"] = ordered_json::array();
     uint64_t total = 0;
     for (size_t i = 0; i < stage.clips.size(); ++i) {
-        const StageClip& clip = stage.clips[i];
+        const stage::StageClip& clip = stage.clips[i];
         json["clips"].push_back({{"file", clip.path.string()}, {"frames", clip.frames}, {"fps", clip.fps}});
         if (memory.empty()) continue;
         json["clips"].back()["field_bytes"] = memory[i].field_bytes;
@@ -152,7 +156,7 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
     const std::vector<LightShare> shares = shares_of(stage, instant);
     for (size_t i = 0; i < shares.size(); ++i)
         json["lights"].push_back(light_json(stage, instant.lights[i], shares[i]));
-    for (const InstantCamera& camera : instant.cameras)
+    for (const stage::InstantCamera& camera : instant.cameras)
         json["cameras"].push_back({{"node", camera.node},
                                    {"name", camera.name},
                                    {"position", vector_json(glm::dvec3(camera.world_from_camera[3]))},
@@ -162,13 +166,13 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
         json["camera_path"] = {{"keys", path->keys.size()},
                                {"first", path->keys.front().time_s},
                                {"last", path->keys.back().time_s},
-                               {"interpolation", kInterpolationNames[static_cast<size_t>(path->interpolation)]},
+                               {"interpolation", stage::kInterpolationNames[static_cast<size_t>(path->interpolation)]},
                                {"cyclic", path->cyclic},
                                {"duration", path->duration_s}};
     json["hidden"] = json["locked"] = ordered_json::array();
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
-        if (!is_shown(stage.file, i)) json["hidden"].push_back(i);
-        if (is_locked(stage.file, i)) json["locked"].push_back(i);
+        if (!edit::is_shown(stage.file, i)) json["hidden"].push_back(i);
+        if (edit::is_locked(stage.file, i)) json["locked"].push_back(i);
     }
     json["meshes"] = stage.scene.meshes.size();
     json["animations"] = stage.scene.animations.size();
@@ -176,15 +180,15 @@ ordered_json json_of(const Stage& stage, const StageInstant& instant, const std:
 }
 
 // Nodes of which `says` is true, by name.
-std::string names_of(const Stage& stage, bool (*says)(const StageFile&, uint32_t)) {
+std::string names_of(const stage::Stage& stage, bool (*says)(const stage::StageFile&, uint32_t)) {
     std::string names;
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
-        if (says(stage.file, i)) names += (names.empty() ? "" : ", ") + node_title(stage.scene, i);
+        if (says(stage.file, i)) names += (names.empty() ? "" : ", ") + stage::node_title(stage.scene, i);
     return names;
 }
 
-bool is_hidden(const StageFile& file, uint32_t node) {
-    return !is_shown(file, node);
+bool is_hidden(const stage::StageFile& file, uint32_t node) {
+    return !edit::is_shown(file, node);
 }
 
 std::string place_text(const glm::dvec3& v) {
@@ -202,12 +206,12 @@ std::string numbers_text(const glm::dvec3& v) {
     return glm::length(v - glm::dvec3(v.x)) < 1e-6 ? fmt::format("{:.6g}", v.x) : vector_text(v);
 }
 
-std::string paint_text(const PerformerSettings& settings) {
+std::string paint_text(const stage::PerformerSettings& settings) {
     std::string text;
-    for (const PaintLayer& layer : settings.paint) {
-        text += (text.empty() ? "" : ", ") + (layer.name.empty() ? decoded_uri(layer.uri) : layer.name);
-        if (layer.blend != PaintBlend::kNormal)
-            text += fmt::format(" ({})", kPaintBlendNames[static_cast<size_t>(layer.blend)]);
+    for (const stage::PaintLayer& layer : settings.paint) {
+        text += (text.empty() ? "" : ", ") + (layer.name.empty() ? stage::decoded_uri(layer.uri) : layer.name);
+        if (layer.blend != stage::PaintBlend::kNormal)
+            text += fmt::format(" ({})", stage::kPaintBlendNames[static_cast<size_t>(layer.blend)]);
         if (layer.opacity != 1) text += fmt::format(" at {:.6g}", layer.opacity);
         if (!layer.visible) text += " not seen";
     }
@@ -215,9 +219,10 @@ std::string paint_text(const PerformerSettings& settings) {
 }
 
 // What is not as usual with a performer.
-std::string more_of(const StagePerformer& performer, const InstantPerformer& at, const glm::dmat4& world_from_node) {
-    const PerformerSettings& settings = performer.settings;
-    std::string text = settings.time.empty() ? "as the clip's" : text_of(settings.time);
+std::string more_of(const stage::StagePerformer& performer, const stage::InstantPerformer& at,
+                    const glm::dmat4& world_from_node) {
+    const stage::PerformerSettings& settings = performer.settings;
+    std::string text = settings.time.empty() ? "as the clip's" : stage::text_of(settings.time);
     const Stand stand = stand_of(world_from_node);
     if (glm::length(stand.turn_deg) > 1e-4) text += fmt::format(", turned by {}°", vector_text(stand.turn_deg));
     if (glm::length(stand.scale - glm::dvec3(1)) > 1e-6) text += ", scaled by " + numbers_text(stand.scale);
@@ -230,12 +235,12 @@ std::string more_of(const StagePerformer& performer, const InstantPerformer& at,
     return text;
 }
 
-std::string light_text(const Stage& stage, const InstantLight& light, const LightShare& share) {
-    const GltfLight& source = light_of(stage, light);
+std::string light_text(const stage::Stage& stage, const stage::InstantLight& light, const LightShare& share) {
+    const stage::GltfLight& source = light_of(stage, light);
     std::string text =
-        fmt::format("{:.6g} {}", source.intensity, light.kind == GltfLightKind::kDirectional ? "lx" : "cd");
+        fmt::format("{:.6g} {}", source.intensity, light.kind == stage::GltfLightKind::kDirectional ? "lx" : "cd");
     if (source.color != glm::dvec3(1)) text += ", colour " + numbers_text(source.color);
-    if (light.kind == GltfLightKind::kSpot)
+    if (light.kind == stage::GltfLightKind::kSpot)
         text += fmt::format(", cone {:.4g}° to {:.4g}°", glm::degrees(source.inner_cone_rad),
                             glm::degrees(source.outer_cone_rad));
     if (source.range_m > 0) text += fmt::format(", ends {:.6g} m off", source.range_m);
@@ -243,43 +248,43 @@ std::string light_text(const Stage& stage, const InstantLight& light, const Ligh
     return text + (share.casts_shadow ? ", casts shadows" : ", no shadows");
 }
 
-std::string settings_text(const Stage& stage) {
-    const StageSettings& settings = stage.settings;
+std::string settings_text(const stage::Stage& stage) {
+    const stage::StageSettings& settings = stage.settings;
     std::string text =
         fmt::format("ambient light {}, background {}", numbers_text(stage.ambient), numbers_text(settings.background));
     if (const auto& environment = settings.environment) {
-        text += fmt::format(", environment {}", decoded_uri(environment->uri));
+        text += fmt::format(", environment {}", stage::decoded_uri(environment->uri));
         if (environment->intensity != 1) text += fmt::format(", intensity {:.6g}", environment->intensity);
         if (environment->rotation_deg != 0) text += fmt::format(", turned by {:.6g}°", environment->rotation_deg);
     }
     return text + fmt::format("; blend {}, shadows {}, falloff {}",
-                              kStageBlendNames[static_cast<size_t>(settings.blend)], settings.shadows ? "on" : "off",
-                              settings.falloff ? "on" : "off");
+                              stage::kStageBlendNames[static_cast<size_t>(settings.blend)],
+                              settings.shadows ? "on" : "off", settings.falloff ? "on" : "off");
 }
 
-std::string path_text(const CameraPath& path) {
+std::string path_text(const stage::CameraPath& path) {
     return fmt::format("camera path: {} keys from {:.6g} s to {:.6g} s, {}{}", path.keys.size(),
                        path.keys.front().time_s, path.keys.back().time_s,
-                       kInterpolationNames[static_cast<size_t>(path.interpolation)],
+                       stage::kInterpolationNames[static_cast<size_t>(path.interpolation)],
                        path.cyclic ? fmt::format(", back every {:.6g} s", path.duration_s) : "");
 }
 
-void print_performers(const Stage& stage, const StageInstant& instant) {
+void print_performers(const stage::Stage& stage, const stage::StageInstant& instant) {
     if (instant.performers.empty()) return;
     fmt::print("\nnode  performer         clip  frame   at                      time\n");
-    for (const InstantPerformer& at : instant.performers) {
-        const StagePerformer& performer = stage.performers[at.performer];
+    for (const stage::InstantPerformer& at : instant.performers) {
+        const stage::StagePerformer& performer = stage.performers[at.performer];
         fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
                    place_text(glm::dvec3(at.world_from_performer[3])),
                    more_of(performer, at, instant.pose.world_from_node[performer.node]));
     }
 }
 
-void print_clips(const Stage& stage, const std::vector<ClipMemory>& memory) {
+void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memory) {
     uint64_t total = 0;
     if (!stage.clips.empty()) fmt::print("\n");
     for (size_t i = 0; i < stage.clips.size(); ++i) {
-        const StageClip& clip = stage.clips[i];
+        const stage::StageClip& clip = stage.clips[i];
         std::string bytes;
         if (!memory.empty()) {
             bytes = fmt::format(": {} and {} of slices on the device", size_text(memory[i].field_bytes),
@@ -291,30 +296,31 @@ void print_clips(const Stage& stage, const std::vector<ClipMemory>& memory) {
     if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
 }
 
-void print_lights(const Stage& stage, const StageInstant& instant) {
+void print_lights(const stage::Stage& stage, const stage::StageInstant& instant) {
     if (instant.lights.empty()) return;
     fmt::print("\nnode  light             kind         at                      light\n");
     const std::vector<LightShare> shares = shares_of(stage, instant);
     for (size_t i = 0; i < shares.size(); ++i) {
-        const InstantLight& light = instant.lights[i];
-        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, node_title(stage.scene, light.node),
+        const stage::InstantLight& light = instant.lights[i];
+        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
                    kind_name(light.kind), place_text(light.position), light_text(stage, light, shares[i]));
     }
 }
 
-void print(const Stage& stage, const StageInstant& instant, const std::vector<ClipMemory>& memory) {
+void print(const stage::Stage& stage, const stage::StageInstant& instant, const std::vector<ClipMemory>& memory) {
     fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
                stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
                instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
     fmt::print("{}\n", settings_text(stage));
     if (stage.settings.camera_path) fmt::print("{}\n", path_text(*stage.settings.camera_path));
     if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) fmt::print("hidden: {}\n", hidden);
-    if (const std::string locked = names_of(stage, is_locked); !locked.empty()) fmt::print("locked: {}\n", locked);
+    if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty())
+        fmt::print("locked: {}\n", locked);
     print_performers(stage, instant);
     print_clips(stage, memory);
     print_lights(stage, instant);
     if (!instant.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
-    for (const InstantCamera& camera : instant.cameras)
+    for (const stage::InstantCamera& camera : instant.cameras)
         fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
                    camera.orthographic ? std::string("orthogr.")
                                        : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
@@ -324,8 +330,8 @@ void print(const Stage& stage, const StageInstant& instant, const std::vector<Cl
 }  // namespace
 
 void print_stage_info(const StageInfoOptions& options, const CommonOptions& common) {
-    const Stage stage = load_stage(options.stage);
-    const StageInstant instant = stage_at(stage, options.at_s);
+    const stage::Stage stage = stage::load_stage(options.stage);
+    const stage::StageInstant instant = stage::stage_at(stage, options.at_s);
     const std::vector<ClipMemory> memory =
         options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();
     if (options.json)
@@ -339,7 +345,7 @@ void add_stage_info(CLI::App& stage, CommonOptions& common) {
     const auto options = std::make_shared<StageInfoOptions>();
     verb->add_option("STAGE", options->stage, "The stage, .gltf or .glb")->required();
     verb->add_option("--at", options->at_s, "At which stage time, seconds")
-        ->check(number_between(-kMaxStageSeconds, kMaxStageSeconds))
+        ->check(number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds))
         ->capture_default_str();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->add_flag("--memory", options->memory, "Measure what its clips take on a device, each once");
@@ -352,4 +358,4 @@ void add_stage_info(CLI::App& stage, CommonOptions& common) {
     verb->callback([options, &common] { print_stage_info(*options, common); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -6,15 +6,15 @@
 #include "render/frame.h"
 #include "tools/commands.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct StageInfoOptions {
     std::string stage;
-    double at_s = 0, slice_budget_mb = static_cast<double>(kSliceBudget >> 20);
+    double at_s = 0, slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
     bool json = false, memory = false;
 };
 // Also `neuvv info` of a stage.
 void print_stage_info(const StageInfoOptions& options, const CommonOptions& common);
 void add_stage_info(CLI::App& stage, CommonOptions& common);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

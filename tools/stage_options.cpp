@@ -7,7 +7,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -41,8 +41,8 @@ glm::dvec3 parse_light_colour(const std::string& option, const std::string& text
     return glm::dvec3(glm::vec3(colour));
 }
 
-Placement PlacementOptions::placement() const {
-    Placement placement;
+edit::Placement PlacementOptions::placement() const {
+    edit::Placement placement;
     placement.at = vector_of("--at", at);
     placement.move = vector_of("--move", move);
     placement.turn_deg = vector_of("--turn", turn);
@@ -69,9 +69,9 @@ void add_placement_options(CLI::App& verb, PlacementOptions& options) {
     verb.add_option("--matrix", options.matrix, "16 numbers by columns, instead of what there was");
 }
 
-PerformerEdit PerformerOptions::edit() const {
-    PerformerEdit edit;
-    if (time) edit.time = parse_time_map(*time, "--time", "");
+edit::PerformerEdit PerformerOptions::edit() const {
+    edit::PerformerEdit edit;
+    if (time) edit.time = stage::parse_time_map(*time, "--time", "");
     edit.spin_deg_per_s = spin;
     edit.opacity = opacity;
     edit.visible = switch_of(visible);
@@ -84,15 +84,15 @@ void add_performer_options(CLI::App& verb, PerformerOptions& options) {
     verb.add_option("--time", options.time,
                     "From stage to clip: operators as in loop:0:2s,speed:0.5,offset:3f; empty: as the clip is");
     verb.add_option("--spin", options.spin, "Degrees a second about its own +Y")
-        ->check(number_between(-kMaxSpin, kMaxSpin));
+        ->check(number_between(-stage::kMaxSpin, stage::kMaxSpin));
     verb.add_option("--opacity", options.opacity, "0 to 1")->check(number_between(0, 1));
     add_switch(verb, "--visible", options.visible, "Whether it is seen");
     add_switch(verb, "--casts-shadow", options.casts_shadow, "Whether it casts shadows");
     add_switch(verb, "--receives-shadow", options.receives_shadow, "Whether shadows fall on it");
 }
 
-StageEdit StageOptions::edit() const {
-    StageEdit edit;
+edit::StageEdit StageOptions::edit() const {
+    edit::StageEdit edit;
     edit.duration_s = duration;
     edit.fps = fps;
     if (!background.empty()) edit.background = parse_light_colour("--background", background);
@@ -100,7 +100,7 @@ StageEdit StageOptions::edit() const {
     if (environment) edit.environment = *environment;
     edit.environment_intensity = environment_intensity;
     edit.environment_rotation_deg = environment_rotation;
-    if (!blend.empty()) edit.blend = blend == "paper" ? StageBlend::kPaper : StageBlend::kExact;
+    if (!blend.empty()) edit.blend = blend == "paper" ? stage::StageBlend::kPaper : stage::StageBlend::kExact;
     edit.shadows = switch_of(shadows);
     edit.falloff = switch_of(falloff);
     return edit;
@@ -108,8 +108,9 @@ StageEdit StageOptions::edit() const {
 
 void add_stage_options(CLI::App& verb, StageOptions& options) {
     verb.add_option("--duration", options.duration, "Of the stage, seconds")
-        ->check(number_between(0, kMaxStageSeconds));
-    verb.add_option("--fps", options.fps, "Of the stage")->check(number_between(kMinStageFps, kMaxStageFps));
+        ->check(number_between(0, stage::kMaxStageSeconds));
+    verb.add_option("--fps", options.fps, "Of the stage")
+        ->check(number_between(stage::kMinStageFps, stage::kMaxStageFps));
     verb.add_option("--background", options.background, "A colour's name, #rrggbb, or linear R,G,B");
     verb.add_option("--ambient", options.ambient, "Light on everything: a colour as above");
     verb.add_option("--environment", options.environment, "An equirectangular PNG around the stage; empty: none");
@@ -123,8 +124,8 @@ void add_stage_options(CLI::App& verb, StageOptions& options) {
     add_switch(verb, "--falloff", options.falloff, "Whether lights shine on performers");
 }
 
-LightEdit LightOptions::edit() const {
-    LightEdit edit;
+edit::LightEdit LightOptions::edit() const {
+    edit::LightEdit edit;
     edit.kind = kind;
     edit.intensity = intensity;
     edit.range_m = range;
@@ -147,4 +148,4 @@ void add_light_options(CLI::App& verb, LightOptions& options) {
     verb.add_option("--cone", options.cone, "Of a spot: half angles of full light and of none, degrees: 20,30");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

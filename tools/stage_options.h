@@ -8,7 +8,7 @@
 
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // "X,Y,Z"; throws InputError naming the option.
 glm::dvec3 parse_vector(const std::string& option, const std::string& text);
@@ -18,7 +18,7 @@ glm::dvec3 parse_light_colour(const std::string& option, const std::string& text
 // As written; empty where not given.
 struct PlacementOptions {
     std::string at, move, turn, scale, matrix, aim;
-    Placement placement() const;
+    edit::Placement placement() const;
     bool any() const { return !(at + move + turn + scale + matrix + aim).empty(); }
 };
 void add_placement_options(CLI::App& verb, PlacementOptions& options);
@@ -27,7 +27,7 @@ struct PerformerOptions {
     std::optional<std::string> time;
     std::optional<double> spin, opacity;
     std::string visible, casts_shadow, receives_shadow;  // "on", "off" or empty
-    PerformerEdit edit() const;
+    edit::PerformerEdit edit() const;
 };
 void add_performer_options(CLI::App& verb, PerformerOptions& options);
 
@@ -35,7 +35,7 @@ struct StageOptions {
     std::optional<double> duration, fps, environment_intensity, environment_rotation;
     std::string background, ambient, blend, shadows, falloff;
     std::optional<std::string> environment;
-    StageEdit edit() const;
+    edit::StageEdit edit() const;
 };
 void add_stage_options(CLI::App& verb, StageOptions& options);
 
@@ -43,8 +43,8 @@ struct LightOptions {
     std::optional<std::string> kind;
     std::string color, cone;
     std::optional<double> intensity, range;
-    LightEdit edit() const;
+    edit::LightEdit edit() const;
 };
 void add_light_options(CLI::App& verb, LightOptions& options);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -7,7 +7,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 void add_target(CLI::App& verb, StageTarget& target) {
     verb.add_option("STAGE", target.stage, "The stage, .gltf or .glb")->required();
@@ -18,16 +18,16 @@ void expect_stage_name(const std::string& option, const std::string& file) {
     if (!is_stage(file)) throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
 }
 
-void edit_stage(const StageTarget& target, const std::function<std::string(StageFile&)>& operation) {
+void edit_stage(const StageTarget& target, const std::function<std::string(stage::StageFile&)>& operation) {
     const std::string& output = target.output.empty() ? target.stage : target.output;
     if (!target.output.empty()) expect_stage_name("--output", output);
-    StageFile file = read_stage_file(target.stage);
-    expect_sound_document(file);
+    stage::StageFile file = stage::read_stage_file(target.stage);
+    stage::expect_sound_document(file);
     const std::string change = operation(file);
-    expect_sound_document(file);
+    stage::expect_sound_document(file);
     prepare_output_file("--output", output);
-    save_stage_file(file, output);
+    stage::save_stage_file(file, output);
     fmt::print("{}: {}\n", output, change);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

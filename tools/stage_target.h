@@ -8,7 +8,7 @@
 
 #include "stage/stage_file.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 // The stage of a verb, and where it is saved.
 struct StageTarget {
@@ -19,6 +19,6 @@ void add_target(CLI::App& verb, StageTarget& target);
 void expect_stage_name(const std::string& option, const std::string& file);
 
 // One operation, whose words are printed: nothing is saved that could not be loaded again, missing clips aside.
-void edit_stage(const StageTarget& target, const std::function<std::string(StageFile&)>& operation);
+void edit_stage(const StageTarget& target, const std::function<std::string(stage::StageFile&)>& operation);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

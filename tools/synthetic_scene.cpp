@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -26,12 +26,12 @@ uint64_t noise(uint64_t leaf, uint64_t weight) {
 // Any finite half: sign, exponent and digits at random.
 float any_half(uint64_t bits) {
     const uint64_t exponent = (bits >> 16) % 31;
-    return float_from_half(static_cast<uint16_t>((bits & 0x83ff) | exponent << 10));
+    return voctree::float_from_half(static_cast<uint16_t>((bits & 0x83ff) | exponent << 10));
 }
 
 // Cells between two spheres, of 2^depth a side.
-std::vector<LeafPlace> shell(uint32_t depth, double radius) {
-    std::vector<LeafPlace> places;
+std::vector<voctree::LeafPlace> shell(uint32_t depth, double radius) {
+    std::vector<voctree::LeafPlace> places;
     const double middle = std::ldexp(0.5, static_cast<int>(depth));
     const uint32_t side = 1u << depth;
     for (uint32_t z = 0; z < side; z++)
@@ -51,11 +51,11 @@ std::vector<LeafPlace> shell(uint32_t depth, double radius) {
 
 }  // namespace
 
-VOctree synthetic_scene(double megabytes) {
+voctree::VOctree synthetic_scene(double megabytes) {
     const double leaves = 1e6 * megabytes / kBytesPerLeaf;
     const double radius = std::sqrt(leaves / (4 * std::numbers::pi * kThickness));  // in leaves
     const auto depth = static_cast<uint32_t>(std::ceil(std::log2(std::max(radius, 4.0) / 0.48)));
-    VOctree tree;
+    voctree::VOctree tree;
     tree.node_levels = (depth + 1) / 2;
     tree.box_min = glm::vec3(-1);
     tree.box_size = glm::vec3(2);
@@ -64,12 +64,12 @@ VOctree synthetic_scene(double megabytes) {
     tree.sigma_basis.assign(size_t{kFrames} * kFrames, 0.0f);
     for (size_t t = 0; t < kFrames; t++) tree.sigma_basis[t * kFrames + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
-    std::vector<LeafPlace> places = shell(depth, radius);
-    const auto before = [&](const LeafPlace& a, const LeafPlace& b) {
-        return first_cell(a, depth) < first_cell(b, depth);
+    std::vector<voctree::LeafPlace> places = shell(depth, radius);
+    const auto before = [&](const voctree::LeafPlace& a, const voctree::LeafPlace& b) {
+        return voctree::first_cell(a, depth) < voctree::first_cell(b, depth);
     };
     std::sort(places.begin(), places.end(), before);
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     parallel_for(places.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
@@ -84,4 +84,4 @@ VOctree synthetic_scene(double megabytes) {
     return tree;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -16,14 +16,14 @@
 #include "training/schedule.h"
 #include "training/train.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct TrainOptions {
     std::filesystem::path dataset, output;
-    std::string format = kAnyFormat;
-    TrainSettings settings;
+    std::string format = training::kAnyFormat;
+    training::TrainSettings settings;
     double max_megabytes = 0, picture_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
@@ -32,7 +32,7 @@ struct TrainOptions {
     uint64_t psi_steps = 0;
 };
 
-void print_progress(const TrainProgress& now, bool line_ends) {
+void print_progress(const training::TrainProgress& now, bool line_ends) {
     fmt::print(stderr,
                "{}{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB{}",
                stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
@@ -40,28 +40,31 @@ void print_progress(const TrainProgress& now, bool line_ends) {
                static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
 }
 
-void print_psi_progress(const PsiProgress& now, bool line_ends) {
+void print_psi_progress(const training::PsiProgress& now, bool line_ends) {
     fmt::print(stderr, "{}psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}{}",
                stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
                now.rays_per_s / 1000, now.loss, now.psnr, now.step, line_ends ? "\n" : "  ");
 }
 
 // Ctrl-C ends the network's part; the run that follows then saves and ends, too.
-VOctree train_psi_tree(const TrainOptions& options, const Device& device, const Dataset& dataset) {
-    PsiSettings settings = default_psi_settings(device);
+voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& device,
+                                const training::Dataset& dataset) {
+    training::PsiSettings settings = training::default_psi_settings(device);
     settings.seed = options.settings.seed;
     settings.minutes = options.psi_minutes;
     settings.steps = options.psi_steps;
     double printed = -1e9;
-    VOctree tree =
-        psi_tree(device, dataset, options.settings.shape, kLevelsAbove, settings, [&](const PsiProgress& now) {
-            if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
-                print_psi_progress(now, !stderr_is_terminal());
-                printed = now.elapsed_s;
-                if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
-            }
-            return !stop_requested();
-        });
+    voctree::VOctree tree =
+        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbove, settings,
+                           [&](const training::PsiProgress& now) {
+                               if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
+                                   print_psi_progress(now, !stderr_is_terminal());
+                                   printed = now.elapsed_s;
+                                   if (trace_wanted())
+                                       fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
+                               }
+                               return !stop_requested();
+                           });
     fmt::print(stderr, "{}psi: {} leaves\n", stderr_is_terminal() ? "\n" : "", tree.leaf_count);
     return tree;
 }
@@ -73,51 +76,53 @@ void prepare_output(const std::filesystem::path& output) {
     prepare_output_file("--output", output);
 }
 
-LoadOptions load_options(const TrainOptions& options) {
+training::LoadOptions load_options(const TrainOptions& options) {
     const bool given = options.picture_gigabytes > 0;
-    return {.format = options.format,
-            .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.picture_gigabytes) : picture_budget()};
+    return {
+        .format = options.format,
+        .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.picture_gigabytes) : training::picture_budget()};
 }
 
 // Says what the pictures will take before it reads them.
-Dataset load_pictures(const TrainOptions& options, const LoadOptions& load) {
+training::Dataset load_pictures(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
-    const Rig rig = read_rig(options.dataset, Split::kTrain, options.format);
-    const PictureNeed need = picture_need(rig);
+    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
+    const training::PictureNeed need = training::picture_need(rig);
     fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures of {}x{} = {}, budget {}{}\n", options.dataset.string(),
                need.cameras, need.frames, need.pictures, need.width, need.height, size_text(need.bytes),
                size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
-    return read_pictures(rig, load);
+    return training::read_pictures(rig, load);
 }
 
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
     prepare_live_outputs(options.live);
     catch_stop_signals();
-    const Device device(common.device);
+    const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    const LoadOptions load = load_options(options);
-    const Dataset dataset = load_pictures(options, load);
+    const training::LoadOptions load = load_options(options);
+    const training::Dataset dataset = load_pictures(options, load);
     LiveReport live(device, dataset, load, options.live);
-    TrainSettings settings = options.settings;
+    training::TrainSettings settings = options.settings;
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
-    VOctree first_tree;
+    voctree::VOctree first_tree;
     if (options.init == "psi" && !settings.resume) {
         first_tree = train_psi_tree(options, device, dataset);
         settings.first_tree = &first_tree;
     }
     double printed = -1e9;
-    const TrainProgress last = train(device, dataset, settings, options.output, [&](const TrainProgress& now) {
-        if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
-            print_progress(now, !stderr_is_terminal());
-            printed = now.elapsed_s;
-            if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
-        }
-        live.update(now);
-        return !stop_requested();
-    });
+    const training::TrainProgress last =
+        training::train(device, dataset, settings, options.output, [&](const training::TrainProgress& now) {
+            if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
+                print_progress(now, !stderr_is_terminal());
+                printed = now.elapsed_s;
+                if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
+            }
+            live.update(now);
+            return !stop_requested();
+        });
     if (stderr_is_terminal()) fmt::print(stderr, "\n");
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
@@ -151,7 +156,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         ->excludes(minutes);
     verb->add_option("--resolution", options->settings.shape.resolution,
                      "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
-        ->check(CLI::Range(8u, kMaxResolution));
+        ->check(CLI::Range(8u, training::kMaxResolution));
     verb->add_option("--bases", options->settings.shape.bases, "C: temporal bases, at most one a frame is used")
         ->check(CLI::Range(1u, kMaxBases))
         ->capture_default_str();
@@ -170,7 +175,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         ->excludes(psi_minutes);
     CLI::Option* most_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
                                                 "The tree never has more (default: what the device trains)")
-                                   ->check(CLI::Range(64u, kMaxLeaves));
+                                   ->check(CLI::Range(64u, voctree::kMaxLeaves));
     CLI::Option* most_memory = verb->add_option("--max-memory", options->max_megabytes,
                                                 "MB that the finished .nvv takes at most (default: any)")
                                    ->check(number_between(0.1, 1e6));
@@ -220,4 +225,4 @@ void add_train(CLI::App& app, CommonOptions& common) {
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -3,7 +3,7 @@
 #include "tools/options.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -41,19 +41,20 @@ void add_view(CLI::App& app, CommonOptions& common) {
         "  neuvv view demo/performer.nvv\n"
         "  neuvv view demo/stage.gltf --size 1600x900");
     verb->callback([options, &common] {
-        Viewer::Options viewer;
+        viewer::Viewer::Options viewer;
         viewer.file = options->file;
         viewer.report = options->report;
         viewer.screenshots = options->screenshots;
-        viewer.shaders = options->shaders.empty() ? shaders_of_debug_build() : std::filesystem::path(options->shaders);
+        viewer.shaders =
+            options->shaders.empty() ? viewer::shaders_of_debug_build() : std::filesystem::path(options->shaders);
         viewer.validate = options->validate;
         if (options->ui_scale > 0) viewer.ui_scale = static_cast<float>(options->ui_scale);
         if (!options->size.empty()) {
             const PictureSize size = parse_size(options->size);
             viewer.size = VkExtent2D{size.width, size.height};
         }
-        Viewer(viewer, common.device).run();
+        viewer::Viewer(viewer, common.device).run();
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

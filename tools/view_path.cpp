@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "training/evaluate.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
@@ -72,9 +72,9 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
 
 }  // namespace
 
-std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree) {
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const LeafPlace& place : leaf_places(tree)) {
+    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) {
         const double edge = std::ldexp(1.0, -static_cast<int>(place.depth));
         const glm::dvec3 corner = glm::dvec3(place.x, place.y, place.z) * edge;
         low = glm::min(low, corner);
@@ -100,7 +100,7 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
     std::vector<ViewStep> path(count);
     for (size_t i = 0; i < count; ++i) {
         const Axes axes = orbit_axes(static_cast<double>(i) / static_cast<double>(count));
-        Camera& camera = path[i].camera;
+        stage::Camera& camera = path[i].camera;
         camera.width = size.width;
         camera.height = size.height;
         camera.fx = camera.fy = 0.5 * shorter / tan_short;
@@ -113,17 +113,17 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
     return path;
 }
 
-std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playback, uint32_t clip_frames,
+std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
                                  PictureSize size, PictureSize fallback) {
     if (size.width == 0) size = {path.width, path.height};
     if (size.width == 0) size = fallback;
     std::vector<ViewStep> steps(path_pictures(path, playback.output_fps, clip_seconds(playback)));
     for (size_t i = 0; i < steps.size(); ++i) {
         const double time_s = static_cast<double>(i) / playback.output_fps;
-        const std::optional<double> clip_time = clip_time_at(path, time_s);
-        steps[i].camera = camera_at(path, time_s, size.width, size.height);
-        steps[i].frame =
-            clip_time ? frame_of_time(*clip_time, clip_frames) : playing_frame(playback, static_cast<double>(i));
+        const std::optional<double> clip_time = stage::clip_time_at(path, time_s);
+        steps[i].camera = stage::camera_at(path, time_s, size.width, size.height);
+        steps[i].frame = clip_time ? training::frame_of_time(*clip_time, clip_frames)
+                                   : playing_frame(playback, static_cast<double>(i));
     }
     return steps;
 }
@@ -132,7 +132,7 @@ bool names_camera_path(const std::string& camera) {
     return std::filesystem::path(camera).extension() == ".json";
 }
 
-size_t path_pictures(const CameraPath& path, double fps, double still_s) {
+size_t path_pictures(const stage::CameraPath& path, double fps, double still_s) {
     if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : picture_count(fps, still_s);
     if (path.cyclic) return picture_count(fps, path.duration_s);
     constexpr double kRounding = 1e-6;  // of a picture: a last key at i / fps is picture i
@@ -151,4 +151,4 @@ std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const s
     return {near, far};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -9,10 +9,10 @@
 #include "tools/options.h"
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 struct ViewStep {
-    Camera camera;
+    stage::Camera camera;
     double frame = 0;  // of the clip
 };
 
@@ -24,7 +24,7 @@ struct Playback {
 };
 
 // The box around the tree's leaves in metres: minimum and maximum. The tree's own box where it has no leaf.
-std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree);
 
 // One turn around a box at a slight elevation, from +Z over +X, while the clip plays; it repeats until the turn has
 // taken four seconds. The whole box is in every picture. Throws InputError for too many pictures.
@@ -35,7 +35,7 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 // last, the performance at the path's clip times, else as the clip plays, over and over. One key without a clip time is
 // a fixed camera: the clip plays once. `size` wins over the path's own (the vertical angle of view stays); 0×0: the
 // path's, or `fallback` where it has none. Throws InputError for too many pictures.
-std::vector<ViewStep> path_steps(const CameraPath& path, const Playback& playback, uint32_t clip_frames,
+std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
                                  PictureSize size, PictureSize fallback);
 
 // Whether what --camera says of a stage is the file of a camera path, told by its name (.json); else it names a camera
@@ -44,9 +44,9 @@ bool names_camera_path(const std::string& camera);
 
 // How many pictures a path has at a rate: both ends of an open one are shown. One key without a clip time is a camera
 // that stands for `still_s`.
-size_t path_pictures(const CameraPath& path, double fps, double still_s);
+size_t path_pictures(const stage::CameraPath& path, double fps, double still_s);
 
 // Nearest and farthest distance of a box's bounding sphere over a path, for pictures of depth.
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box);
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -5,13 +5,13 @@
 #include "xr/actions.h"
 #include "xr/bindings.h"
 
-namespace neuvv {
+namespace neuvv::tools {
 
 namespace {
 
 struct XrOptions {
     std::string file;
-    HeadsetOptions headset;
+    headset::HeadsetOptions headset;
     std::string report;
     bool check = false, no_mask = false, no_depth = false;
     double refresh_hz = 0, inset = 0;
@@ -21,10 +21,10 @@ const char* yes_or_no(bool yes) {
     return yes ? "yes" : "no";
 }
 
-void print_extensions(const Runtime& runtime) {
+void print_extensions(const xr::Runtime& runtime) {
     fmt::print("\nVulkan: {}\n",
                runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
-    for (const OptionalExtension& one : optional_extensions()) {
+    for (const xr::OptionalExtension& one : xr::optional_extensions()) {
         const bool hands = std::string_view(one.name) == XR_EXT_HAND_TRACKING_EXTENSION_NAME;
         const bool works = runtime.has(one.name) && (!hands || runtime.tracks_hands());
         fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.brings : one.without,
@@ -32,33 +32,33 @@ void print_extensions(const Runtime& runtime) {
     }
 }
 
-void print_session(const Runtime& runtime, const Device& device) {
-    const Session session(runtime, device);
+void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
+    const xr::Session session(runtime, device);
     fmt::print("\nfloor: {}\n", session.knows_floor() ? "the runtime knows it (STAGE space)"
                                                       : "unknown (LOCAL space): eyes are taken to be 1.6 m above it");
     const std::vector<float> rates = session.refresh_rates();
     if (!rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(rates, ", "));
-    const EyeImages eyes(device, session, {});
+    const headset::EyeImages eyes(device, session, {});
     fmt::print("images: {}x{} an eye, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
     fmt::print("controllers with bindings:");
-    for (const ControllerProfile& profile : controller_profiles())
+    for (const xr::ControllerProfile& profile : xr::controller_profiles())
         if (!profile.extension || runtime.has(profile.extension)) fmt::print(" {};", profile.title);
     fmt::print(" others as their runtime translates them\n");
 }
 
 // What there is, and what is missing, without a stage.
 void check_headset(const std::string& choice) {
-    Runtime runtime;
+    xr::Runtime runtime;
     fmt::print("runtime: {}\nheadset: {}, {}\n", runtime.name(), runtime.headset(),
                runtime.tracks_position() ? "position and orientation are tracked" : "only its orientation is tracked");
     const VkExtent2D most = runtime.most_eye_size();
     fmt::print("eyes: {}x{} recommended, {}x{} at most\n", runtime.eye_size().width, runtime.eye_size().height,
                most.width, most.height);
     std::vector<std::string> modes;
-    for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(blend_mode_name(mode));
+    for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(xr::blend_mode_name(mode));
     fmt::print("surroundings: {} (the first is used)\n", fmt::join(modes, ", "));
     print_extensions(runtime);
-    const Device device(choice, Validation::kOff, runtime.device_extensions(), runtime.device_maker());
+    const gpu::Device device(choice, gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
     fmt::print("\ndevice: {} ({})\n", device.summary().name, device.summary().driver);
     print_session(runtime, device);
     fmt::print("\nready: `neuvv xr STAGE` shows a stage there\n");
@@ -68,7 +68,7 @@ void check_headset(const std::string& choice) {
 
 void add_xr(CLI::App& app, CommonOptions& common) {
     auto options = std::make_shared<XrOptions>();
-    HeadsetOptions& headset = options->headset;
+    headset::HeadsetOptions& headset = options->headset;
     CLI::App* verb = app.add_subcommand("xr", "Watch and edit clips and stages in a headset (OpenXR)");
     verb->add_option("file", options->file,
                      "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder of clips");
@@ -103,7 +103,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] {
         if (options->check) return check_headset(common.device);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
-        HeadsetOptions& wanted = options->headset;
+        headset::HeadsetOptions& wanted = options->headset;
         wanted.file = options->file;
         wanted.device = common.device;
         wanted.report = options->report;
@@ -112,8 +112,8 @@ void add_xr(CLI::App& app, CommonOptions& common) {
         wanted.quality.keep_pictures = wanted.mirror;
         if (options->inset > 0) wanted.quality.inset = options->inset;
         if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
-        watch_in_headset(wanted);
+        headset::watch_in_headset(wanted);
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::tools

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -31,8 +31,8 @@ glm::vec3 colour_along(const Backdrop& room, const glm::dvec3& eye, const glm::d
 
 }  // namespace
 
-Image clean_plate(const Backdrop& backdrop, const Camera& camera) {
-    Image plate(camera.width, camera.height);
+media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera) {
+    media::Image plate(camera.width, camera.height);
     const glm::dmat3 axes(camera.world_from_camera);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     for (uint32_t y = 0; y < camera.height; ++y)
@@ -46,11 +46,11 @@ Image clean_plate(const Backdrop& backdrop, const Camera& camera) {
             for (int c = 0; c < 3; ++c) {
                 const auto linear = static_cast<double>(sum[c]) / (kSamples * kSamples);
                 plate.at(x, y)[c] =
-                    static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
+                    static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
             }
             plate.at(x, y)[3] = 255;
         }
     return plate;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

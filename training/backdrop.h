@@ -4,7 +4,7 @@
 #include "media/image.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct Backdrop {
     glm::dvec3 low{0}, high{1};  // the room; every camera stands inside
@@ -12,6 +12,6 @@ struct Backdrop {
 };
 
 // What a camera sees of it: an opaque picture, averaged over each pixel's area.
-Image clean_plate(const Backdrop& backdrop, const Camera& camera);
+media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -42,7 +42,7 @@ std::vector<float> hat_basis(uint32_t frames, uint32_t bases) {
     return basis;
 }
 
-bool frames_have_own_bases(const VOctree& tree) {
+bool frames_have_own_bases(const voctree::VOctree& tree) {
     return tree.frames == tree.bases && is_identity(tree.sigma_basis, tree.bases) &&
            is_identity(tree.gamma_basis, tree.bases);
 }
@@ -80,4 +80,4 @@ void CourseSolver::solve(const float* values, float* weights) const {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

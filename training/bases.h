@@ -6,14 +6,14 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // frames × bases hat functions: column c is 1 at its knot, falls to 0 at its neighbours'; knots are spread evenly over
 // the clip. Rows sum to 1. With bases = frames it is the identity. Needs 1 ≤ bases ≤ frames.
 std::vector<float> hat_basis(uint32_t frames, uint32_t bases);
 
 // Whether A and B are identities: then a leaf's c-th w^σ and w^γ are those of frame c, and of no other.
-bool frames_have_own_bases(const VOctree& tree);
+bool frames_have_own_bases(const voctree::VOctree& tree);
 
 // w^γ that sweeps γ from 0.1π to 0.9π over the clip under hat_basis: H_n·· then differ from the first frame to the
 // last, and no leaf starts at γ = π/2, where odd n vanish.
@@ -31,4 +31,4 @@ class CourseSolver {
     std::vector<float> inverse_;  // bases × frames
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

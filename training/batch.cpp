@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -18,14 +18,15 @@ uint32_t tiles_across(uint32_t pixels) {
 }
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {
-    return {linear_from_srgb_byte(srgb[0]), linear_from_srgb_byte(srgb[1]), linear_from_srgb_byte(srgb[2]), 0};
+    return {media::linear_from_srgb_byte(srgb[0]), media::linear_from_srgb_byte(srgb[1]),
+            media::linear_from_srgb_byte(srgb[2]), 0};
 }
 
 float uniform(std::mt19937_64& random) {
     return static_cast<float>(random() >> 40) * 0x1p-24f;
 }
 
-std::vector<bool> find_foreground(const Image& image) {
+std::vector<bool> find_foreground(const media::Image& image) {
     const uint32_t across = tiles_across(image.width);
     std::vector<bool> found(size_t{across} * tiles_across(image.height));
     for (uint32_t y = 0; y < image.height; y++)
@@ -126,7 +127,7 @@ void BatchSampler::append(Batch& batch, const ViewTile& tile, std::mt19937_64& r
 
 // What the rays of the batch's last tile should see.
 void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour) const {
-    const Image& plate = dataset_.plates[view.camera];
+    const media::Image& plate = dataset_.plates[view.camera];
     const Tile& tile = batch.tiles.back();
     for (uint32_t i = 0; i < kTilePixels; i++) {
         const uint32_t x = (tile.x + i % kTile) / batch.samples, y = (tile.y + i / kTile) / batch.samples;
@@ -140,4 +141,4 @@ void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour)
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

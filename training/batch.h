@@ -6,7 +6,7 @@
 #include "shared/trace.h"
 #include "training/dataset.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // One step's tiles, all of one instant.
 struct Batch {
@@ -70,4 +70,4 @@ class BatchSampler {
     uint64_t rays_per_epoch_ = 0;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

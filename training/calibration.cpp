@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -42,9 +42,9 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
     if (!straight || !within(lens.p1, kMaxDistortion) || !within(lens.p2, kMaxDistortion) ||
         !within(lens.s1, kMaxDistortion) || !within(lens.s2, kMaxDistortion))
         throw InputError(file, place, "has a distortion that no lens has", "calibrate again");
-    if ((lens.width == 0) != (lens.height == 0) || std::max(lens.width, lens.height) > kMaxImageSide)
+    if ((lens.width == 0) != (lens.height == 0) || std::max(lens.width, lens.height) > media::kMaxImageSide)
         throw InputError(file, place, fmt::format("is for pictures of {}×{}", lens.width, lens.height),
-                         fmt::format("a side has 1 to {} pixels", kMaxImageSide));
+                         fmt::format("a side has 1 to {} pixels", media::kMaxImageSide));
     for (int i = 0; i < 3; ++i)
         if (!within(camera.world_from_camera[3][i], kMaxDistance))
             throw InputError(file, place, fmt::format("stands more than {} m from the origin", kMaxDistance),
@@ -64,4 +64,4 @@ void expect_inside(const std::string& name, const std::string& file, const std::
                          "a data set reads nothing outside its folder");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

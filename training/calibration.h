@@ -6,7 +6,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 constexpr uint32_t kHoldOut = 8;  // where the files name no test cameras: the first, the 9th, … are held out
 
@@ -20,4 +20,4 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
 // Throws InputError for a name that would lead out of the data set's folder, or that is none.
 void expect_inside(const std::string& name, const std::string& file, const std::string& place);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

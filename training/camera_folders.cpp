@@ -10,7 +10,7 @@
 #include "media/video.h"
 #include "training/calibration.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -34,7 +34,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 }
 
 Frames frames_of_video(const std::filesystem::path& path, double& fps) {
-    const VideoReader video(path);
+    const media::VideoReader video(path);
     fps = video.fps();
     Frames frames;
     for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
@@ -164,4 +164,4 @@ void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -8,7 +8,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Numbers within names by their value: "f2" before "f10".
 struct NaturalOrder {
@@ -47,4 +47,4 @@ void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& camer
 // group.
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -13,7 +13,7 @@
 #include "stage/camera_path_json.h"
 #include "training/transforms.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -24,7 +24,7 @@ constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
 constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 constexpr double kMinFps = 0.01, kMaxFps = 1e4;
 
-void set_pose(CameraPathKey& key, const glm::dmat4& world_from_camera) {
+void set_pose(stage::CameraPathKey& key, const glm::dmat4& world_from_camera) {
     key.position = glm::dvec3(world_from_camera[3]);
     key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
 }
@@ -34,7 +34,7 @@ double degrees(const JsonNode& node) {
 }
 
 // What CameraPath promises of its times.
-void expect_path_times(const CameraPath& path, const JsonNode& keys) {
+void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
     for (size_t i = 1; i < path.keys.size(); ++i)
         if (!(path.keys[i].time_s > path.keys[i - 1].time_s))
             keys[i].fail(fmt::format("is at {} s, not after the key before it", path.keys[i].time_s),
@@ -48,7 +48,7 @@ void expect_path_times(const CameraPath& path, const JsonNode& keys) {
 }
 
 // One frame of a transforms.json as a key; its time comes from elsewhere.
-CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
+stage::CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
     const Intrinsics& in = frame.intrinsics;
     const bool sized = in.width != 0;
     if (!sized && (in.fl_x || in.fl_y || in.cx || in.cy))
@@ -58,7 +58,7 @@ CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
     if (lens.distorts())
         throw InputError(file, frame.place, "has a lens that distorts: pictures are rendered by pinholes",
                          "remove camera_model, is_fisheye and k1 to p2");
-    CameraPathKey key;
+    stage::CameraPathKey key;
     set_pose(key, frame.world_from_camera);
     key.clip_time = frame.time;
     if (sized) {
@@ -74,22 +74,22 @@ CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
     return key;
 }
 
-Interpolation interpolation_of(const JsonNode& node) {
+stage::Interpolation interpolation_of(const JsonNode& node) {
     const std::string& name = json_string(node);
-    for (size_t i = 0; i < std::size(kInterpolationNames); ++i)
-        if (name == kInterpolationNames[i]) return static_cast<Interpolation>(i);
+    for (size_t i = 0; i < std::size(stage::kInterpolationNames); ++i)
+        if (name == stage::kInterpolationNames[i]) return static_cast<stage::Interpolation>(i);
     node.fail("is no interpolation", "write smooth, linear or cut");
 }
 
-CameraPath transforms_path(const JsonFile& file, double views_per_s) {
+stage::CameraPath transforms_path(const JsonFile& file, double views_per_s) {
     const JsonNode root = file.root();
     const Transforms transforms = transforms_of(file);
     const bool timed = transforms.frames[0].seconds.has_value();
-    CameraPath path;
-    path.interpolation = Interpolation::kCut;
+    stage::CameraPath path;
+    path.interpolation = stage::Interpolation::kCut;
     if (timed)
         path.interpolation =
-            transforms.interpolation.empty() ? Interpolation::kSmooth : interpolation_of(root["interpolation"]);
+            transforms.interpolation.empty() ? stage::Interpolation::kSmooth : interpolation_of(root["interpolation"]);
     path.cyclic = timed && transforms.loop;
     path.width = transforms.frames[0].intrinsics.width;
     path.height = transforms.frames[0].intrinsics.height;
@@ -98,7 +98,7 @@ CameraPath transforms_path(const JsonFile& file, double views_per_s) {
             throw InputError(file.name, frame.place,
                              fmt::format("{} seconds, unlike the first frame", timed ? "has no" : "has"),
                              "give them to all frames of a path, or to none");
-        CameraPathKey key = key_of(frame, file.name);
+        stage::CameraPathKey key = key_of(frame, file.name);
         key.time_s = timed ? *frame.seconds : static_cast<double>(path.keys.size()) / views_per_s;
         path.keys.push_back(key);
     }
@@ -109,7 +109,7 @@ CameraPath transforms_path(const JsonFile& file, double views_per_s) {
 
 // R is a unit quaternion (x, y, z, w) and T a place, camera to instant-ngp's cube, OpenCV axes (x right, y down,
 // z forward).
-CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
+stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     for (const char* name : {"R", "T", "fov"})
         if (!node.has(name)) node.fail(fmt::format("has no {}", name), "save the camera path with instant-ngp");
     expect_array(node["R"], 4);
@@ -128,7 +128,7 @@ CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
         glm::dvec4(kYUpFromZUp * turned.outside(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.outside(-axes[1]), 0),
         glm::dvec4(kYUpFromZUp * turned.outside(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.outside(place), 1));
     expect_rigid(node, pose);
-    CameraPathKey key;
+    stage::CameraPathKey key;
     set_pose(key, pose);
     key.angle_y = degrees(node["fov"]);
     return key;
@@ -151,10 +151,10 @@ std::vector<double> ngp_stamps(const JsonNode& keys) {
     return stamps;
 }
 
-CameraPath ngp_path(const JsonNode& root) {
+stage::CameraPath ngp_path(const JsonNode& root) {
     const JsonNode keys = root["path"];
     expect_list(keys);
-    CameraPath path;
+    stage::CameraPath path;
     path.cyclic = root.has("loop") && json_flag(root["loop"]);
     const NgpCube cube = read_ngp_cube(root);
     const std::vector<double> stamps = ngp_stamps(keys);
@@ -165,12 +165,12 @@ CameraPath ngp_path(const JsonNode& root) {
         path.duration_s = json_number(root["duration_seconds"], 1e-3, kMaxPathSeconds, "a duration in seconds");
     if (root.has("spline_order")) {
         const double order = json_number(root["spline_order"], 0, 3, "the order of a spline");
-        path.interpolation = order < 1   ? Interpolation::kCut
-                             : order < 2 ? Interpolation::kLinear
-                                         : Interpolation::kSmooth;
+        path.interpolation = order < 1   ? stage::Interpolation::kCut
+                             : order < 2 ? stage::Interpolation::kLinear
+                                         : stage::Interpolation::kSmooth;
     }
     for (size_t i = 0; i < count; ++i) {
-        CameraPathKey key = ngp_key(keys[i], cube);
+        stage::CameraPathKey key = ngp_key(keys[i], cube);
         key.time_s = i == 0 ? 0 : stamps[i - 1] * (path.duration_s / whole);
         path.keys.push_back(key);
     }
@@ -195,7 +195,7 @@ struct NerfstudioWorld {
     }
 };
 
-CameraPathKey nerfstudio_key(const JsonNode& node, const char* matrix, const NerfstudioWorld& world) {
+stage::CameraPathKey nerfstudio_key(const JsonNode& node, const char* matrix, const NerfstudioWorld& world) {
     for (const char* name : {matrix, "fov"})
         if (!node.has(name)) node.fail(fmt::format("has no {}", name), "save the path in nerfstudio's render panel");
     const JsonNode numbers = node[matrix];
@@ -207,7 +207,7 @@ CameraPathKey nerfstudio_key(const JsonNode& node, const char* matrix, const Ner
     if (glm::length(glm::row(parsed, 3) - glm::dvec4(0, 0, 0, 1)) > 1e-3)
         numbers.fail("does not end with 0 0 0 1", "give 4×4 numbers row by row, camera to world");
     expect_rigid(numbers, parsed);
-    CameraPathKey key;
+    stage::CameraPathKey key;
     set_pose(key, world.pose(parsed));
     key.angle_y = degrees(node["fov"]);
     if (node.has("render_time") && !node["render_time"].value.is_null())
@@ -220,7 +220,7 @@ double nerfstudio_seconds(const JsonNode& node, const char* name) {
 }
 
 // `camera_path` holds every picture of the path, `fps` a second.
-void add_nerfstudio_pictures(CameraPath& path, const JsonNode& root) {
+void add_nerfstudio_pictures(stage::CameraPath& path, const JsonNode& root) {
     if (path.fps == 0) root.fail("has no fps", "save the path in nerfstudio's render panel");
     const double fps = path.fps;
     const NerfstudioWorld world(root);
@@ -235,7 +235,7 @@ void add_nerfstudio_pictures(CameraPath& path, const JsonNode& root) {
 
 // `keyframes` alone: each has the time that it takes to come to it from the one before, the first of a cycle from the
 // last.
-void add_nerfstudio_keys(CameraPath& path, const JsonNode& root) {
+void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
     const JsonNode keys = root["keyframes"];
     const auto steps = static_cast<double>(std::max<size_t>(1, keys.value.size() - (path.cyclic ? 0 : 1)));
     double usual = 0;
@@ -249,7 +249,7 @@ void add_nerfstudio_keys(CameraPath& path, const JsonNode& root) {
     double first_step = 0;
     for (size_t i = 0; i < keys.value.size(); ++i) {
         const JsonNode node = keys[i];
-        CameraPathKey key = nerfstudio_key(node, "matrix", world);
+        stage::CameraPathKey key = nerfstudio_key(node, "matrix", world);
         const bool own = node.has("override_transition_enabled") && json_flag(node["override_transition_enabled"]) &&
                          node.has("override_transition_sec");
         const double step = own ? nerfstudio_seconds(node, "override_transition_sec") : usual;
@@ -263,14 +263,14 @@ void add_nerfstudio_keys(CameraPath& path, const JsonNode& root) {
     expect_path_times(path, keys);
 }
 
-CameraPath nerfstudio_path(const JsonNode& root) {
+stage::CameraPath nerfstudio_path(const JsonNode& root) {
     if (root.has("camera_type") && json_string(root["camera_type"]) != "perspective")
         root["camera_type"].fail("is not perspective: pictures are rendered by pinholes", "save a perspective path");
-    CameraPath path;
+    stage::CameraPath path;
     path.cyclic = root.has("is_cycle") && json_flag(root["is_cycle"]);
     if (root.has("render_width") && root.has("render_height")) {
         const auto side = [&](const char* name) {
-            return static_cast<uint32_t>(json_number(root[name], 1, kMaxImageSide, "a picture's size"));
+            return static_cast<uint32_t>(json_number(root[name], 1, media::kMaxImageSide, "a picture's size"));
         };
         path.width = side("render_width");
         path.height = side("render_height");
@@ -282,7 +282,7 @@ CameraPath nerfstudio_path(const JsonNode& root) {
     return path;
 }
 
-json frame_json(const CameraPath& path, const CameraPathKey& key) {
+json frame_json(const stage::CameraPath& path, const stage::CameraPathKey& key) {
     json frame = {{"seconds", key.time_s}};
     const glm::dmat3 axes = glm::mat3_cast(key.world_from_camera);
     for (int row = 0; row < 3; ++row)
@@ -305,7 +305,7 @@ json frame_json(const CameraPath& path, const CameraPathKey& key) {
 
 }  // namespace
 
-CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s) {
+stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s) {
     const JsonFile document = read_json(file, "a camera path: a transforms.json, or one of instant-ngp or nerfstudio");
     const JsonNode root = document.root();
     if (root.has("frames")) return transforms_path(document, views_per_s);
@@ -315,17 +315,17 @@ CameraPath read_camera_path(const std::filesystem::path& file, double views_per_
               "give a transforms.json, or a camera path of instant-ngp or nerfstudio");
 }
 
-void write_camera_path(const std::filesystem::path& file, const CameraPath& path) {
-    json document = {{"interpolation", kInterpolationNames[static_cast<size_t>(path.interpolation)]},
+void write_camera_path(const std::filesystem::path& file, const stage::CameraPath& path) {
+    json document = {{"interpolation", stage::kInterpolationNames[static_cast<size_t>(path.interpolation)]},
                      {"loop", path.cyclic},
                      {"duration_seconds", path.duration_s}};
     if (path.width != 0) {
         document["w"] = path.width;
         document["h"] = path.height;
     }
-    for (const CameraPathKey& key : path.keys) document["frames"].push_back(frame_json(path, key));
+    for (const stage::CameraPathKey& key : path.keys) document["frames"].push_back(frame_json(path, key));
     const std::string text = document.dump(1) + "\n";
     write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

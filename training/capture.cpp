@@ -16,7 +16,7 @@
 #include "training/backdrop.h"
 #include "training/workers.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -34,7 +34,7 @@ void check_settings(const CaptureSettings& s) {
     const auto expect = [](bool good, const char* option, const std::string& problem, const char* mend) {
         if (!good) throw InputError("capture", option, problem, mend);
     };
-    const uint32_t side = kMaxImageSide / kSupersample;
+    const uint32_t side = media::kMaxImageSide / render::kSupersample;
     expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "--cameras", fmt::format("{} is out of range", s.cameras),
            "choose 1 to 10000");
     expect(s.frames >= 1 && s.frames <= kMaxFrames, "--frames", fmt::format("{} is out of range", s.frames),
@@ -49,20 +49,22 @@ void check_settings(const CaptureSettings& s) {
            "choose --holdout 0 or more cameras");
 }
 
-int32_t choose_animation(const GltfScene& scene, const std::string& wanted) {
-    if (!wanted.empty()) return static_cast<int32_t>(find_animation(scene, wanted));
-    return scene.animations.empty() ? kNoAnimation : 0;
+int32_t choose_animation(const stage::GltfScene& scene, const std::string& wanted) {
+    if (!wanted.empty()) return static_cast<int32_t>(stage::find_animation(scene, wanted));
+    return scene.animations.empty() ? stage::kNoAnimation : 0;
 }
 
-std::vector<double> frame_times(const GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+std::vector<double> frame_times(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
     std::vector<double> times;
-    const double end = animation == kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
+    const double end =
+        animation == stage::kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
     for (uint32_t f = 0; f < settings.frames; ++f) times.push_back(std::min(f / settings.fps, end));
     return times;
 }
 
 // The positions that triangles use.
-void gather_points(const GltfPrimitive& primitive, const PosedVertices& vertices, std::vector<glm::vec3>& points) {
+void gather_points(const stage::GltfPrimitive& primitive, const stage::PosedVertices& vertices,
+                   std::vector<glm::vec3>& points) {
     std::vector<bool> seen(vertices.positions.size(), false);
     points.clear();
     for (const uint32_t index : primitive.indices) {
@@ -72,17 +74,18 @@ void gather_points(const GltfPrimitive& primitive, const PosedVertices& vertices
 }
 
 // World positions of everything drawn at these instants, primitive by primitive.
-void for_each_pose(const GltfScene& scene, int32_t animation, const std::vector<double>& times,
+void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times,
                    const std::function<void(const std::vector<glm::vec3>&)>& visit) {
-    PosedVertices vertices;
+    stage::PosedVertices vertices;
     std::vector<glm::vec3> points;
     for (size_t i = 0; i < times.size(); ++i) {
         if (i > 0 && times[i] == times[i - 1]) continue;
-        const PosedScene pose = pose_scene(scene, animation, times[i]);
+        const stage::PosedScene pose = stage::pose_scene(scene, animation, times[i]);
         for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
             if (!scene.nodes[n].draws_mesh()) continue;
-            for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
-                pose_vertices(scene, pose, n, primitive, vertices);
+            for (const stage::GltfPrimitive& primitive :
+                 scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
+                stage::pose_vertices(scene, pose, n, primitive, vertices);
                 gather_points(primitive, vertices, points);
                 visit(points);
             }
@@ -105,7 +108,7 @@ json matrix_rows(const glm::dmat4& matrix) {
 
 void write_transforms(const std::filesystem::path& file, const CaptureStage& stage, const CaptureSettings& settings,
                       const std::vector<bool>& held, bool test) {
-    const Camera& first = stage.cameras.front();
+    const stage::Camera& first = stage.cameras.front();
     const glm::dvec3 low = stage.box.first, high = stage.box.second;
     json root = {{"w", first.width},
                  {"h", first.height},
@@ -150,8 +153,8 @@ void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& 
 }
 
 // What a camera would record: foreground + (1 − α) background, added as light; alpha stays the matte.
-Image compose(std::span<const glm::vec4> premultiplied, const Image& plate) {
-    Image picture = plate;
+media::Image compose(std::span<const glm::vec4> premultiplied, const media::Image& plate) {
+    media::Image picture = plate;
     for (size_t i = 0; i < premultiplied.size(); ++i) {
         uint8_t* pixel = &picture.rgba[4 * i];
         const glm::vec4 light = premultiplied[i];
@@ -159,9 +162,9 @@ Image compose(std::span<const glm::vec4> premultiplied, const Image& plate) {
         pixel[3] = alpha;
         if (light.a <= 0) continue;
         for (int c = 0; c < 3; ++c) {
-            const double behind = linear_from_srgb(pixel[c] / 255.0);
+            const double behind = media::linear_from_srgb(pixel[c] / 255.0);
             const double sum = static_cast<double>(light[c]) + (1 - static_cast<double>(light.a)) * behind;
-            pixel[c] = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(sum, 0.0, 1.0))));
+            pixel[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::clamp(sum, 0.0, 1.0))));
         }
     }
     return picture;
@@ -179,7 +182,7 @@ struct Session {
     const CaptureSettings& settings;
     const std::filesystem::path& folder;
     const CaptureStage& stage;
-    std::vector<Image> plates;  // by camera; empty with a clear background
+    std::vector<media::Image> plates;  // by camera; empty with a clear background
     Workers workers;
 };
 
@@ -190,34 +193,34 @@ void write_plates(Session& session) {
     for (size_t c = 0; c < session.plates.size(); ++c)
         session.workers.add([&session, room, c] {
             session.plates[c] = clean_plate(room, session.stage.cameras[c]);
-            write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
+            media::write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
         });
     session.workers.finish();
 }
 
-void write_picture(const Session& session, size_t camera, size_t frame, const RasterPicture& picture) {
+void write_picture(const Session& session, size_t camera, size_t frame, const render::RasterPicture& picture) {
     const uint32_t width = session.settings.width, height = session.settings.height;
-    const std::vector<glm::vec4> light = box_down(picture, width, height);
+    const std::vector<glm::vec4> light = render::box_down(picture, width, height);
     const auto path = session.folder / "images" / (picture_name(camera, frame) + ".png");
-    write_png(path,
-              session.plates.empty() ? encode_straight(light, width, height) : compose(light, session.plates[camera]));
+    media::write_png(path, session.plates.empty() ? render::encode_straight(light, width, height)
+                                                  : compose(light, session.plates[camera]));
 }
 
 // False where the caller wants to stop.
-bool render_pictures(Session& session, const Device& device, const GltfScene& scene, int32_t animation,
+bool render_pictures(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
                      const CaptureProgress& progress) {
     const CaptureSettings& settings = session.settings;
-    Rasterizer rasterizer(device, scene, settings.width, settings.height);
+    render::Rasterizer rasterizer(device, scene, settings.width, settings.height);
     const std::vector<double> times = frame_times(scene, animation, settings);
     const uint64_t total = uint64_t{settings.frames} * settings.cameras, before = session.workers.finished();
     for (size_t f = 0; f < times.size(); ++f) {
-        rasterizer.pose(pose_scene(scene, animation, times[f]));
+        rasterizer.pose(stage::pose_scene(scene, animation, times[f]));
         for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
             if (progress && !progress(session.workers.finished() - before, total)) return false;
-            const RasterPicture drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            const render::RasterPicture drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
             session.workers.add(
                 [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
-                    RasterPicture picture = drawn;
+                    render::RasterPicture picture = drawn;
                     picture.halves = halves;
                     write_picture(session, c, f, picture);
                 });
@@ -229,11 +232,11 @@ bool render_pictures(Session& session, const Device& device, const GltfScene& sc
 
 }  // namespace
 
-CaptureStage make_stage(const GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+CaptureStage make_stage(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
     const std::vector<double> times = frame_times(scene, animation, settings);
     CaptureStage stage;
     stage.dome = dome_cameras(settings.cameras);
-    stage.box = bounds_over(scene, animation, times);
+    stage.box = stage::bounds_over(scene, animation, times);
     const double extent = glm::length(stage.box.second - stage.box.first);
     const glm::dvec3 farthest = glm::max(glm::abs(stage.box.first), glm::abs(stage.box.second));
     if (!(extent >= kMinExtent_m) || !(std::max({farthest.x, farthest.y, farthest.z}) <= kMaxExtent_m))
@@ -255,10 +258,11 @@ CaptureStage make_stage(const GltfScene& scene, int32_t animation, const Capture
     return stage;
 }
 
-CaptureResult capture(const Device& device, const std::filesystem::path& model, const std::filesystem::path& folder,
-                      const CaptureSettings& settings, const CaptureProgress& progress) {
+CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
+                      const std::filesystem::path& folder, const CaptureSettings& settings,
+                      const CaptureProgress& progress) {
     check_settings(settings);
-    const GltfScene scene = load_gltf(model);
+    const stage::GltfScene scene = stage::load_gltf(model);
     const int32_t animation = choose_animation(scene, settings.animation);
     const CaptureStage stage = make_stage(scene, animation, settings);
     const std::vector<bool> held = held_out(settings.cameras, settings.holdout);
@@ -269,7 +273,8 @@ CaptureResult capture(const Device& device, const std::filesystem::path& model, 
     result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
-    const uint64_t picture_bytes = uint64_t{8} * kSupersample * kSupersample * settings.width * settings.height;
+    const uint64_t picture_bytes =
+        uint64_t{8} * render::kSupersample * render::kSupersample * settings.width * settings.height;
     const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / picture_bytes, 1, 2 * threads);
     Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
@@ -280,4 +285,4 @@ CaptureResult capture(const Device& device, const std::filesystem::path& model, 
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

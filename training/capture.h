@@ -9,7 +9,11 @@
 #include "gpu/device.h"
 #include "training/dome.h"
 
-namespace neuvv {
+namespace neuvv::stage {
+struct GltfScene;
+}
+
+namespace neuvv::training {
 
 enum class CaptureBackground {
     kClear,    // straight alpha, the performer's own colour
@@ -39,17 +43,17 @@ struct CaptureResult {
 // folder/transforms_train.json and _test.json, so that a folder with transforms is complete. Earlier transforms are
 // removed first. Frame i shows the animation at i / fps; an animation that ends before holds its last pose. Throws
 // InputError for settings and models that cannot be captured, RuntimeFailure for what the machine cannot do.
-CaptureResult capture(const Device& device, const std::filesystem::path& model, const std::filesystem::path& folder,
-                      const CaptureSettings& settings, const CaptureProgress& progress);
+CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
+                      const std::filesystem::path& folder, const CaptureSettings& settings,
+                      const CaptureProgress& progress);
 
 // The same cameras without pictures: every camera sees the whole motion. `box` is the motion's, slightly enlarged.
 struct CaptureStage {
     std::vector<DomeCamera> dome;
-    std::vector<Camera> cameras;
+    std::vector<stage::Camera> cameras;
     std::pair<glm::dvec3, glm::dvec3> box;
     double radius = 0;
 };
-struct GltfScene;
-CaptureStage make_stage(const GltfScene& scene, int32_t animation, const CaptureSettings& settings);
+CaptureStage make_stage(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

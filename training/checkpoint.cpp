@@ -16,7 +16,7 @@
 #include "voctree/coarse.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -32,13 +32,13 @@ float float_from_bfloat(uint16_t value) {
     return std::bit_cast<float>(uint32_t{value} << 16);
 }
 
-std::vector<float> fetch(const Device& device, const Buffer& buffer, size_t count) {
+std::vector<float> fetch(const gpu::Device& device, const gpu::Buffer& buffer, size_t count) {
     std::vector<float> values(count);
-    download(device, buffer, values.data(), count * sizeof(float));
+    gpu::download(device, buffer, values.data(), count * sizeof(float));
     return values;
 }
 
-std::vector<uint16_t> fetch_bfloat(const Device& device, const Buffer& buffer, size_t count) {
+std::vector<uint16_t> fetch_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, size_t count) {
     const std::vector<float> values = fetch(device, buffer, count);
     std::vector<uint16_t> result(count);
     parallel_for(count, 1 << 20, [&](size_t begin, size_t end) {
@@ -47,30 +47,31 @@ std::vector<uint16_t> fetch_bfloat(const Device& device, const Buffer& buffer, s
     return result;
 }
 
-void put_bfloat(const Device& device, const Buffer& buffer, const std::vector<uint16_t>& values) {
+void put_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, const std::vector<uint16_t>& values) {
     std::vector<float> floats(values.size());
     for (size_t i = 0; i < values.size(); i++) floats[i] = float_from_bfloat(values[i]);
-    upload(device, buffer, floats.data(), floats.size() * sizeof(float));
+    gpu::upload(device, buffer, floats.data(), floats.size() * sizeof(float));
 }
 
 template <typename T>
-NvvChunk chunk(const char* name, const std::vector<T>& values) {
-    NvvChunk result{name, std::vector<uint8_t>(values.size() * sizeof(T))};
+voctree::NvvChunk chunk(const char* name, const std::vector<T>& values) {
+    voctree::NvvChunk result{name, std::vector<uint8_t>(values.size() * sizeof(T))};
     std::memcpy(result.bytes.data(), values.data(), result.bytes.size());
     return result;
 }
 
-const NvvChunk& find_chunk(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name) {
-    for (const NvvChunk& candidate : chunks)
+const voctree::NvvChunk& find_chunk(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                                    const char* name) {
+    for (const voctree::NvvChunk& candidate : chunks)
         if (candidate.name == name) return candidate;
     throw InputError(path.string(), "chunk " + std::string(name), "is missing: this is no state of a training run",
                      "train without --resume");
 }
 
 template <typename T>
-std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name,
-                          size_t count) {
-    const NvvChunk& found = find_chunk(path, chunks, name);
+std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                          const char* name, size_t count) {
+    const voctree::NvvChunk& found = find_chunk(path, chunks, name);
     if (found.bytes.size() != count * sizeof(T))
         throw InputError(path.string(), "chunk " + std::string(name), "does not fit the tree",
                          "train without --resume");
@@ -84,15 +85,15 @@ std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<N
                      "train without --resume");
 }
 
-std::vector<float> read_floats(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks, const char* name,
-                               size_t count) {
+std::vector<float> read_floats(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                               const char* name, size_t count) {
     std::vector<float> values = read_chunk<float>(path, chunks, name, count);
     for (const float value : values)
         if (!std::isfinite(value)) fail_finite(path, name);
     return values;
 }
 
-std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std::vector<NvvChunk>& chunks,
+std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
                                    const char* name, size_t count) {
     std::vector<uint16_t> values = read_chunk<uint16_t>(path, chunks, name, count);
     for (const uint16_t value : values)
@@ -100,7 +101,7 @@ std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std:
     return values;
 }
 
-NvvChunk run_chunk(const RunState& run) {
+voctree::NvvChunk run_chunk(const RunState& run) {
     const nlohmann::json json = {{"seed", run.seed},
                                  {"step", run.step},
                                  {"adam_step", run.adam_step},
@@ -134,7 +135,7 @@ void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t 
 }
 
 // `deepest`: what the tree can hold.
-RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint32_t deepest) {
+RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& found, uint32_t deepest) {
     RunState run;
     try {
         const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
@@ -173,7 +174,7 @@ RunState read_run(const std::filesystem::path& path, const NvvChunk& found, uint
     return run;
 }
 
-size_t plane_numbers(const VOctree& tree) {
+size_t plane_numbers(const voctree::VOctree& tree) {
     return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
 }
 
@@ -183,10 +184,10 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
     return nvv.string() + ".state";
 }
 
-Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run) {
+Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run) {
     Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}};
     step.download(checkpoint.tree);
-    const Device& device = *step.field().weights.device;
+    const gpu::Device& device = *step.field().weights.device;
     checkpoint.use = read_use(device, step.tally(), tree);
     const Moments& moments = step.moments();
     const size_t rows = size_t{2} * tree.frames * tree.bases;
@@ -198,7 +199,7 @@ Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const 
 }
 
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
-    write_nvv(
+    voctree::write_nvv(
         state_path(nvv), checkpoint.tree,
         {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
          chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
@@ -207,19 +208,19 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
     return save_shown(nvv, checkpoint.tree);
 }
 
-uint32_t save_shown(const std::filesystem::path& nvv, VOctree tree) {
+uint32_t save_shown(const std::filesystem::path& nvv, voctree::VOctree tree) {
     drop_empty_leaves(tree);
     make_compact(tree);
-    write_nvv(nvv, tree, {}, 1, coarse_tree(tree));
+    voctree::write_nvv(nvv, tree, {}, 1, voctree::coarse_tree(tree));
     return tree.leaf_count;
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     const std::filesystem::path path = state_path(nvv);
-    std::vector<NvvChunk> chunks;
+    std::vector<voctree::NvvChunk> chunks;
     Checkpoint checkpoint;
-    checkpoint.tree = read_nvv(path, &chunks);
-    VOctree& tree = checkpoint.tree;
+    checkpoint.tree = voctree::read_nvv(path, &chunks);
+    voctree::VOctree& tree = checkpoint.tree;
     checkpoint.run = read_run(path, find_chunk(path, chunks, "run0"), 2 * tree.node_levels);
     const size_t rows = size_t{2} * tree.frames * tree.bases;
     tree.weights = read_floats(path, chunks, "wf32", size_t{tree.leaf_count} * tree.weights_per_leaf());
@@ -234,16 +235,16 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     return checkpoint;
 }
 
-void restore_moments(const Device& device, const TrainingStep& step, const Checkpoint& checkpoint) {
+void restore_moments(const gpu::Device& device, const TrainingStep& step, const Checkpoint& checkpoint) {
     const Moments& moments = step.moments();
     put_bfloat(device, moments.first, checkpoint.first);
     put_bfloat(device, moments.second, checkpoint.second);
-    const auto put = [&](const Buffer& buffer, const std::vector<float>& values) {
-        upload(device, buffer, values.data(), values.size() * sizeof(float));
+    const auto put = [&](const gpu::Buffer& buffer, const std::vector<float>& values) {
+        gpu::upload(device, buffer, values.data(), values.size() * sizeof(float));
     };
     put(moments.rows_first, checkpoint.rows_first);
     put(moments.rows_second, checkpoint.rows_second);
     write_use(device, step.tally(), checkpoint.use);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 
 #include "training/step.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Where a run stands, apart from tree and moments.
 struct RunState {
@@ -32,7 +32,7 @@ struct RunState {
 // What a state file holds: everything, so that it does not matter whether the .nvv beside it is a step older or newer.
 struct Checkpoint {
     RunState run;
-    VOctree tree;                                // fp32 weights
+    voctree::VOctree tree;                       // fp32 weights
     std::vector<uint16_t> first, second;         // moments, bfloat16, in planes
     std::vector<float> rows_first, rows_second;  // moments of A, then B
     LeafUse use;
@@ -41,19 +41,19 @@ struct Checkpoint {
 std::filesystem::path state_path(const std::filesystem::path& nvv);
 
 // Takes weights, rows and moments off the device. `tree` has the run's topology.
-Checkpoint take_checkpoint(const TrainingStep& step, const VOctree& tree, const RunState& run);
+Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run);
 
 // Replaces the state, then the .nvv: each is at any moment the old or the new one, and where there is a .nvv, a run can
 // be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
 
 // Writes the .nvv alone, made compact. Returns how many leaves it has.
-uint32_t save_shown(const std::filesystem::path& nvv, VOctree tree);
+uint32_t save_shown(const std::filesystem::path& nvv, voctree::VOctree tree);
 
 // Throws InputError where the state file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);
 
 // Puts the moments back; the step was made from checkpoint.tree.
-void restore_moments(const Device& device, const TrainingStep& step, const Checkpoint& checkpoint);
+void restore_moments(const gpu::Device& device, const TrainingStep& step, const Checkpoint& checkpoint);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

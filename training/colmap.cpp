@@ -10,7 +10,7 @@
 #include "training/camera_folders.h"
 #include "training/colmap_model.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -136,4 +136,4 @@ Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
     return rig;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 bool has_colmap_files(const std::filesystem::path& folder);
 
@@ -14,4 +14,4 @@ bool has_colmap_files(const std::filesystem::path& folder);
 // place and mend.
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

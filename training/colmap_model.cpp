@@ -14,7 +14,7 @@
 #include "base/platform.h"
 #include "training/calibration.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -353,4 +353,4 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
     return model;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -7,7 +7,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct ColmapModel {
     std::string file;                // images.bin or images.txt, for errors
@@ -22,4 +22,4 @@ bool holds_colmap_model(const std::filesystem::path& folder);
 // and place for anything missing, truncated, unknown or not finite, and counts beyond the file's end.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -7,7 +7,7 @@
 #include "training/bases.h"
 #include "voctree/round.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -22,15 +22,15 @@ constexpr Steps kSharedBases{1.0f / 64, 1.0f / 32, 1.0f / 16};
 
 float rounded_share(float value, float share) {
     if (value == 0 || !std::isfinite(value)) return value;
-    return rounded_to(value, std::exp2(std::floor(std::log2(std::abs(value)))) * share);
+    return voctree::rounded_to(value, std::exp2(std::floor(std::log2(std::abs(value)))) * share);
 }
 
 }  // namespace
 
-void drop_empty_leaves(VOctree& tree) {
+void drop_empty_leaves(voctree::VOctree& tree) {
     if (!frames_have_own_bases(tree)) return;
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    std::vector<LeafPlace> kept;
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    std::vector<voctree::LeafPlace> kept;
     std::vector<const float*> weights;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const float* sigma = tree.leaf(i);
@@ -38,10 +38,10 @@ void drop_empty_leaves(VOctree& tree) {
         kept.push_back(places[i]);
         weights.push_back(sigma);
     }
-    replace_leaves(tree, kept, weights);
+    voctree::replace_leaves(tree, kept, weights);
 }
 
-void make_compact(VOctree& tree) {
+void make_compact(voctree::VOctree& tree) {
     const uint32_t bases = tree.bases;
     const bool own_frames = frames_have_own_bases(tree);
     const Steps steps = own_frames ? kOwnFrames : kSharedBases;
@@ -51,11 +51,12 @@ void make_compact(VOctree& tree) {
             for (uint32_t c = 0; c < bases; c++) {
                 const bool empty = own_frames && leaf[c] <= 0;
                 leaf[c] = empty ? 0 : rounded_share(leaf[c], steps.sigma_share);
-                leaf[bases + c] = empty ? 0 : rounded_to(leaf[bases + c], steps.gamma);
+                leaf[bases + c] = empty ? 0 : voctree::rounded_to(leaf[bases + c], steps.gamma);
             }
-            for (uint32_t w = 2 * bases; w < tree.weights_per_leaf(); w++) leaf[w] = rounded_to(leaf[w], steps.colour);
+            for (uint32_t w = 2 * bases; w < tree.weights_per_leaf(); w++)
+                leaf[w] = voctree::rounded_to(leaf[w], steps.colour);
         }
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

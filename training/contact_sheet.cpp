@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cassert>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
 constexpr uint8_t kWhite[3] = {255, 255, 255};
 
-Image shrunk(const Image& opaque, uint32_t factor) {
-    Image small(opaque.width / factor, opaque.height / factor);
+media::Image shrunk(const media::Image& opaque, uint32_t factor) {
+    media::Image small(opaque.width / factor, opaque.height / factor);
     const uint64_t area = uint64_t{factor} * factor;
     for (uint32_t y = 0; y < small.height; ++y)
         for (uint32_t x = 0; x < small.width; ++x)
@@ -23,8 +23,8 @@ Image shrunk(const Image& opaque, uint32_t factor) {
     return small;
 }
 
-Image enlarged(const Image& opaque, uint32_t factor) {
-    Image large(opaque.width * factor, opaque.height * factor);
+media::Image enlarged(const media::Image& opaque, uint32_t factor) {
+    media::Image large(opaque.width * factor, opaque.height * factor);
     for (uint32_t y = 0; y < large.height; ++y)
         for (uint32_t x = 0; x < large.width; ++x) std::copy_n(opaque.at(x / factor, y / factor), 4, large.at(x, y));
     return large;
@@ -32,22 +32,22 @@ Image enlarged(const Image& opaque, uint32_t factor) {
 
 }  // namespace
 
-Image scaled_to_fit(const Image& picture, uint32_t longest) {
+media::Image scaled_to_fit(const media::Image& picture, uint32_t longest) {
     assert(longest > 0 && "a picture is fitted into pixels");
     const uint32_t side = std::max({picture.width, picture.height, 1u});
-    const Image opaque = composite_over(picture, kWhite);
+    const media::Image opaque = media::composite_over(picture, kWhite);
     return side > longest ? shrunk(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
 }
 
-Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32_t cell) {
+media::Image contact_sheet(const std::vector<media::Image>& pictures, uint32_t columns, uint32_t cell) {
     assert(columns > 0 && cell > 0 && "a contact sheet has cells");
     columns = std::min(columns, static_cast<uint32_t>(pictures.size()));
     if (columns == 0) return {};
     const auto rows = static_cast<uint32_t>((pictures.size() + columns - 1) / columns);
-    Image sheet(columns * cell, rows * cell);
+    media::Image sheet(columns * cell, rows * cell);
     std::fill(sheet.rgba.begin(), sheet.rgba.end(), uint8_t{255});
     for (uint32_t i = 0; i < pictures.size(); ++i) {
-        const Image picture = scaled_to_fit(pictures[i], cell);
+        const media::Image picture = scaled_to_fit(pictures[i], cell);
         const uint32_t left = i % columns * cell + (cell - picture.width) / 2;
         const uint32_t top = i / columns * cell + (cell - picture.height) / 2;
         for (uint32_t y = 0; y < picture.height; ++y)
@@ -56,4 +56,4 @@ Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32
     return sheet;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,13 +5,13 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // The picture on white by a whole factor, so that its longest side is as near `longest` as such a factor allows, and
 // not above: smaller by block means, larger by repeated pixels.
-Image scaled_to_fit(const Image& picture, uint32_t longest);
+media::Image scaled_to_fit(const media::Image& picture, uint32_t longest);
 
 // Pictures in a grid of cells of `cell` × `cell` pixels, each scaled to fit and centred, on white.
-Image contact_sheet(const std::vector<Image>& pictures, uint32_t columns, uint32_t cell);
+media::Image contact_sheet(const std::vector<media::Image>& pictures, uint32_t columns, uint32_t cell);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -7,7 +7,7 @@
 #include "training/formats.h"
 #include "training/pictures.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options) {
     return read_pictures(read_rig(folder, split, options.format), options);
@@ -24,15 +24,16 @@ double frame_of_time(double time, uint32_t frames) {
 
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y) {
     const auto rgb = [](const uint8_t* at) {
-        return glm::vec3(linear_from_srgb_byte(at[0]), linear_from_srgb_byte(at[1]), linear_from_srgb_byte(at[2]));
+        return glm::vec3(media::linear_from_srgb_byte(at[0]), media::linear_from_srgb_byte(at[1]),
+                         media::linear_from_srgb_byte(at[2]));
     };
     const uint8_t* pixel = view.image.at(x, y);
     const float alpha = static_cast<float>(pixel[3]) / 255.0f;
-    const Image& plate = dataset.plates[view.camera];
+    const media::Image& plate = dataset.plates[view.camera];
     if (plate.width == 0) return {rgb(pixel) * alpha, alpha};
     // captured = foreground + (1 − α) background
     const glm::vec3 premultiplied = rgb(pixel) - (1 - alpha) * rgb(plate.at(x, y));
     return {glm::clamp(premultiplied, 0.0f, alpha), alpha};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

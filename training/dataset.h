@@ -12,14 +12,14 @@
 #include "media/image.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // One picture of one camera at one instant.
 struct View {
     std::string name;     // distinct within the data set ("c00_f003")
     uint32_t camera = 0;  // index into Dataset::cameras
     double time = 0;      // [0,1] over the clip
-    Image image;          // straight alpha = the matte. See Dataset::plates for what RGB means
+    media::Image image;   // straight alpha = the matte. See Dataset::plates for what RGB means
     // Pixels of which nothing is known, row-major (empty: none): masked out, or outside what the lens saw. They are
     // 0 0 0 0 in `image`, but that says nothing: no lesson, no carving, no measure.
     std::vector<bool> ignored = {};
@@ -30,11 +30,11 @@ struct View {
 struct Dataset {
     std::shared_ptr<std::pmr::memory_resource> spool;  // what the views' pixels lie in (null: plain memory); goes last
     std::filesystem::path folder;
-    std::vector<Camera> cameras;  // distinct poses and intrinsics, in order of first use
+    std::vector<stage::Camera> cameras;  // distinct poses and intrinsics, in order of first use
     std::vector<View> views;
     // Clean plates by camera (empty image: none). Where a camera has one, its views' RGB is the captured picture,
     // background included; elsewhere RGB is the foreground's own colour under straight alpha.
-    std::vector<Image> plates;
+    std::vector<media::Image> plates;
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
     double fps = 0;                                        // 0 where the files give none
     std::vector<double> times;                             // distinct, ascending
@@ -63,4 +63,4 @@ double frame_of_time(double time, uint32_t frames);
 // Premultiplied linear RGB and alpha of a view's pixel: the foreground alone, its captured background (plate) removed.
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -3,10 +3,11 @@
 #include "spirv/direct_adjoint.comp.h"
 #include "spirv/direct_adjoint_cas.comp.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
-DirectAdjoint::DirectAdjoint(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                             const LossBatch& batch, const Buffer& gradients, AtomicAdd atomics)
+DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& field, const render::LiveLeaves& live,
+                             const render::RayBatch& rays, const LossBatch& batch, const gpu::Buffer& gradients,
+                             AtomicAdd atomics)
     : field_(field),
       pass_(device, "direct adjoint",
             atomics == AtomicAdd::kNative ? std::span<const uint32_t>(direct_adjoint_comp)
@@ -24,13 +25,13 @@ DirectAdjoint::DirectAdjoint(const Device& device, const Field& field, const Liv
                    {kTraceTarget, &batch.target},
                    {kTraceGradients, &gradients}}) {}
 
-void record_direct_adjoint(Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
+void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
                            float lambda_point) {
-    const PassScope scope(commands, "direct adjoint");
-    const TracePush trace = trace_push(adjoint.field_, stop);
-    dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
-             TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
-    compute_barrier(commands);
+    const gpu::PassScope scope(commands, "direct adjoint");
+    const TracePush trace = render::trace_push(adjoint.field_, stop);
+    gpu::dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
+                  TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -6,23 +6,24 @@
 #include "training/loss.h"
 #include "training/trace_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 class DirectAdjoint {
   public:
     // `gradients`: as many bytes as field.weights, laid out as they are.
-    DirectAdjoint(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                  const LossBatch& batch, const Buffer& gradients, AtomicAdd atomics);
+    DirectAdjoint(const gpu::Device& device, const render::Field& field, const render::LiveLeaves& live,
+                  const render::RayBatch& rays, const LossBatch& batch, const gpu::Buffer& gradients,
+                  AtomicAdd atomics);
 
   private:
-    friend void record_direct_adjoint(Commands&, const DirectAdjoint&, uint32_t, float, float);
-    const Field& field_;
-    ComputePass pass_;
-    BindingSet set_;
+    friend void record_direct_adjoint(gpu::Commands&, const DirectAdjoint&, uint32_t, float, float);
+    const render::Field& field_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // As record_trace_adjoint, after record_direct. Adds to the gradients. Needs only the rows of a slice.
-void record_direct_adjoint(Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
+void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
                            float lambda_point);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

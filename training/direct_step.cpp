@@ -1,13 +1,14 @@
 #include "training/direct_step.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
-DirectStep::DirectStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles, AtomicAdd atomics)
+DirectStep::DirectStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles,
+                       AtomicAdd atomics)
     : field_(training_field(device, tree)),
       live_(device, field_, 1),
       rays_(device, cameras, tiles),
       batch_(device, tiles),
-      gradients_(device, "weight gradients", field_.weights.bytes, MemoryKind::kDevice),
+      gradients_(device, "weight gradients", field_.weights.bytes, gpu::MemoryKind::kDevice),
       finder_(device, field_, live_),
       tracer_(device, field_, live_, rays_),
       loss_(device, rays_, batch_),
@@ -16,13 +17,13 @@ DirectStep::DirectStep(const Device& device, const VOctree& tree, uint32_t camer
 
 void DirectStep::run(const StepSettings& settings) {
     commands_.begin();
-    fill(commands_, gradients_, 0);
-    record_rows(commands_, finder_, settings.frame);
-    record_direct(commands_, tracer_, settings.tiles, settings.stop);
+    gpu::fill(commands_, gradients_, 0);
+    render::record_rows(commands_, finder_, settings.frame);
+    render::record_direct(commands_, tracer_, settings.tiles, settings.stop);
     record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
     record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.share() * settings.lambda_point);
     commands_.submit();
     commands_.wait();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,33 +5,34 @@
 #include "training/direct_adjoint.h"
 #include "training/step.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 class DirectStep {
   public:
     // As TrainingStep.
-    DirectStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles, AtomicAdd atomics);
+    DirectStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles,
+               AtomicAdd atomics);
 
-    const RayBatch& rays() const { return rays_; }
+    const render::RayBatch& rays() const { return rays_; }
     const LossBatch& batch() const { return batch_; }
-    const Field& field() const { return field_; }
-    const Buffer& gradients() const { return gradients_; }  // ∂L/∂weights of the last run, laid out as the field's
+    const render::Field& field() const { return field_; }
+    const gpu::Buffer& gradients() const { return gradients_; }  // ∂L/∂weights of the last run, laid out as the field's
 
     // Blocks until it is done. Takes frame, tiles, samples, stop and the rays' losses from the settings.
     void run(const StepSettings& settings);
-    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
   private:
-    Field field_;
-    LiveLeaves live_;  // its rows alone
-    RayBatch rays_;
+    render::Field field_;
+    render::LiveLeaves live_;  // its rows alone
+    render::RayBatch rays_;
     LossBatch batch_;
-    Buffer gradients_;
-    LiveFinder finder_;
-    DirectTracer tracer_;
+    gpu::Buffer gradients_;
+    render::LiveFinder finder_;
+    render::DirectTracer tracer_;
     Loss loss_;
     DirectAdjoint adjoint_;
-    Commands commands_;
+    gpu::Commands commands_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

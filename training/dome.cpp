@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -93,8 +93,8 @@ void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std
     }
 }
 
-Camera make_camera(const DomeCamera& from, const DomeFit& fit, uint32_t width, uint32_t height) {
-    Camera camera;
+stage::Camera make_camera(const DomeCamera& from, const DomeFit& fit, uint32_t width, uint32_t height) {
+    stage::Camera camera;
     camera.world_from_camera = glm::dmat4(from.world_from_camera);
     camera.world_from_camera[3] = glm::dvec4(fit.centre + fit.radius * from.outward, 1);
     camera.width = width;
@@ -106,4 +106,4 @@ Camera make_camera(const DomeCamera& from, const DomeFit& fit, uint32_t width, u
     return camera;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

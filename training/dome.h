@@ -8,7 +8,7 @@
 
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // From the equator to the top, as in the paper's dome. Rings hold cameras in proportion to their circumference.
 constexpr uint32_t kRings = 4;
@@ -37,6 +37,6 @@ struct DomeFit {
 };
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points);
 
-Camera make_camera(const DomeCamera& camera, const DomeFit& fit, uint32_t width, uint32_t height);
+stage::Camera make_camera(const DomeCamera& camera, const DomeFit& fit, uint32_t width, uint32_t height);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

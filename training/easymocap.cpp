@@ -13,7 +13,7 @@
 #include "training/opencv_yaml.h"
 #include "training/picture_reader.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -101,7 +101,7 @@ bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFra
     uint8_t brightest = 0;
     for (const CameraFrames& camera : cameras) {
         if (camera.masks.empty() || camera.masks.begin()->second.video_frame >= 0) return false;
-        const Image mask = PictureReader().read(camera.masks.begin()->second);
+        const media::Image mask = PictureReader().read(camera.masks.begin()->second);
         for (size_t i = 0; i < mask.rgba.size(); ++i)
             if (i % 4 != 3) brightest = std::max(brightest, mask.rgba[i]);
         if (brightest > kLargestLabel) return false;
@@ -150,4 +150,4 @@ Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
     return rig;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

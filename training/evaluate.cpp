@@ -7,7 +7,7 @@
 
 #include "render/frame.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -53,7 +53,7 @@ std::string common_name(const std::vector<const std::string*>& names) {
 }
 
 // Nothing is known of ignored pixels: white in both pictures.
-void whiten_ignored(const View& view, Image& picture) {
+void whiten_ignored(const View& view, media::Image& picture) {
     for (uint32_t y = 0; y < picture.height && !view.ignored.empty(); ++y)
         for (uint32_t x = 0; x < picture.width; ++x)
             if (view.ignores(x, y)) std::copy(kWhite, kWhite + 3, picture.at(x, y));
@@ -101,52 +101,52 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
     return {chosen.begin(), chosen.end()};
 }
 
-Image truth_over_white(const Dataset& dataset, const View& view) {
-    if (dataset.plates[view.camera].width == 0) return composite_over(view.image, kWhite);
-    Image clear(view.image.width, view.image.height);
+media::Image truth_over_white(const Dataset& dataset, const View& view) {
+    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image, kWhite);
+    media::Image clear(view.image.width, view.image.height);
     for (uint32_t y = 0; y < clear.height; ++y)
         for (uint32_t x = 0; x < clear.width; ++x) {
             const glm::vec4 light = foreground(dataset, view, x, y);
             if (light.a <= 0) continue;
             uint8_t* pixel = clear.at(x, y);
             for (int c = 0; c < 3; ++c)
-                pixel[c] = byte_from_unit(srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
+                pixel[c] = byte_from_unit(media::srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
             pixel[3] = byte_from_unit(double{light.a});
         }
-    return composite_over(clear, kWhite);
+    return media::composite_over(clear, kWhite);
 }
 
-Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const View& view, uint32_t frames,
-                        uint32_t samples) {
-    const Camera& camera = dataset.cameras[view.camera];
-    FrameSettings settings;
+media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
+                               uint32_t frames, uint32_t samples) {
+    const stage::Camera& camera = dataset.cameras[view.camera];
+    render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(frame_of_time(view.time, frames));
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
-    settings.mode = TraceMode::kTree;
-    Image render = composite_over(renderer.render(camera, settings), kWhite);
+    settings.mode = render::TraceMode::kTree;
+    media::Image render = media::composite_over(renderer.render(camera, settings), kWhite);
     whiten_ignored(view, render);
     return render;
 }
 
-Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
+Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
     uint32_t width = 1, height = 1;
-    for (const Camera& camera : dataset.cameras) {
+    for (const stage::Camera& camera : dataset.cameras) {
         width = std::max(width, camera.width);
         height = std::max(height, camera.height);
     }
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, {width, height, samples});
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, {width, height, samples});
 
     Evaluation result;
     result.cameras.resize(dataset.cameras.size());
     result.frames.resize(dataset.times.size());
     for (size_t i = 0; i < dataset.views.size(); ++i) {
         const View& view = dataset.views[i];
-        const Image render = render_over_white(renderer, dataset, view, tree.frames, samples);
-        const Image truth = truth_over_white(dataset, view);
+        const media::Image render = render_over_white(renderer, dataset, view, tree.frames, samples);
+        const media::Image truth = truth_over_white(dataset, view);
         const Quality quality = compare(truth, render);
         result.views.push_back(quality);
         add(result.mean, quality);
@@ -160,4 +160,4 @@ Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& da
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

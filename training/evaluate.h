@@ -9,7 +9,11 @@
 #include "training/metrics.h"
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::render {
+class FrameRenderer;
+}
+
+namespace neuvv::training {
 
 struct Evaluation {
     struct Group {
@@ -23,12 +27,13 @@ struct Evaluation {
 };
 
 // Called after each view with what was compared, both opaque; false ends the evaluation early.
-using ViewCallback = std::function<bool(size_t view, const Image& truth, const Image& render, const Quality& quality)>;
+using ViewCallback =
+    std::function<bool(size_t view, const media::Image& truth, const media::Image& render, const Quality& quality)>;
 
 // Renders every view with samples² rays a pixel and compares, both over white (see Quality), ignored
 // pixels white in both. Where it ended early,
 // means are over what was done. The tree must be sound (defect_of). Throws RuntimeFailure.
-Evaluation evaluate(const Device& device, const VOctree& tree, const Dataset& dataset, uint32_t samples,
+Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 
 // Index into Dataset::times.
@@ -42,11 +47,10 @@ std::vector<std::string> camera_labels(const Dataset& dataset);
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
 // What `renderer`, made for a field of `frames` frames, shows of a view, over white.
-class FrameRenderer;
-Image render_over_white(FrameRenderer& renderer, const Dataset& dataset, const View& view, uint32_t frames,
-                        uint32_t samples);
+media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
+                               uint32_t frames, uint32_t samples);
 
 // A view's picture over white; where its camera has a clean plate, without the captured background.
-Image truth_over_white(const Dataset& dataset, const View& view);
+media::Image truth_over_white(const Dataset& dataset, const View& view);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -12,7 +12,7 @@ constexpr size_t kInstants = 6;  // of the clip, evenly spread: a place's colour
 
 // Adds what a view shows at a place, weighted by its matte: (Σ α c, Σ α).
 glm::vec4 seen_at(const Dataset& dataset, const View& view, const glm::dmat4& camera_from_world, glm::vec3 place) {
-    const Camera& camera = dataset.cameras[view.camera];
+    const stage::Camera& camera = dataset.cameras[view.camera];
     const glm::dvec4 p = camera_from_world * glm::dvec4(glm::dvec3(place), 1);
     if (p.z >= 0) return glm::vec4(0);
     const double x = camera.cx - camera.fx * p.x / p.z, y = camera.cy + camera.fy * p.y / p.z;
@@ -44,4 +44,4 @@ std::vector<glm::vec3> first_colours(const Dataset& dataset, const std::vector<g
     return colours;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

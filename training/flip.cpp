@@ -10,7 +10,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -119,14 +119,15 @@ Plane along_y(const Plane& in, const Kernel& kernel) {
 
 using Picture = std::array<Plane, 3>;
 
-Picture opponent_picture(const Image& image) {
+Picture opponent_picture(const media::Image& image) {
     const Plane empty(image.width, image.height);
     Picture out{empty, empty, empty};
     for_each_row(image.height, [&](uint32_t y) {
         for (uint32_t x = 0; x < image.width; x++) {
             const uint8_t* rgb = image.at(x, y);
-            const glm::vec3 c = opponent_from_rgb(
-                {linear_from_srgb_byte(rgb[0]), linear_from_srgb_byte(rgb[1]), linear_from_srgb_byte(rgb[2])});
+            const glm::vec3 c =
+                opponent_from_rgb({media::linear_from_srgb_byte(rgb[0]), media::linear_from_srgb_byte(rgb[1]),
+                                   media::linear_from_srgb_byte(rgb[2])});
             for (int i = 0; i < 3; i++) out[static_cast<size_t>(i)].row(y)[x] = c[i];
         }
     });
@@ -222,7 +223,7 @@ constexpr uint8_t kMagma[][3] = {{0, 0, 4},      {24, 15, 62},  {69, 16, 119},  
 
 }  // namespace
 
-std::vector<float> flip(const Image& a, const Image& b, double pixels_per_degree) {
+std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree) {
     assert(a.width == b.width && a.height == b.height && "pictures to compare have one size");
     const Picture opponent_a = opponent_picture(a), opponent_b = opponent_picture(b);
     const Picture seen_a = seen(opponent_a, pixels_per_degree), seen_b = seen(opponent_b, pixels_per_degree);
@@ -249,10 +250,10 @@ double mean_of(const std::vector<float>& errors) {
     return sum / static_cast<double>(std::max<size_t>(errors.size(), 1));
 }
 
-Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height) {
+media::Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height) {
     assert(errors.size() == size_t{width} * height && "one value a pixel");
     constexpr size_t kLast = std::size(kMagma) - 1;
-    Image picture(width, height);
+    media::Image picture(width, height);
     for (size_t i = 0; i < errors.size(); i++) {
         const float at = std::clamp(errors[i], 0.0f, 1.0f) * static_cast<float>(kLast);
         const size_t from = std::min(static_cast<size_t>(at), kLast - 1);
@@ -265,4 +266,4 @@ Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t he
     return picture;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -6,18 +6,18 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Pixels per degree of vision: a 0.7 m wide screen of 3840 pixels, 0.7 m away.
 constexpr double kPixelsPerDegree = 67.0206;
 
 // One value in [0,1] a pixel, row by row; 0: no difference is seen. Pictures of one size (assert); alpha is ignored:
 // composite first.
-std::vector<float> flip(const Image& a, const Image& b, double pixels_per_degree = kPixelsPerDegree);
+std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree = kPixelsPerDegree);
 
 double mean_of(const std::vector<float>& errors);
 
 // Such values as a picture for looking at: from 0, black, over purple and orange to 1, pale yellow.
-Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height);
+media::Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

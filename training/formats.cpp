@@ -10,7 +10,7 @@
 #include "training/n3v.h"
 #include "training/nerf.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -95,4 +95,4 @@ Rig read_rig(const std::filesystem::path& folder, Split split, const std::string
     return rig;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -7,7 +7,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 constexpr char kAnyFormat[] = "auto";
 
@@ -19,4 +19,4 @@ std::vector<std::string> format_names();
 // the first layout whose files are there. Throws InputError.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -12,7 +12,7 @@
 #include "training/first_colours.h"
 #include "training/hull.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -22,13 +22,13 @@ constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts fr
 
 // Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
 // ball: matter in their corners only is worth less than a hull without a fringe, which training would have to clear.
-HullCell hull_cell(const VOctree& tree, const LeafPlace& place, uint32_t finest) {
+HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t finest) {
     const float edge = tree.box_size.x / static_cast<float>(1u << place.depth);
     const glm::vec3 centre = tree.box_min + edge * (glm::vec3(place.x, place.y, place.z) + 0.5f);
     return {centre, edge * (place.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
 }
 
-void append_children(std::vector<LeafPlace>& places, const LeafPlace& place) {
+void append_children(std::vector<voctree::LeafPlace>& places, const voctree::LeafPlace& place) {
     for (uint32_t i = 0; i < 8; i++)
         places.push_back({2 * place.x + (i & 1), 2 * place.y + (i >> 1 & 1), 2 * place.z + (i >> 2), place.depth + 1});
 }
@@ -39,13 +39,13 @@ bool any_bit(const uint32_t* bits, size_t words) {
 
 // Places that the hull allows in some frame.
 struct Carved {
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     std::vector<uint32_t> bits;     // per place, per dataset time
     std::vector<uint32_t> parents;  // index into what was given, divided by `group`
 };
 
-Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places, uint32_t group,
-                    uint32_t finest) {
+Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree, const std::vector<voctree::LeafPlace>& places,
+                    uint32_t group, uint32_t finest) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(places.size());
     for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i], finest);
@@ -60,7 +60,7 @@ Carved keep_allowed(const Dataset& dataset, const VOctree& tree, const std::vect
     return kept;
 }
 
-float density_of(const VOctree& tree, uint32_t depth, float optical_depth) {
+float density_of(const voctree::VOctree& tree, uint32_t depth, float optical_depth) {
     return optical_depth * static_cast<float>(1u << depth) / tree.box_size.x;
 }
 
@@ -77,7 +77,7 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
 }
 
 // Empties a leaf's course of σ in the frames that the hull forbids.
-void fit_to_hull(const Dataset& dataset, const VOctree& tree, const Carved& carved, size_t i,
+void fit_to_hull(const Dataset& dataset, const voctree::VOctree& tree, const Carved& carved, size_t i,
                  std::vector<float>& course) {
     const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
     const float below = -density_of(tree, carved.places[i].depth, kForbiddenOpacity);
@@ -91,7 +91,7 @@ float constant_weight(float linear) {
     return std::numbers::pi_v<float> * std::numbers::sqrt2_v<float> * std::log(value / (1 - value));
 }
 
-void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& carved) {
+void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const Carved& carved) {
     const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     const std::vector<float> gamma = initial_gamma_weights(tree.bases);
     const float sigma = density_of(tree, carved.places[0].depth, kInitialOpacity);
@@ -115,7 +115,7 @@ void set_initial_weights(const Dataset& dataset, VOctree& tree, const Carved& ca
 }
 
 // The σ of a leaf in every frame before relu.
-void sigma_course(const VOctree& tree, const float* leaf, std::vector<float>& course) {
+void sigma_course(const voctree::VOctree& tree, const float* leaf, std::vector<float>& course) {
     for (uint32_t t = 0; t < tree.frames; t++) {
         course[t] = 0;
         for (uint32_t c = 0; c < tree.bases; c++) course[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
@@ -125,12 +125,12 @@ void sigma_course(const VOctree& tree, const float* leaf, std::vector<float>& co
 // Metres that a pixel covers at a place, in the camera where it covers least.
 double footprint_at(const Dataset& dataset, glm::dvec3 place) {
     double least = std::numeric_limits<double>::infinity();
-    for (const Camera& camera : dataset.cameras)
+    for (const stage::Camera& camera : dataset.cameras)
         least = std::min(least, glm::length(glm::dvec3(camera.world_from_camera[3]) - place) / camera.fx);
     return least;
 }
 
-bool may_divide(const Dataset& dataset, const VOctree& tree, const LeafPlace& place, float reach,
+bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPlace& place, float reach,
                 const GrowSettings& settings) {
     if (place.depth >= settings.max_depth || reach < settings.divide_from) return false;
     if (settings.divide_pixels <= 0) return true;
@@ -139,8 +139,9 @@ bool may_divide(const Dataset& dataset, const VOctree& tree, const LeafPlace& pl
 }
 
 // Which leaves divide; the tree stays within max_leaves.
-std::vector<bool> choose_divided(const Dataset& dataset, const VOctree& tree, const std::vector<LeafPlace>& places,
-                                 const LeafUse& use, const GrowSettings& settings) {
+std::vector<bool> choose_divided(const Dataset& dataset, const voctree::VOctree& tree,
+                                 const std::vector<voctree::LeafPlace>& places, const LeafUse& use,
+                                 const GrowSettings& settings) {
     std::vector<uint32_t> wanted;
     const bool by_pull = settings.divide_share < 1;
     for (uint32_t i = 0; i < places.size(); i++) {
@@ -163,7 +164,8 @@ std::vector<bool> choose_divided(const Dataset& dataset, const VOctree& tree, co
 
 // Empties a leaf's course of σ in the frames that did not use the leaf it comes from. Where fewer bases than frames
 // span the course, emptying some frames would thin the others: it stays.
-void fit_to_use(const VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth, std::vector<float>& course) {
+void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth,
+                std::vector<float>& course) {
     if (tree.bases < tree.frames) return;
     const float below = -density_of(tree, depth, kForbiddenOpacity);
     for (uint32_t t = 0; t < tree.frames; t++)
@@ -185,8 +187,8 @@ std::vector<bool> choose_kept(const std::vector<float>& reach, const GrowSetting
     return kept;
 }
 
-VOctree same_shape(const VOctree& tree) {
-    VOctree result = tree;
+voctree::VOctree same_shape(const voctree::VOctree& tree) {
+    voctree::VOctree result = tree;
     result.weights.clear();
     return result;
 }
@@ -202,7 +204,7 @@ uint32_t depth_of_resolution(uint32_t resolution) {
 uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box) {
     const glm::dvec3 centre = 0.5 * (box.first + box.second), size = box.second - box.first;
     std::vector<double> footprints;
-    for (const Camera& camera : dataset.cameras)
+    for (const stage::Camera& camera : dataset.cameras)
         footprints.push_back(glm::length(glm::dvec3(camera.world_from_camera[3]) - centre) / camera.fx);
     std::nth_element(footprints.begin(), footprints.begin() + static_cast<ptrdiff_t>(footprints.size() / 2),
                      footprints.end());
@@ -210,11 +212,11 @@ uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, 
     return static_cast<uint32_t>(std::clamp(std::round(resolution), 32.0, 512.0));
 }
 
-VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above) {
+voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above) {
     const auto box = hull_box(dataset);
     const uint32_t resolution = shape.resolution > 0 ? shape.resolution : natural_resolution(dataset, box);
     const uint32_t depth = depth_of_resolution(resolution);
-    VOctree tree;
+    voctree::VOctree tree;
     tree.frames = static_cast<uint32_t>(dataset.times.size());
     tree.fps = static_cast<float>(dataset.fps > 0 ? dataset.fps : 25.0);
     tree.bases = std::min(shape.bases, tree.frames);
@@ -229,29 +231,30 @@ VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_ab
 
     const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
     const uint32_t start = std::min(kFirstDepth, target);
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) places.push_back({x, y, z, start});
     Carved carved = keep_allowed(dataset, tree, places, 1, depth);
     for (uint32_t at = start; at < target; at++) {
-        std::vector<LeafPlace> finer;
-        for (const LeafPlace& place : carved.places) append_children(finer, place);
+        std::vector<voctree::LeafPlace> finer;
+        for (const voctree::LeafPlace& place : carved.places) append_children(finer, place);
         carved = keep_allowed(dataset, tree, finer, 8, depth);
     }
     if (carved.places.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
                          "check that alpha is the matte, or raise --resolution");
-    build_topology(tree, carved.places);
+    voctree::build_topology(tree, carved.places);
     set_initial_weights(dataset, tree, carved);
     return tree;
 }
 
-VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, const GrowSettings& settings) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
+                      const GrowSettings& settings) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const std::vector<bool> divided = choose_divided(dataset, tree, places, use, settings);
     const std::vector<bool> stays = choose_kept(use.reach, settings);
-    std::vector<LeafPlace> grown, children;
+    std::vector<voctree::LeafPlace> grown, children;
     std::vector<uint32_t> parents, dividing;
     for (uint32_t i = 0; i < places.size(); i++) {
         if (!stays[i]) continue;
@@ -269,10 +272,10 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, co
     for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
     if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
 
-    VOctree result = same_shape(tree);
-    for (const LeafPlace& place : carved.places)
+    voctree::VOctree result = same_shape(tree);
+    for (const voctree::LeafPlace& place : carved.places)
         result.node_levels = std::max(result.node_levels, (place.depth + 1) / 2);
-    build_topology(result, grown);
+    voctree::build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
     const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
@@ -291,4 +294,4 @@ VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, co
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 #include "training/slice_adjoint.h"
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct TreeShape {
     uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the pictures show
@@ -24,7 +24,7 @@ uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, 
 // A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame, in
 // first_colours, faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws
 // InputError as hull_box does.
-VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
+voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
 
 struct GrowSettings {
     uint32_t max_depth = 0;
@@ -38,6 +38,7 @@ struct GrowSettings {
 };
 
 // Children inherit their parent's weights, but are empty in the frames that the hull forbids them.
-VOctree grow(const Dataset& dataset, const VOctree& tree, const LeafUse& use, const GrowSettings& settings);
+voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
+                      const GrowSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

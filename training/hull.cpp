@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -39,7 +39,7 @@ struct PixelSums {
 
 struct Silhouette {
     glm::dmat4 camera_from_world;
-    const Camera* camera;
+    const stage::Camera* camera;
     PixelSums foreground, ignored;
 };
 
@@ -58,7 +58,7 @@ Silhouette make_silhouette(const Dataset& dataset, const View& view) {
 enum class Verdict { kUnseen, kBackground, kMatter };
 
 Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
-    const Camera& camera = *silhouette.camera;
+    const stage::Camera& camera = *silhouette.camera;
     const glm::dvec4 p = silhouette.camera_from_world * glm::dvec4(glm::dvec3(cell.centre), 1);
     const double depth = -p.z, radius = static_cast<double>(cell.radius);
     if (depth <= 2 * radius) return Verdict::kUnseen;
@@ -101,7 +101,7 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time) {
 std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     glm::dmat3 normal(0);
     glm::dvec3 right(0);
-    for (const Camera& camera : dataset.cameras) {
+    for (const stage::Camera& camera : dataset.cameras) {
         const glm::dvec3 axis = -glm::dvec3(camera.world_from_camera[2]), origin(camera.world_from_camera[3]);
         const glm::dmat3 across = glm::dmat3(1) - glm::outerProduct(axis, axis);
         normal += across;
@@ -112,7 +112,7 @@ std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
                          "add \"aabb\": [[x,y,z],[x,y,z]] in metres to the transforms file");
     const glm::dvec3 centre = glm::inverse(normal) * right;
     double half = 0;
-    for (const Camera& camera : dataset.cameras) {
+    for (const stage::Camera& camera : dataset.cameras) {
         const double distance = glm::length(glm::dvec3(camera.world_from_camera[3]) - centre);
         half = std::max(half, 0.5 * distance * std::max(camera.width / camera.fx, camera.height / camera.fy));
     }
@@ -170,4 +170,4 @@ std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset) {
     return box;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

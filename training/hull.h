@@ -6,7 +6,7 @@
 
 #include "training/dataset.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct HullCell {
     glm::vec3 centre;  // world, metres
@@ -28,4 +28,4 @@ inline size_t hull_words(const Dataset& dataset) {
 // InputError where nothing is left: masks and poses do not fit together.
 std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

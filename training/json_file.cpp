@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -179,4 +179,4 @@ glm::dmat4 json_pose(const JsonNode& node) {
     return pose;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::training {
 
 // A value and where it stands, for errors. Refers to the document, which must outlive it.
 struct JsonNode {
@@ -48,4 +48,4 @@ inline const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
 constexpr size_t kMaxQuoted = 120;      // of a file's own text, in an error
 constexpr double kMaxDistance_m = 1e6;  // beyond it, floats no longer resolve a performer
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -102,4 +102,4 @@ glm::dvec2 project(const Lens& lens, glm::dvec2 xy) {
     return glm::dvec2(lens.cx, lens.cy) + glm::dvec2(lens.fx, lens.fy) * bend(lens, xy);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-namespace neuvv {
+namespace neuvv::training {
 
 // In camera coordinates of OpenCV axes (x right, y down, z forward); x = X/Z, y = Y/Z, r² = x² + y², θ = atan r.
 enum class LensModel : uint8_t {
@@ -36,4 +36,4 @@ glm::dvec2 project(const Lens& lens, glm::dvec2 xy);
 // further out come back towards the middle of the picture. `limit` where there is none.
 double fold_radius(const Lens& lens, double limit);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

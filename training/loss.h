@@ -5,34 +5,34 @@
 #include "shared/training.h"
 #include "training/batch.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // What the rays of a batch should have seen, in the rays' order; and what the loss says.
 struct LossBatch {
-    LossBatch(const Device& device, uint32_t tiles);
+    LossBatch(const gpu::Device& device, uint32_t tiles);
 
-    Buffer
+    gpu::Buffer
         target;  // per ray premultiplied linear RGB and alpha of the foreground, alpha −1 off the picture; host-mapped
-    Buffer background;  // per ray linear RGB; host-mapped
-    Buffer adjoint;     // per ray ∂L/∂(R, G, B, alpha)
-    Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
+    gpu::Buffer background;  // per ray linear RGB; host-mapped
+    gpu::Buffer adjoint;     // per ray ∂L/∂(R, G, B, alpha)
+    gpu::Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
 };
 
 // Puts a batch of this data set's pictures where the next step reads it; none may be under way.
-void load_batch(const Dataset& dataset, const Batch& batch, const RayBatch& rays, const LossBatch& loss_batch);
+void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch);
 
 class Loss {
   public:
-    Loss(const Device& device, const RayBatch& rays, const LossBatch& batch);
+    Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch);
 
   private:
-    friend void record_loss(Commands&, const Loss&, uint32_t, float, uint32_t);
-    ComputePass pass_;
-    BindingSet set_;
+    friend void record_loss(gpu::Commands&, const Loss&, uint32_t, float, uint32_t);
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // `lambda_grad`: weight of L_grad (errata 16). A pixel is the mean of samples² neighbouring rays, which have its target
 // and background in common; `samples` divides kTile.
-void record_loss(Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples = 1);
+void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples = 1);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

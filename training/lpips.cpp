@@ -10,7 +10,7 @@
 #include "base/npz.h"
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -69,7 +69,7 @@ Lpips::Lpips(const std::filesystem::path& weights) {
     }
 }
 
-Lpips::Planes Lpips::input(const Image& image) {
+Lpips::Planes Lpips::input(const media::Image& image) {
     Planes planes{3, image.width, image.height, std::vector<float>(image.rgba.size() / 4 * 3)};
     const size_t pixels = image.rgba.size() / 4;
     for (size_t c = 0; c < 3; ++c)
@@ -163,7 +163,7 @@ double Lpips::difference(const Planes& a, const Planes& b, const std::vector<flo
     return sum / static_cast<double>(places);
 }
 
-double Lpips::distance(const Image& a, const Image& b) const {
+double Lpips::distance(const media::Image& a, const media::Image& b) const {
     assert(a.width == b.width && a.height == b.height && "pictures to compare have one size");
     if (std::min(a.width, a.height) < kLeastSide)
         throw InputError(
@@ -182,4 +182,4 @@ double Lpips::distance(const Image& a, const Image& b) const {
     return sum;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -9,7 +9,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 constexpr size_t kLpipsLayers = 5;
 
@@ -23,7 +23,7 @@ class Lpips {
     // 0 for equal pictures. Of one size (assert), alpha ignored; throws InputError for pictures below
     // kLeastSide pixels a side, of which the network's last layers see nothing.
     static constexpr uint32_t kLeastSide = 32;
-    double distance(const Image& a, const Image& b) const;
+    double distance(const media::Image& a, const media::Image& b) const;
 
   private:
     struct Layer {
@@ -35,7 +35,7 @@ class Lpips {
         uint32_t channels = 0, width = 0, height = 0;
         std::vector<float> values;
     };
-    static Planes input(const Image& image);
+    static Planes input(const media::Image& image);
     static Planes convolved(const Planes& in, const Layer& layer, size_t index);
     static Planes pooled(const Planes& in);
     static double difference(const Planes& a, const Planes& b, const std::vector<float>& importance);
@@ -43,4 +43,4 @@ class Lpips {
     std::array<Layer, kLpipsLayers> layers_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

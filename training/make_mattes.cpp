@@ -13,7 +13,7 @@
 #include "training/formats.h"
 #include "training/picture_reader.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -57,7 +57,7 @@ void expect_distinct_names(const std::vector<Rig>& rigs) {
 }
 
 // Where matte, or alpha channel, says performer.
-std::vector<uint8_t> values_of(const Image& matte) {
+std::vector<uint8_t> values_of(const media::Image& matte) {
     bool has_alpha = false;
     for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
     std::vector<uint8_t> values(matte.rgba.size() / 4);
@@ -68,15 +68,15 @@ std::vector<uint8_t> values_of(const Image& matte) {
     return values;
 }
 
-Image composite(const Image& picture, const std::vector<uint8_t>& alpha) {
-    Image cut = picture;
+media::Image composite(const media::Image& picture, const std::vector<uint8_t>& alpha) {
+    media::Image cut = picture;
     for (size_t i = 0; i < alpha.size(); ++i) cut.rgba[4 * i + 3] = alpha[i];
-    return composite_over(cut, kMagenta);
+    return media::composite_over(cut, kMagenta);
 }
 
 // The values as a grey picture of the size of `like`.
-Image grey_image(const Image& like, const std::vector<uint8_t>& values) {
-    Image image(like.width, like.height);
+media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& values) {
+    media::Image image(like.width, like.height);
     for (size_t i = 0; i < values.size(); ++i) {
         std::fill_n(&image.rgba[4 * i], 3, values[i]);
         image.rgba[4 * i + 3] = 255;
@@ -93,7 +93,7 @@ class MatteMaker {
     // False: stopped.
     bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
         const bool on_sheet = cameras_++ % sheet_every_ == 0 && sheet_.size() < 3 * kSheetRows;
-        const Image background = what_.from.empty() ? background_of(rig, camera, shots) : Image();
+        const media::Image background = what_.from.empty() ? background_of(rig, camera, shots) : media::Image();
         for (size_t begin = 0; begin < shots.size(); begin += kTogether) {
             const std::vector<const Shot*> some(
                 shots.begin() + static_cast<ptrdiff_t>(begin),
@@ -104,14 +104,17 @@ class MatteMaker {
         }
         return true;
     }
-    void write_sheet() const { write_png(what_.output / "contact_sheet.png", contact_sheet(sheet_, 3, kSheetCell)); }
+    void write_sheet() const {
+        media::write_png(what_.output / "contact_sheet.png", contact_sheet(sheet_, 3, kSheetCell));
+    }
     uint64_t done() const { return done_; }
     uint32_t plates() const { return plates_; }
 
   private:
-    Image background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots);
-    void make_some(const Rig& rig, const std::vector<const Shot*>& shots, const Image& background, bool on_sheet);
-    Image foreign_matte(const Rig& rig, const Shot& shot);
+    media::Image background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots);
+    void make_some(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
+                   bool on_sheet);
+    media::Image foreign_matte(const Rig& rig, const Shot& shot);
 
     const MakeMattes& what_;
     const MatteProgress& progress_;
@@ -119,10 +122,10 @@ class MatteMaker {
     size_t sheet_every_, cameras_ = 0;
     uint32_t plates_ = 0;
     PictureReader pictures_, foreign_;
-    std::vector<Image> sheet_;
+    std::vector<media::Image> sheet_;
 };
 
-Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
+media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
     if (!rig.cameras[camera].plate.path.empty()) {
         ++plates_;
         return pictures_.read(rig.cameras[camera].plate);
@@ -134,7 +137,7 @@ Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vect
                         shots.size()),
             fmt::format("give it a clean plate, or at least {} pictures", kLeastMedianFrames));
     const size_t count = std::min<size_t>(shots.size(), kMedianFrames);
-    std::vector<Image> frames;
+    std::vector<media::Image> frames;
     for (size_t i = 0; i < count; ++i) {
         frames.push_back(pictures_.read(shots[i * (shots.size() - 1) / (count - 1)]->picture));
         if (frames[i].rgba.size() != frames[0].rgba.size() || frames[i].width != frames[0].width)
@@ -144,7 +147,7 @@ Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vect
     return median_background(frames);
 }
 
-Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
+media::Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
     std::vector<PictureSource> places{{what_.from / (shot.name + ".png"), -1}};
     if (shot.picture.video_frame < 0) places.push_back({what_.from / shot.picture.path.filename(), -1});
     places.back().path.replace_extension(".png");
@@ -158,13 +161,13 @@ Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
                      "name it after its picture, or give a video named after its camera");
 }
 
-void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots, const Image& background,
+void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
                            bool on_sheet) {
-    std::vector<Image> pictures, foreign;
+    std::vector<media::Image> pictures, foreign;
     for (const Shot* shot : shots) {
         pictures.push_back(pictures_.read(shot->picture));
         if (!what_.from.empty()) foreign.push_back(foreign_matte(rig, *shot));
-        const Image& with = what_.from.empty() ? background : foreign.back();
+        const media::Image& with = what_.from.empty() ? background : foreign.back();
         if (with.width != pictures.back().width || with.height != pictures.back().height)
             throw InputError(shot->picture.path.string(), "",
                              fmt::format("is {}×{}, but its {} {}×{}", pictures.back().width, pictures.back().height,
@@ -176,11 +179,11 @@ void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots
         for (size_t i = begin; i < end; ++i) {
             mattes[i] =
                 what_.from.empty() ? difference_matte(pictures[i], background, what_.settings) : values_of(foreign[i]);
-            write_png(what_.output / (shots[i]->name + ".png"), grey_image(pictures[i], mattes[i]));
+            media::write_png(what_.output / (shots[i]->name + ".png"), grey_image(pictures[i], mattes[i]));
         }
     });
     if (!on_sheet) return;
-    Image opaque = pictures[0];
+    media::Image opaque = pictures[0];
     for (size_t i = 3; i < opaque.rgba.size(); i += 4) opaque.rgba[i] = 255;
     sheet_.push_back(opaque);
     sheet_.push_back(grey_image(opaque, mattes[0]));
@@ -227,4 +230,4 @@ uint64_t count_existing_mattes(const MakeMattes& what) {
     return existing;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -8,7 +8,7 @@
 #include "training/matte.h"
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 constexpr uint32_t kMedianFrames = 31;      // of a camera without clean plate, at most so many pictures are held
 constexpr uint32_t kLeastMedianFrames = 5;  // and fewer tell nothing
@@ -44,4 +44,4 @@ MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress);
 // Pictures whose matte is in `output` already, perhaps corrected by hand.
 uint64_t count_existing_mattes(const MakeMattes& what);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

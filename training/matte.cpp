@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -43,7 +43,7 @@ struct Noise {
     double sigma = kLeastSigma;
 };
 
-Noise noise_of_channel(const Image& picture, const Image& background, size_t channel) {
+Noise noise_of_channel(const media::Image& picture, const media::Image& background, size_t channel) {
     std::vector<uint64_t> differences(511), deviations(511);
     const uint64_t pixels = picture.rgba.size() / 4;
     const auto difference = [&](size_t i) { return int{picture.rgba[i]} - int{background.rgba[i]}; };
@@ -58,7 +58,7 @@ Noise noise_of_channel(const Image& picture, const Image& background, size_t cha
 }
 
 // The largest channel's difference in units of its noise.
-std::vector<float> differences_in_noise(const Image& picture, const Image& background) {
+std::vector<float> differences_in_noise(const media::Image& picture, const media::Image& background) {
     std::array<Noise, 3> noise;
     for (size_t c = 0; c < 3; ++c) noise[c] = noise_of_channel(picture, background, c);
     std::vector<float> result(picture.rgba.size() / 4);
@@ -126,13 +126,14 @@ void drop_small_parts(Mask& mask, uint8_t value, size_t limit) {
     }
 }
 
-glm::vec3 linear_colour(const Image& image, size_t pixel) {
+glm::vec3 linear_colour(const media::Image& image, size_t pixel) {
     const uint8_t* rgb = &image.rgba[4 * pixel];
-    return {linear_from_srgb_byte(rgb[0]), linear_from_srgb_byte(rgb[1]), linear_from_srgb_byte(rgb[2])};
+    return {media::linear_from_srgb_byte(rgb[0]), media::linear_from_srgb_byte(rgb[1]),
+            media::linear_from_srgb_byte(rgb[2])};
 }
 
 // How much of an edge pixel is performer. `inner` is the mask without its outermost pixels.
-float edge_alpha(const Image& picture, const Image& background, const Mask& inner, size_t at) {
+float edge_alpha(const media::Image& picture, const media::Image& background, const Mask& inner, size_t at) {
     const int x = static_cast<int>(at) % inner.width, y = static_cast<int>(at) / inner.width;
     glm::vec3 sum(0);
     float count = 0;
@@ -151,10 +152,10 @@ float edge_alpha(const Image& picture, const Image& background, const Mask& inne
 
 }  // namespace
 
-Image median_background(const std::vector<Image>& frames) {
+media::Image median_background(const std::vector<media::Image>& frames) {
     assert(!frames.empty() && "a median is of something");
-    Image median(frames[0].width, frames[0].height);
-    for (const Image& frame : frames) {
+    media::Image median(frames[0].width, frames[0].height);
+    for (const media::Image& frame : frames) {
         assert(frame.rgba.size() == median.rgba.size() && "frames of one camera have one size");
         (void)frame;
     }
@@ -170,7 +171,8 @@ Image median_background(const std::vector<Image>& frames) {
     return median;
 }
 
-std::vector<uint8_t> difference_matte(const Image& picture, const Image& background, const MatteSettings& settings) {
+std::vector<uint8_t> difference_matte(const media::Image& picture, const media::Image& background,
+                                      const MatteSettings& settings) {
     assert(picture.width == background.width && picture.height == background.height && "pictures have one size");
     const std::vector<float> differences = differences_in_noise(picture, background);
     const auto high = static_cast<float>(settings.threshold);
@@ -189,4 +191,4 @@ std::vector<uint8_t> difference_matte(const Image& picture, const Image& backgro
     return alpha;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,11 +5,11 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Per pixel and channel the median over the frames of a camera that stands still: the background wherever nothing
 // covers it for half of them. Frames of one size (assert), at least one.
-Image median_background(const std::vector<Image>& frames);
+media::Image median_background(const std::vector<media::Image>& frames);
 
 // Differences are measured in units of the camera's noise, which is estimated from the picture itself (median absolute
 // deviation: the performer may cover up to half of it); a constant difference of exposure is taken out.
@@ -23,6 +23,7 @@ struct MatteSettings {
 // Alpha, a byte a pixel, row by row: 0 background, 255 performer, between them at the edge of the performer, where a
 // pixel shows both: its place, in linear light, between the background's colour and that of the performer beside it.
 // Sizes must be equal (assert); the pictures' own alpha is ignored.
-std::vector<uint8_t> difference_matte(const Image& picture, const Image& background, const MatteSettings& settings);
+std::vector<uint8_t> difference_matte(const media::Image& picture, const media::Image& background,
+                                      const MatteSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "training/bases.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -26,11 +26,11 @@ struct Family {
 };
 
 // Leaves of one parent get one key.
-uint64_t parent_key(const LeafPlace& place) {
+uint64_t parent_key(const voctree::LeafPlace& place) {
     return uint64_t{place.depth} << 36 | uint64_t{place.x / 2} << 24 | uint64_t{place.y / 2} << 12 | place.z / 2;
 }
 
-std::vector<Family> whole_families(const std::vector<LeafPlace>& places) {
+std::vector<Family> whole_families(const std::vector<voctree::LeafPlace>& places) {
     std::vector<std::pair<uint64_t, uint32_t>> keyed(places.size());
     for (uint32_t i = 0; i < places.size(); i++) keyed[i] = {parent_key(places[i]), i};
     std::sort(keyed.begin(), keyed.end());
@@ -58,14 +58,14 @@ bool any(const Shares& shares) {
     return std::any_of(shares.begin(), shares.end(), [](float share) { return share > 0; });
 }
 
-float opacity_of(const VOctree& tree, const float* leaf, uint32_t frame, float edge_m) {
+float opacity_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame, float edge_m) {
     float sigma = 0;
     for (uint32_t c = 0; c < tree.bases; c++) sigma += tree.sigma_basis[size_t{frame} * tree.bases + c] * leaf[c];
     return 1 - std::exp(-std::max(sigma, 0.0f) * edge_m);
 }
 
 // In linear light, the mean of all directions.
-glm::vec3 colour_of(const VOctree& tree, const float* leaf, uint32_t frame) {
+glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame) {
     float gamma = 0;
     for (uint32_t c = 0; c < tree.bases; c++)
         gamma += tree.gamma_basis[size_t{frame} * tree.bases + c] * leaf[tree.bases + c];
@@ -83,7 +83,7 @@ glm::vec3 colour_of(const VOctree& tree, const float* leaf, uint32_t frame) {
 }
 
 // How much of each sibling was seen: its opacity, over the frames that used it.
-Shares seen_shares(const VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
+Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
     Shares seen{};
     for (size_t i = 0; i < 8; i++)
         for (uint32_t frame = 0; frame < tree.frames; frame++)
@@ -92,7 +92,7 @@ Shares seen_shares(const VOctree& tree, const LeafUse& use, const Siblings& leav
 }
 
 // Of one weight; of all leaves alike where none has a share.
-float mean_weight(const VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
+float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
     const bool shared = any(shares);
     float sum = 0, total = 0;
     for (size_t i = 0; i < 8; i++) {
@@ -104,7 +104,7 @@ float mean_weight(const VOctree& tree, const Siblings& leaves, uint32_t weight, 
 }
 
 // Density is the mean of all, as the parent fills the space of all; colour is that of what was seen.
-std::vector<float> parent_of(const VOctree& tree, const LeafUse& use, bool own_frames, const Siblings& leaves,
+std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, const Siblings& leaves,
                              const Shares& seen) {
     std::vector<float> parent(tree.weights_per_leaf());
     for (uint32_t w = 0; w < parent.size(); w++) {
@@ -118,7 +118,7 @@ std::vector<float> parent_of(const VOctree& tree, const LeafUse& use, bool own_f
 }
 
 // Hidden leaves may have any colour, and frames that used none of the siblings say nothing.
-bool looks_alike(const VOctree& tree, const LeafUse& use, const Family& family, uint32_t frame, float edge_m,
+bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family& family, uint32_t frame, float edge_m,
                  float within) {
     const Shares used = users(use, family.leaves, frame);
     if (!any(used)) return true;
@@ -137,7 +137,7 @@ bool looks_alike(const VOctree& tree, const LeafUse& use, const Family& family, 
 }
 
 // Bounds what functions that turn with the direction make of the difference; the sigmoid's slope is 1/4 at most.
-bool turns_alike(const VOctree& tree, const Family& family, const Shares& seen, float within) {
+bool turns_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
     for (size_t i = 0; i < 8; i++) {
         if (seen[i] <= 0) continue;
         for (uint32_t channel = 0; channel < 3; channel++) {
@@ -153,7 +153,8 @@ bool turns_alike(const VOctree& tree, const Family& family, const Shares& seen, 
 }
 
 // Gives the family its parent where that looks like each of the siblings.
-bool agree(const VOctree& tree, const LeafUse& use, bool own_frames, float edge_m, float within, Family& family) {
+bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, float edge_m, float within,
+           Family& family) {
     const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
     family.parent = parent_of(tree, use, own_frames, family.leaves, seen);
     if (!turns_alike(tree, family, seen, within)) return false;
@@ -162,8 +163,8 @@ bool agree(const VOctree& tree, const LeafUse& use, bool own_frames, float edge_
     return true;
 }
 
-std::vector<Family> agreeing_families(const VOctree& tree, const LeafUse& use, const std::vector<LeafPlace>& places,
-                                      float within) {
+std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
+                                      const std::vector<voctree::LeafPlace>& places, float within) {
     std::vector<Family> families = whole_families(places);
     const bool own_frames = frames_have_own_bases(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
@@ -200,28 +201,28 @@ LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, cons
 
 }  // namespace
 
-size_t merge_alike(VOctree& tree, LeafUse& use, float within) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const std::vector<Family> families = agreeing_families(tree, use, places, within);
     std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
     for (uint32_t i = 0; i < families.size(); i++)
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
-    std::vector<LeafPlace> places_after;
+    std::vector<voctree::LeafPlace> places_after;
     std::vector<const float*> weights;
     std::vector<uint32_t> origins;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const uint32_t family = family_of[i];
         if (family != kNoFamily && families[family].leaves[0] != i) continue;
-        const LeafPlace& place = places[i];
-        places_after.push_back(family == kNoFamily ? place
-                                                   : LeafPlace{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        const voctree::LeafPlace& place = places[i];
+        places_after.push_back(
+            family == kNoFamily ? place : voctree::LeafPlace{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
         weights.push_back(family == kNoFamily ? tree.leaf(i) : families[family].parent.data());
         origins.push_back(i);
     }
-    replace_leaves(tree, places_after, weights);
+    voctree::replace_leaves(tree, places_after, weights);
     use = use_after(use, origins, families, family_of);
     return families.size();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -8,7 +8,7 @@
 
 #include "training/flip.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -55,7 +55,7 @@ void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& t
 }
 
 // Mean SSIM of one channel. The filter is separable: a ring holds as many x-filtered rows as the window is high.
-double mean_ssim(const Image& truth, const Image& result, size_t channel) {
+double mean_ssim(const media::Image& truth, const media::Image& result, size_t channel) {
     const std::vector<double> taps_x = window_taps(truth.width), taps_y = window_taps(truth.height);
     const size_t columns = truth.width - taps_x.size() + 1, rows = truth.height - taps_y.size() + 1;
     std::vector<Moments> products(truth.width);
@@ -78,7 +78,7 @@ double mean_ssim(const Image& truth, const Image& result, size_t channel) {
 
 }  // namespace
 
-Quality compare(const Image& truth, const Image& result) {
+Quality compare(const media::Image& truth, const media::Image& result) {
     assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
     assert(truth.width > 0 && truth.height > 0 && "pictures to compare have pixels");
     uint64_t absolute = 0, squared = 0;
@@ -98,9 +98,9 @@ Quality compare(const Image& truth, const Image& result) {
     return quality;
 }
 
-Image error_picture(const Image& truth, const Image& result) {
+media::Image error_picture(const media::Image& truth, const media::Image& result) {
     assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
-    Image error(truth.width, truth.height);
+    media::Image error(truth.width, truth.height);
     for (size_t i = 0; i < error.rgba.size(); ++i) {
         const int difference = std::abs(int{truth.rgba[i]} - int{result.rgba[i]});
         error.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(std::min(255.0, std::round(difference / kErrorWhite)));
@@ -108,4 +108,4 @@ Image error_picture(const Image& truth, const Image& result) {
     return error;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct Quality {
     double psnr = 0;  // dB: −10·log10(mean over pixels and channels of squared error); capped at 99 for equal pictures
@@ -18,9 +18,9 @@ struct Quality {
 
 // Alpha is ignored (composite first). Sizes must be equal (assert) and at least 11×11 for SSIM (smaller: the window is
 // cut to the picture and renormalised).
-Quality compare(const Image& truth, const Image& result);
+Quality compare(const media::Image& truth, const media::Image& result);
 
 // |truth − result| scaled so that 0.25 is white, for looking at.
-Image error_picture(const Image& truth, const Image& result);
+media::Image error_picture(const media::Image& truth, const media::Image& result);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -66,4 +66,4 @@ void MetricsLog::add(const TrainProgress& now, const std::optional<PreviewScore>
     if (!out) throw RuntimeFailure(fmt::format("{}: cannot append to this file", file_.string()));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

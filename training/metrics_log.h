@@ -13,7 +13,7 @@
 
 #include "training/train.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct PreviewScore {
     std::string view;
@@ -33,4 +33,4 @@ class MetricsLog {
     std::filesystem::path file_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

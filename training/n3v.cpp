@@ -12,7 +12,7 @@
 #include "training/calibration.h"
 #include "training/camera_folders.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -47,7 +47,7 @@ RigCamera make_camera(const double* row, const std::filesystem::path& video, con
     if (!(glm::length(off[0]) + glm::length(off[1]) + glm::length(off[2]) < kRigidTolerance &&
           glm::determinant(axes) > 0))
         throw InputError(file, place, "is not a rigid pose", "give [down, right, backwards, place, (H, W, focal)]");
-    if (!(size.x >= 1 && size.y >= 1 && size.x <= kMaxImageSide && size.y <= kMaxImageSide))
+    if (!(size.x >= 1 && size.y >= 1 && size.x <= media::kMaxImageSide && size.y <= media::kMaxImageSide))
         throw InputError(file, place, fmt::format("says {}×{}, not a picture size", size.y, size.x));
     RigCamera camera;
     camera.name = video.stem().string();
@@ -63,13 +63,13 @@ RigCamera make_camera(const double* row, const std::filesystem::path& video, con
 }
 
 struct Video {
-    ImageSize size;
+    media::ImageSize size;
     uint32_t frames;
     double fps;
 };
 
 Video describe(const std::filesystem::path& path) {
-    const VideoReader reader(path);
+    const media::VideoReader reader(path);
     return {reader.size(), reader.frames(), reader.fps()};
 }
 
@@ -118,7 +118,7 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     for (size_t i = 0; i < videos.size(); ++i) {
         if ((i == 0) != (split == Split::kTest)) continue;
         const RigCamera whole = make_camera(&poses.values[i * kRow], videos[i], rig.file, fmt::format("row {}", i));
-        const ImageSize size = described[i].size;
+        const media::ImageSize size = described[i].size;
         const double stretch = (size.width / whole.lens.cx) / (size.height / whole.lens.cy);
         if (std::abs(stretch - 1) > kStretchTolerance)
             throw InputError(videos[i].string(), "",
@@ -132,4 +132,4 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     return rig;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -12,7 +12,7 @@
 #include "training/calibration.h"
 #include "training/transforms.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -164,7 +164,7 @@ std::filesystem::path find_picture(const Rig& rig, const std::string& path, cons
 RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number,
                       const std::filesystem::path& first_picture) {
     const Intrinsics& in = frame.intrinsics;
-    const ImageSize size = in.width ? ImageSize{in.width, in.height} : image_size(first_picture);
+    const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : media::image_size(first_picture);
     RigCamera camera;
     camera.name = fmt::format("{}", number);
     camera.world_from_camera = frame.world_from_camera;
@@ -263,4 +263,4 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     return rig;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 bool has_nerf_files(const std::filesystem::path& folder);
 
@@ -13,4 +13,4 @@ bool has_nerf_files(const std::filesystem::path& folder);
 // 9th, …) is held out for the test split. Throws InputError naming file, JSON place and mend.
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

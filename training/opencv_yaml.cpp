@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -86,4 +86,4 @@ std::optional<std::vector<double>> OpencvYaml::matrix(const std::string& key,
     return values;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

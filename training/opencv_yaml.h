@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Every reader throws InputError naming file, key and line.
 class OpencvYaml {
@@ -31,4 +31,4 @@ class OpencvYaml {
     std::map<std::string, YAML::Node> values_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -13,10 +13,10 @@ constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 
 }  // namespace
 
-Image PictureReader::read(const PictureSource& source) {
+media::Image PictureReader::read(const PictureSource& source) {
     if (source.video_frame < 0) {
         const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
-        return decode_image(bytes.data(), bytes.size(), source.path.string());
+        return media::decode_image(bytes.data(), bytes.size(), source.path.string());
     }
     if (!video_ || path_ != source.path || source.video_frame < next_frame_) {
         video_.emplace(source.path);
@@ -30,14 +30,14 @@ Image PictureReader::read(const PictureSource& source) {
                              "make the videos of all cameras equally long");
     };
     for (; next_frame_ < source.video_frame; ++next_frame_) expect(video_->skip());
-    Image image;
+    media::Image image;
     expect(video_->next(image));
     ++next_frame_;
     return image;
 }
 
-ImageSize size_of(const PictureSource& source) {
-    return source.video_frame < 0 ? image_size(source.path) : VideoReader(source.path).size();
+media::ImageSize size_of(const PictureSource& source) {
+    return source.video_frame < 0 ? media::image_size(source.path) : media::VideoReader(source.path).size();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

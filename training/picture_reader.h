@@ -7,21 +7,21 @@
 #include "media/video.h"
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Keeps the last video open: frames of one video asked for in rising order are decoded in one pass.
 class PictureReader {
   public:
     // Throws InputError naming the file.
-    Image read(const PictureSource& source);
+    media::Image read(const PictureSource& source);
 
   private:
     std::filesystem::path path_;
-    std::optional<VideoReader> video_;
+    std::optional<media::VideoReader> video_;
     int64_t next_frame_ = 0;
 };
 
 // By the file's header alone.
-ImageSize size_of(const PictureSource& source);
+media::ImageSize size_of(const PictureSource& source);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

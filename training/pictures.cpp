@@ -11,21 +11,21 @@
 #include "training/picture_reader.h"
 #include "training/undistort.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
 constexpr double kLeastSeen = 0.5;  // of a pinhole picture: where the lens shows less, its numbers are wrong
 
-void expect_size(ImageSize found, const PictureSource& source, ImageSize size, const std::string& whose) {
+void expect_size(media::ImageSize found, const PictureSource& source, media::ImageSize size, const std::string& whose) {
     if (found.width == size.width && found.height == size.height) return;
     throw InputError(source.path.string(), "",
                      fmt::format("is {}×{}, but {} {}×{}", found.width, found.height, whose, size.width, size.height),
                      "give all pictures and masks of a camera the size that its calibration is for");
 }
 
-Camera make_camera(const RigCamera& from, ImageSize size) {
-    Camera camera;
+stage::Camera make_camera(const RigCamera& from, media::ImageSize size) {
+    stage::Camera camera;
     camera.world_from_camera = from.world_from_camera;
     camera.fx = from.lens.fx;
     camera.fy = from.lens.fy;
@@ -39,7 +39,7 @@ Camera make_camera(const RigCamera& from, ImageSize size) {
 // A mask's values: its alpha where it has one, else its brightness.
 class MaskValues {
   public:
-    explicit MaskValues(const Image& mask) : mask_(mask) {
+    explicit MaskValues(const media::Image& mask) : mask_(mask) {
         for (size_t i = 3; i < mask.rgba.size() && !by_alpha_; i += 4) by_alpha_ = mask.rgba[i] != 255;
     }
     uint8_t operator[](size_t pixel) const {
@@ -48,11 +48,11 @@ class MaskValues {
     }
 
   private:
-    const Image& mask_;
+    const media::Image& mask_;
     bool by_alpha_ = false;
 };
 
-void put_matte(Image& image, const Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
+void put_matte(media::Image& image, const media::Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
     const MaskValues values(matte);
     const bool labels = meaning == MaskMeaning::kLabels;
     for (size_t i = 0; i < image.rgba.size() / 4; ++i)
@@ -60,7 +60,7 @@ void put_matte(Image& image, const Image& matte, MaskMeaning meaning = MaskMeani
 }
 
 // Any value but 0 counts as white, as in the programs whose masks these are.
-std::vector<bool> ignored_by(const Image& mask, MaskMeaning meaning) {
+std::vector<bool> ignored_by(const media::Image& mask, MaskMeaning meaning) {
     const MaskValues values(mask);
     std::vector<bool> ignored(mask.rgba.size() / 4);
     for (size_t i = 0; i < ignored.size(); ++i) ignored[i] = (values[i] != 0) == (meaning == MaskMeaning::kIgnore);
@@ -72,7 +72,7 @@ std::filesystem::path mattes_folder(const Rig& rig) {
     return rig.folder / "mattes";
 }
 
-bool all_opaque(const Image& image) {
+bool all_opaque(const media::Image& image) {
     for (size_t i = 3; i < image.rgba.size(); i += 4)
         if (image.rgba[i] != 255) return false;
     return true;
@@ -96,7 +96,7 @@ class CameraLoader {
             map_ = undistortion();
         }
         if (!from_.plate.path.empty()) {
-            Image& plate = dataset_.plates[camera_];
+            media::Image& plate = dataset_.plates[camera_];
             plate = read(pictures_, from_.plate);
             if (map_) plate = undistort(plate, *map_, ColourOf::kCapture);
         }
@@ -117,8 +117,8 @@ class CameraLoader {
                          "check the coefficients, and that focal length and size are of the same picture");
     }
 
-    Image read(PictureReader& reader, const PictureSource& source) const {
-        Image image = reader.read(source);
+    media::Image read(PictureReader& reader, const PictureSource& source) const {
+        media::Image image = reader.read(source);
         expect_size({image.width, image.height}, source, size_, whose_);
         return image;
     }
@@ -126,7 +126,7 @@ class CameraLoader {
     void load_view(const Shot& shot, View& view) {
         view.image = read(pictures_, shot.picture);
         if (!shot.mask.path.empty()) {
-            const Image mask = read(masks_, shot.mask);
+            const media::Image mask = read(masks_, shot.mask);
             if (rig_.masks == MaskMeaning::kMatte || rig_.masks == MaskMeaning::kLabels)
                 put_matte(view.image, mask, rig_.masks);
             else
@@ -143,7 +143,7 @@ class CameraLoader {
     }
 
     // Where some pictures got mattes and one did not, the whole of that would pass for the performer.
-    void put_matte_beside(const Shot& shot, Image& image) {
+    void put_matte_beside(const Shot& shot, media::Image& image) {
         std::error_code ignored;
         const std::filesystem::path folder = mattes_folder(rig_), file = folder / (shot.name + ".png");
         if (std::filesystem::is_regular_file(file, ignored))
@@ -157,26 +157,27 @@ class CameraLoader {
     const RigCamera& from_;
     const uint32_t camera_;
     Dataset& dataset_;
-    const ImageSize size_;
+    const media::ImageSize size_;
     const std::string whose_;
     std::optional<Undistortion> map_;
     PictureReader pictures_, masks_, mattes_;
 };
 
-std::vector<Camera> cameras_of(const Rig& rig) {
+std::vector<stage::Camera> cameras_of(const Rig& rig) {
     std::vector<const Shot*> first(rig.cameras.size());
     for (const Shot& shot : rig.shots)
         if (!first[shot.camera]) first[shot.camera] = &shot;
-    std::vector<Camera> cameras;
+    std::vector<stage::Camera> cameras;
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
         const Lens& lens = rig.cameras[c].lens;
-        const ImageSize size = lens.width ? ImageSize{lens.width, lens.height} : size_of(first[c]->picture);
+        const media::ImageSize size =
+            lens.width ? media::ImageSize{lens.width, lens.height} : size_of(first[c]->picture);
         cameras.push_back(make_camera(rig.cameras[c], size));
     }
     return cameras;
 }
 
-uint64_t bytes_of(const Rig& rig, const std::vector<Camera>& cameras) {
+uint64_t bytes_of(const Rig& rig, const std::vector<stage::Camera>& cameras) {
     uint64_t bytes = 0;
     for (const Shot& shot : rig.shots) bytes += uint64_t{4} * cameras[shot.camera].width * cameras[shot.camera].height;
     return bytes;
@@ -219,12 +220,12 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
 }  // namespace
 
 PictureNeed picture_need(const Rig& rig) {
-    const std::vector<Camera> cameras = cameras_of(rig);
+    const std::vector<stage::Camera> cameras = cameras_of(rig);
     PictureNeed need{.pictures = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
     std::set<double> times;
     for (const Shot& shot : rig.shots) times.insert(shot.time);
     need.frames = times.size();
-    for (const Camera& camera : cameras) {
+    for (const stage::Camera& camera : cameras) {
         need.width = std::max(need.width, camera.width);
         need.height = std::max(need.height, camera.height);
     }
@@ -247,7 +248,7 @@ Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
     dataset.spool = make_room(rig, bytes_of(rig, dataset.cameras), options);
     for (const Shot& shot : rig.shots)
         dataset.views.push_back({shot.name, shot.camera, shot.time,
-                                 Image(dataset.spool ? dataset.spool.get() : std::pmr::get_default_resource())});
+                                 media::Image(dataset.spool ? dataset.spool.get() : std::pmr::get_default_resource())});
     dataset.plates.resize(rig.cameras.size());
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);
@@ -256,4 +257,4 @@ Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
     return dataset;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

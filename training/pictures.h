@@ -3,7 +3,7 @@
 
 #include "training/rig.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // What the pictures of a rig take in memory, plates and masks left out: by the calibration's sizes, else by the header
 // of one picture a camera.
@@ -18,4 +18,4 @@ PictureNeed picture_need(const Rig& rig);
 // read or whose sizes disagree, and where mattes are needed and no picture has one.
 Dataset read_pictures(const Rig& rig, const LoadOptions& options);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

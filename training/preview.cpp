@@ -7,14 +7,14 @@
 #include "render/frame.h"
 #include "training/evaluate.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
 constexpr uint32_t kSamples = 2;  // rays a pixel along each side, as `neuvv eval` has by default
 
-Image side_by_side(const std::vector<Image>& pictures) {
-    Image row(pictures[0].width * static_cast<uint32_t>(pictures.size()), pictures[0].height);
+media::Image side_by_side(const std::vector<media::Image>& pictures) {
+    media::Image row(pictures[0].width * static_cast<uint32_t>(pictures.size()), pictures[0].height);
     for (uint32_t i = 0; i < pictures.size(); i++)
         for (uint32_t y = 0; y < row.height; y++)
             std::copy_n(pictures[i].at(0, y), size_t{4} * pictures[i].width, row.at(i * pictures[i].width, y));
@@ -38,14 +38,14 @@ Dataset preview_dataset(const Dataset& dataset) {
     return cut;
 }
 
-Quality write_preview(const Device& device, const Field& field, const Dataset& dataset,
+Quality write_preview(const gpu::Device& device, const render::Field& field, const Dataset& dataset,
                       const std::filesystem::path& file) {
     const View& view = dataset.views[0];
-    const Image truth = truth_over_white(dataset, view);
-    FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
-    const Image render = render_over_white(renderer, dataset, view, field.frames, kSamples);
-    write_png(file, side_by_side({truth, render, error_picture(truth, render)}));
+    const media::Image truth = truth_over_white(dataset, view);
+    render::FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
+    const media::Image render = render_over_white(renderer, dataset, view, field.frames, kSamples);
+    media::write_png(file, side_by_side({truth, render, error_picture(truth, render)}));
     return compare(truth, render);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

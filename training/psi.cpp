@@ -18,7 +18,7 @@
 #include "spirv/psi_weights_adjoint.comp.h"
 #include "training/bases.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -76,7 +76,7 @@ PsiNetwork initial_psi(const PsiShape& shape, glm::vec3 box_min, glm::vec3 box_s
     return network;
 }
 
-PsiStep::PsiStep(const Device& device, const PsiNetwork& network, const PsiSampling& sampling, uint32_t cameras,
+PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const PsiSampling& sampling, uint32_t cameras,
                  uint32_t tiles)
     : device_(device),
       network_(network),
@@ -84,21 +84,21 @@ PsiStep::PsiStep(const Device& device, const PsiNetwork& network, const PsiSampl
       splits_(std::min(kMostSplits, tiles * sampling.fine)),
       rays_(device, cameras, tiles),
       batch_(device, tiles),
-      points_(device, "psi points", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
-      directions_(device, "psi directions", uint64_t{16} * kTilePixels * tiles, MemoryKind::kDevice, kVec4),
-      ranges_(device, "psi ranges", uint64_t{16} * kTilePixels * tiles, MemoryKind::kDevice, kVec4),
-      values_(device, "psi values", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
-      value_adjoints_(device, "psi value adjoints", uint64_t{16} * samples(), MemoryKind::kDevice, kVec4),
-      parameters_(device, "psi parameters", parameter_bytes(network.shape), MemoryKind::kDevice, kVec4),
-      gradients_(device, "psi gradients", parameter_bytes(network.shape), MemoryKind::kDevice),
-      first_(device, "psi first moments", parameter_bytes(network.shape), MemoryKind::kDevice),
-      second_(device, "psi second moments", parameter_bytes(network.shape), MemoryKind::kDevice),
-      activations_(device, "psi activations", uint64_t{4} * network.shape.rows() * samples(), MemoryKind::kDevice,
+      points_(device, "psi points", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
+      directions_(device, "psi directions", uint64_t{16} * kTilePixels * tiles, gpu::MemoryKind::kDevice, kVec4),
+      ranges_(device, "psi ranges", uint64_t{16} * kTilePixels * tiles, gpu::MemoryKind::kDevice, kVec4),
+      values_(device, "psi values", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
+      value_adjoints_(device, "psi value adjoints", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
+      parameters_(device, "psi parameters", parameter_bytes(network.shape), gpu::MemoryKind::kDevice, kVec4),
+      gradients_(device, "psi gradients", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
+      first_(device, "psi first moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
+      second_(device, "psi second moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
+      activations_(device, "psi activations", uint64_t{4} * network.shape.rows() * samples(), gpu::MemoryKind::kDevice,
                    kVec4),
-      adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples(), MemoryKind::kDevice,
-                kVec4),
-      partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_first(), MemoryKind::kDevice),
-      sums_(device, "psi loss sums", uint64_t{16} * tiles, MemoryKind::kReadback),
+      adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples(),
+                gpu::MemoryKind::kDevice, kVec4),
+      partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_first(), gpu::MemoryKind::kDevice),
+      sums_(device, "psi loss sums", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
       fold_(device, "psi fold", psi_fold_comp, {network.shape.width, network.shape.heads()}),
       sample_(device, "psi sample", psi_sample_comp),
       forward_(device, "psi forward", psi_forward_comp, network_constants(network.shape)),
@@ -114,23 +114,23 @@ PsiStep::PsiStep(const Device& device, const PsiNetwork& network, const PsiSampl
       loss_(device, rays_, batch_),
       commands_(device, "psi step") {
     assert(network.parameters.size() == network.shape.count() && network.shape.width % 32 == 0);
-    const auto bind = [&](const ComputePass& pass) {
-        return BindingSet(pass, {{kPsiPoints, &points_},
-                                 {kPsiDirections, &directions_},
-                                 {kPsiRanges, &ranges_},
-                                 {kPsiParameters, &parameters_},
-                                 {kPsiActivations, &activations_},
-                                 {kPsiAdjoints, &adjoints_},
-                                 {kPsiValues, &values_},
-                                 {kPsiValueAdjoints, &value_adjoints_},
-                                 {kPsiPartials, &partials_},
-                                 {kPsiGradients, &gradients_},
-                                 {kPsiFirst, &first_},
-                                 {kPsiSecond, &second_},
-                                 {kPsiCameras, &rays_.cameras},
-                                 {kPsiTiles, &rays_.tiles},
-                                 {kPsiRadiance, &rays_.radiance},
-                                 {kPsiRayAdjoints, &batch_.adjoint}});
+    const auto bind = [&](const gpu::ComputePass& pass) {
+        return gpu::BindingSet(pass, {{kPsiPoints, &points_},
+                                      {kPsiDirections, &directions_},
+                                      {kPsiRanges, &ranges_},
+                                      {kPsiParameters, &parameters_},
+                                      {kPsiActivations, &activations_},
+                                      {kPsiAdjoints, &adjoints_},
+                                      {kPsiValues, &values_},
+                                      {kPsiValueAdjoints, &value_adjoints_},
+                                      {kPsiPartials, &partials_},
+                                      {kPsiGradients, &gradients_},
+                                      {kPsiFirst, &first_},
+                                      {kPsiSecond, &second_},
+                                      {kPsiCameras, &rays_.cameras},
+                                      {kPsiTiles, &rays_.tiles},
+                                      {kPsiRadiance, &rays_.radiance},
+                                      {kPsiRayAdjoints, &batch_.adjoint}});
     };
     fold_set_ = bind(fold_);
     sample_set_ = bind(sample_);
@@ -143,10 +143,10 @@ PsiStep::PsiStep(const Device& device, const PsiNetwork& network, const PsiSampl
     reduce_set_ = bind(reduce_);
     fold_adjoint_set_ = bind(fold_adjoint_);
     adam_set_ = bind(adam_);
-    upload(device, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
-    run_once(device, "clear psi moments", [&](Commands& commands) {
-        for (const Buffer* buffer : {&gradients_, &first_, &second_}) fill(commands, *buffer, 0);
-        compute_barrier(commands);
+    gpu::upload(device, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
+    gpu::run_once(device, "clear psi moments", [&](gpu::Commands& commands) {
+        for (const gpu::Buffer* buffer : {&gradients_, &first_, &second_}) gpu::fill(commands, *buffer, 0);
+        gpu::compute_barrier(commands);
     });
     network_.parameters.clear();
 }
@@ -166,11 +166,11 @@ PsiFoldPush PsiStep::fold_push(float frame) const {
 namespace {
 
 template <typename Push>
-void record_pass(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
+void record_pass(gpu::Commands& commands, const gpu::ComputePass& pass, const gpu::BindingSet& set, uint32_t groups,
                  const Push& push) {
-    const PassScope scope(commands, pass.name());
-    dispatch(commands, pass, set, groups, push);
-    compute_barrier(commands);
+    const gpu::PassScope scope(commands, pass.name());
+    gpu::dispatch(commands, pass, set, groups, push);
+    gpu::compute_barrier(commands);
 }
 
 PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
@@ -187,10 +187,10 @@ PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
 }  // namespace
 
 // From activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
-void record_psi_weights(Commands& commands, PsiStep& s, uint32_t blocks) {
+void record_psi_weights(gpu::Commands& commands, PsiStep& s, uint32_t blocks) {
     const PsiShape& shape = s.network_.shape;
     {
-        const PassScope scope(commands, s.weights_.name());
+        const gpu::PassScope scope(commands, s.weights_.name());
         for (uint32_t layer = 0; layer <= shape.layers; layer++) {
             PsiWeightsPush push{};
             push.blocks = blocks;
@@ -202,15 +202,15 @@ void record_psi_weights(Commands& commands, PsiStep& s, uint32_t blocks) {
             push.first = psi_layer_first(layer, shape.inputs(), shape.width);
             push.stride = shape.output_first();
             const uint32_t matrix_tiles = (push.inputs + 63) / 64 * (push.outputs / 32);
-            dispatch(commands, s.weights_, s.weights_set_, s.splits_ * matrix_tiles, push);
+            gpu::dispatch(commands, s.weights_, s.weights_set_, s.splits_ * matrix_tiles, push);
         }
-        compute_barrier(commands);
+        gpu::compute_barrier(commands);
     }
     record_pass(commands, s.reduce_, s.reduce_set_, groups_of(shape.output_first()),
                 PsiReducePush{shape.output_first(), s.splits_});
 }
 
-void record_psi_step(Commands& commands, PsiStep& s, const PsiStepSettings& settings) {
+void record_psi_step(gpu::Commands& commands, PsiStep& s, const PsiStepSettings& settings) {
     const PsiNetwork& network = s.network_;
     const PsiShape& shape = network.shape;
     const uint32_t coarse = settings.tiles * s.sampling_.coarse, fine = settings.tiles * s.sampling_.fine;
@@ -238,8 +238,8 @@ void record_psi_step(Commands& commands, PsiStep& s, const PsiStepSettings& sett
     record_pass(commands, s.fold_adjoint_, s.fold_adjoint_set_, groups_of(shape.count() - shape.output_first()),
                 fold_push);
     record_pass(commands, s.adam_, s.adam_set_, groups_of(shape.count()), adam_push(shape, settings));
-    copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
-    host_barrier(commands);
+    gpu::copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
+    gpu::host_barrier(commands);
 }
 
 void PsiStep::submit(const PsiStepSettings& settings) {
@@ -258,25 +258,25 @@ StepResult PsiStep::wait() {
 PsiNetwork PsiStep::network() const {
     PsiNetwork network = network_;
     network.parameters.resize(network.shape.count());
-    download(device_, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
+    gpu::download(device_, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
     return network;
 }
 
 std::vector<float> PsiStep::gradients() const {
     std::vector<float> gradients(network_.shape.count());
-    download(device_, gradients_, gradients.data(), gradients.size() * sizeof(float));
+    gpu::download(device_, gradients_, gradients.data(), gradients.size() * sizeof(float));
     return gradients;
 }
 
 std::vector<glm::vec4> PsiStep::points() const {
     std::vector<glm::vec4> points(size_t{kPsiBlock} * tiles_ * sampling_.fine);
-    download(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
+    gpu::download(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
     return points;
 }
 
 std::vector<glm::vec4> PsiStep::values() const {
     std::vector<glm::vec4> values(size_t{kPsiBlock} * tiles_ * sampling_.fine);
-    download(device_, values_, values.data(), values.size() * sizeof(glm::vec4));
+    gpu::download(device_, values_, values.data(), values.size() * sizeof(glm::vec4));
     return values;
 }
 
@@ -291,13 +291,13 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world
         points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
         for (size_t i = 0; i < count; i++)
             points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
-        upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
-        run_once(device_, "psi hidden layer", [&](Commands& commands) {
-            dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});
-            compute_barrier(commands);
+        gpu::upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
+        gpu::run_once(device_, "psi hidden layer", [&](gpu::Commands& commands) {
+            gpu::dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});
+            gpu::compute_barrier(commands);
         });
         rows.resize(size_t{blocks} * kPsiBlock * width);
-        download(device_, activations_, rows.data(), rows.size() * sizeof(float));
+        gpu::download(device_, activations_, rows.data(), rows.size() * sizeof(float));
         for (size_t i = 0; i < count; i++)
             for (uint32_t row = 0; row < width; row++)
                 result[(first + i) * width + row] = rows[(i / kPsiBlock * width + row) * kPsiBlock + i % kPsiBlock];
@@ -305,4 +305,4 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

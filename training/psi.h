@@ -8,7 +8,7 @@
 #include "shared/psi.h"
 #include "training/step.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct PsiShape {
     uint32_t frequencies = 8;  // of the positional encoding
@@ -65,16 +65,16 @@ struct PsiStepSettings {
 class PsiStep {
   public:
     // Throws RuntimeFailure where the device cannot hold it: 4 · (rows + adjoint_rows) bytes a fine sample.
-    PsiStep(const Device& device, const PsiNetwork& network, const PsiSampling& sampling, uint32_t cameras,
+    PsiStep(const gpu::Device& device, const PsiNetwork& network, const PsiSampling& sampling, uint32_t cameras,
             uint32_t tiles);
 
-    const RayBatch& rays() const { return rays_; }
+    const render::RayBatch& rays() const { return rays_; }
     const LossBatch& batch() const { return batch_; }
     const PsiShape& shape() const { return network_.shape; }
 
     void submit(const PsiStepSettings& settings);
     StepResult wait();
-    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
     // As they are now.
     PsiNetwork network() const;
@@ -88,30 +88,30 @@ class PsiStep {
     std::vector<float> hidden_at(const std::vector<glm::vec3>& places_world);
 
   private:
-    friend void record_psi_step(Commands& commands, PsiStep& step, const PsiStepSettings& settings);
-    friend void record_psi_weights(Commands& commands, PsiStep& step, uint32_t blocks);
+    friend void record_psi_step(gpu::Commands& commands, PsiStep& step, const PsiStepSettings& settings);
+    friend void record_psi_weights(gpu::Commands& commands, PsiStep& step, uint32_t blocks);
     uint32_t samples() const { return kPsiBlock * rays_.tile_capacity * std::max(sampling_.coarse, sampling_.fine); }
     PsiFoldPush fold_push(float frame) const;
 
-    const Device& device_;
+    const gpu::Device& device_;
     PsiNetwork network_;  // as it was at first
     PsiSampling sampling_;
     uint32_t splits_;
-    RayBatch rays_;
+    render::RayBatch rays_;
     LossBatch batch_;
-    Buffer points_, directions_, ranges_, values_, value_adjoints_;
-    Buffer parameters_, gradients_, first_, second_, activations_, adjoints_, partials_;
-    Buffer sums_;  // host's copy
-    ComputePass fold_, sample_, forward_, resample_, composite_, composite_adjoint_, adjoint_, weights_, reduce_,
+    gpu::Buffer points_, directions_, ranges_, values_, value_adjoints_;
+    gpu::Buffer parameters_, gradients_, first_, second_, activations_, adjoints_, partials_;
+    gpu::Buffer sums_;  // host's copy
+    gpu::ComputePass fold_, sample_, forward_, resample_, composite_, composite_adjoint_, adjoint_, weights_, reduce_,
         fold_adjoint_, adam_;
-    BindingSet fold_set_, sample_set_, forward_set_, resample_set_, composite_set_, composite_adjoint_set_,
+    gpu::BindingSet fold_set_, sample_set_, forward_set_, resample_set_, composite_set_, composite_adjoint_set_,
         adjoint_set_, weights_set_, reduce_set_, fold_adjoint_set_, adam_set_;
     Loss loss_;
-    Commands commands_;
+    gpu::Commands commands_;
     uint32_t tiles_ = 0;
 };
 
 // The whole step, pass by pass.
-void record_psi_step(Commands& commands, PsiStep& step, const PsiStepSettings& settings);
+void record_psi_step(gpu::Commands& commands, PsiStep& step, const PsiStepSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -11,7 +11,7 @@
 #include "training/batch.h"
 #include "training/hull.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -36,16 +36,16 @@ struct Output {
     }
 };
 
-glm::vec3 leaf_corner(const VOctree& tree, const LeafPlace& place) {
+glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
     return tree.box_min + tree.box_size / static_cast<float>(1u << place.depth) * glm::vec3(place.x, place.y, place.z);
 }
 
-float leaf_edge(const VOctree& tree, const LeafPlace& place) {
+float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
     return tree.box_size.x / static_cast<float>(1u << place.depth);
 }
 
 // Places in leaf number i: `side`³ cells' centres, or random ones.
-std::vector<glm::vec3> centres_in(const VOctree& tree, const LeafPlace& place, uint32_t side) {
+std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t side) {
     std::vector<glm::vec3> centres;
     const float cell = leaf_edge(tree, place) / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++)
@@ -54,7 +54,8 @@ std::vector<glm::vec3> centres_in(const VOctree& tree, const LeafPlace& place, u
     return centres;
 }
 
-std::vector<glm::vec3> random_in(const VOctree& tree, const LeafPlace& place, uint32_t count, std::mt19937_64& random) {
+std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t count,
+                                 std::mt19937_64& random) {
     std::vector<glm::vec3> places(count);
     const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
     for (glm::vec3& at : places) {
@@ -103,9 +104,9 @@ Output output_of(const PsiNetwork& network) {
 }
 
 // Of the hull's cells those with a finest cell that is ever dense.
-std::vector<LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& network, const VOctree& hull, uint32_t levels_above,
-                                    float threshold) {
-    const std::vector<LeafPlace> places = leaf_places(hull);
+std::vector<voctree::LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& network, const voctree::VOctree& hull,
+                                             uint32_t levels_above, float threshold) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(hull);
     const Output output = output_of(network);
     const uint32_t side = 1u << levels_above, cells = side * side * side;
     std::vector<uint8_t> dense(places.size());
@@ -118,15 +119,15 @@ std::vector<LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& network, con
                 dense[i] = density_over_time(network, outputs.data()) >= static_cast<double>(threshold) ? 1 : 0;
             }
         });
-    std::vector<LeafPlace> kept;
+    std::vector<voctree::LeafPlace> kept;
     for (size_t i = 0; i < places.size(); i++)
         if (dense[i] != 0) kept.push_back(places[i]);
     return kept;
 }
 
 // A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
-void set_mean_weights(PsiStep& psi, const PsiNetwork& network, VOctree& tree, const PsiSettings& settings) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const Output output = output_of(network);
     std::mt19937_64 random(settings.seed);
     const uint32_t count = settings.points_per_leaf;
@@ -213,7 +214,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
 
 }  // namespace
 
-PsiSettings default_psi_settings(const Device& device) {
+PsiSettings default_psi_settings(const gpu::Device& device) {
     PsiSettings settings;
     if (device.summary().kind != "cpu") return settings;
     settings.width = 32;
@@ -225,12 +226,13 @@ PsiSettings default_psi_settings(const Device& device) {
     return settings;
 }
 
-VOctree tree_from_psi(PsiStep& psi, const VOctree& hull, uint32_t levels_above, const PsiSettings& settings) {
+voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint32_t levels_above,
+                               const PsiSettings& settings) {
     const PsiNetwork network = psi.network();
-    const std::vector<LeafPlace> places = dense_places(psi, network, hull, levels_above, settings.threshold);
+    const std::vector<voctree::LeafPlace> places = dense_places(psi, network, hull, levels_above, settings.threshold);
     if (places.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
-    VOctree tree = hull;
-    build_topology(tree, places);
+    voctree::VOctree tree = hull;
+    voctree::build_topology(tree, places);
     set_mean_weights(psi, network, tree, settings);
     const auto rows = [&](uint32_t first) {
         const auto at = network.parameters.begin() + first;
@@ -241,9 +243,9 @@ VOctree tree_from_psi(PsiStep& psi, const VOctree& hull, uint32_t levels_above, 
     return tree;
 }
 
-VOctree psi_tree(const Device& device, const Dataset& dataset, const TreeShape& shape, uint32_t levels_above,
-                 const PsiSettings& settings, const PsiCallback& callback) {
-    const VOctree hull = initial_tree(dataset, shape, levels_above);
+voctree::VOctree psi_tree(const gpu::Device& device, const Dataset& dataset, const TreeShape& shape,
+                          uint32_t levels_above, const PsiSettings& settings, const PsiCallback& callback) {
+    const voctree::VOctree hull = initial_tree(dataset, shape, levels_above);
     const auto box = hull_box(dataset);
     const PsiShape psi_shape{.frequencies = settings.frequencies,
                              .width = settings.width,
@@ -257,4 +259,4 @@ VOctree psi_tree(const Device& device, const Dataset& dataset, const TreeShape& 
     return tree_from_psi(psi, hull, levels_above, settings);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -6,7 +6,7 @@
 #include "training/grow.h"
 #include "training/psi.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct PsiSettings {
     double minutes = 0;  // budget in wall time, or
@@ -21,14 +21,14 @@ struct PsiSettings {
 
 // The paper does not give the network's size. On a GPU this is a moderate one; a CPU device gets half its width, fewer
 // samples and smaller steps, or it would see too few of them.
-PsiSettings default_psi_settings(const Device& device);
+PsiSettings default_psi_settings(const gpu::Device& device);
 
 struct PsiProgress {
     double elapsed_s = 0, eta_s = 0;
     double rays_per_s = 0;
     double loss = 0, psnr = 0;  // of the last second's batches, as TrainProgress has them
     uint64_t step = 0;
-    std::vector<PassTime> passes;  // of the last step
+    std::vector<gpu::PassTime> passes;  // of the last step
 };
 // Called about once a second, and once at the end; false ends the training of Ψ.
 using PsiCallback = std::function<bool(const PsiProgress&)>;
@@ -37,10 +37,11 @@ using PsiCallback = std::function<bool(const PsiProgress&)>;
 // initial_tree(dataset, shape, levels_above) those stay of which any finest cell's centre passes the threshold; a
 // leaf's weights are the mean over random points in it. A and B are those of Ψ. Throws as initial_tree does, and
 // RuntimeFailure where training diverges or no cell passes.
-VOctree psi_tree(const Device& device, const Dataset& dataset, const TreeShape& shape, uint32_t levels_above,
-                 const PsiSettings& settings, const PsiCallback& callback);
+voctree::VOctree psi_tree(const gpu::Device& device, const Dataset& dataset, const TreeShape& shape,
+                          uint32_t levels_above, const PsiSettings& settings, const PsiCallback& callback);
 
 // The second half alone: the tree that `psi` stands for; `hull` gives the cells, box and shape.
-VOctree tree_from_psi(PsiStep& psi, const VOctree& hull, uint32_t levels_above, const PsiSettings& settings);
+voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint32_t levels_above,
+                               const PsiSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -8,14 +8,14 @@
 #include "base/parallel.h"
 #include "training/bases.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
 constexpr float kRevivedDepth = 0.2f;  // optical depth of the leaf's edge
 
 // Per leaf `words` words: a bit for each frame in which it has density.
-std::vector<uint32_t> live_frames(const VOctree& tree, size_t words) {
+std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     std::vector<uint32_t> live(words * tree.leaf_count);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)
@@ -26,14 +26,14 @@ std::vector<uint32_t> live_frames(const VOctree& tree, size_t words) {
 }
 
 // The leaves at the middles of the six faces; UINT32_MAX where there is none.
-std::array<uint32_t, 6> neighbours(const VOctree& tree, const LeafPlace& place) {
+std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
     std::array<uint32_t, 6> found;
     const double edge = std::exp2(-static_cast<double>(place.depth));
     const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * edge;
     for (int face = 0; face < 6; face++) {
         glm::dvec3 beyond = middle;
         beyond[face / 2] += (face % 2 ? 0.5 : -0.5) * edge * (1 + 1e-6);
-        found[static_cast<size_t>(face)] = find_leaf(tree, beyond);
+        found[static_cast<size_t>(face)] = voctree::find_leaf(tree, beyond);
     }
     return found;
 }
@@ -53,11 +53,11 @@ uint32_t four_of(const std::array<uint32_t, 6>& leaves, const std::vector<uint32
 
 }  // namespace
 
-size_t revive_holes(VOctree& tree) {
+size_t revive_holes(voctree::VOctree& tree) {
     if (!frames_have_own_bases(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
     const std::vector<uint32_t> live = live_frames(tree, words);
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;
@@ -78,4 +78,4 @@ size_t revive_holes(VOctree& tree) {
     return revived;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

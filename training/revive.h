@@ -3,7 +3,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // A leaf that died in a frame gets no gradient there, however much its rays want it back. Gives a little density to
 // each leaf in each frame in which it has none and at least four of the leaves at the middles of its six faces do: the
@@ -11,6 +11,6 @@ namespace neuvv {
 // grows or dies again, and a hidden one stays until the next change of the tree. Neighbours are told as they were
 // before any revived; beside finer leaves the one towards +x, +y, +z counts. Returns how often. Cells must be cubes, as
 // training's are. Trees whose frames share bases stay as they are.
-size_t revive_holes(VOctree& tree);
+size_t revive_holes(voctree::VOctree& tree);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -11,7 +11,7 @@
 #include "training/dataset.h"
 #include "training/lens.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // A picture file, or one frame of a video.
 struct PictureSource {
@@ -54,4 +54,4 @@ struct Rig {
     double fps = 0;                                        // 0 where the files give none
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

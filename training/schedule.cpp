@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::training {
 
 LearningRates learning_rates(double progress) {
     const auto decay = [&](double first, double last) {
@@ -19,4 +19,4 @@ LearningRates learning_rates(double progress) {
     return rates;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -3,7 +3,7 @@
 
 #include "training/slice_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // A stage begins with a change of the tree, by what rays said of its leaves in the stage before: those that no ray
 // weighed at least `prune_below` go, siblings that agree within `merge_within` become one (0: none), the others are
@@ -42,7 +42,7 @@ constexpr double kSeveralRaysEpochs = 4;  // that must have passed: a short run 
 // Steps of one instant in a row, all but the first of which need not slice. Where frames share bases, each step also
 // moves what other frames see, and four of them in a row unlearn those: 29.3 → 24.7 dB (RESULTS.md).
 constexpr uint32_t kBatchesPerInstant = 4;
-inline uint32_t batches_in_a_row(const VOctree& tree) {
+inline uint32_t batches_in_a_row(const voctree::VOctree& tree) {
     return tree.bases < tree.frames ? 1 : kBatchesPerInstant;
 }
 
@@ -53,4 +53,4 @@ constexpr uint32_t kStepsPerRows =
 
 LearningRates learning_rates(double progress);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

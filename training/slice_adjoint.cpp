@@ -7,7 +7,7 @@
 #include "spirv/rows_adjoint.comp.h"
 #include "spirv/slice_adjoint.comp.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -18,61 +18,61 @@ AdamPush adam_push(const AdamSettings& adam) {
     return {adam.beta1, adam.beta2, adam.epsilon, bias(adam.beta1), bias(adam.beta2), adam.emit_only ? 1u : 0u};
 }
 
-size_t frame_words(const VOctree& tree) {
+size_t frame_words(const voctree::VOctree& tree) {
     return (tree.frames + 31) / 32;
 }
 
-BindingSet leaf_bindings(const ComputePass& pass, const Field& field, const Slice& slice,
-                         const SliceGradients& gradients, const Moments& moments, const LeafTally& tally) {
-    return BindingSet(pass, {{kAdjointWeights, &field.weights},
-                             {kAdjointFirst, &moments.first},
-                             {kAdjointSecond, &moments.second},
-                             {kAdjointRows, &slice.rows},
-                             {kAdjointLeaves, &slice.slot_leaf},
-                             {kAdjointTouched, &gradients.touched},
-                             {kAdjointCount, &gradients.touched_count},
-                             {kAdjointGradients, &gradients.gradients},
-                             {kAdjointReach, &gradients.reach},
-                             {kAdjointLeafUse, &tally.use},
-                             {kAdjointLeafFrames, &tally.frames},
-                             {kAdjointPlaces, &field.leaf_places},
-                             {kAdjointHead, &slice.head},
-                             {kAdjointSh, &slice.sh},
-                             {kAdjointPartials, &gradients.partials}});
+gpu::BindingSet leaf_bindings(const gpu::ComputePass& pass, const render::Field& field, const render::Slice& slice,
+                              const SliceGradients& gradients, const Moments& moments, const LeafTally& tally) {
+    return gpu::BindingSet(pass, {{kAdjointWeights, &field.weights},
+                                  {kAdjointFirst, &moments.first},
+                                  {kAdjointSecond, &moments.second},
+                                  {kAdjointRows, &slice.rows},
+                                  {kAdjointLeaves, &slice.slot_leaf},
+                                  {kAdjointTouched, &gradients.touched},
+                                  {kAdjointCount, &gradients.touched_count},
+                                  {kAdjointGradients, &gradients.gradients},
+                                  {kAdjointReach, &gradients.reach},
+                                  {kAdjointLeafUse, &tally.use},
+                                  {kAdjointLeafFrames, &tally.frames},
+                                  {kAdjointPlaces, &field.leaf_places},
+                                  {kAdjointHead, &slice.head},
+                                  {kAdjointSh, &slice.sh},
+                                  {kAdjointPartials, &gradients.partials}});
 }
 
 }  // namespace
 
-Moments::Moments(const Device& device, const Field& field)
-    : first(device, "first moments", field.weights.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
-      second(device, "second moments", field.weights.bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
-      rows_first(device, "row first moments", uint64_t{8} * field.frames * field.bases, MemoryKind::kDevice,
+Moments::Moments(const gpu::Device& device, const render::Field& field)
+    : first(device, "first moments", field.weights.bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
+      second(device, "second moments", field.weights.bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
+      rows_first(device, "row first moments", uint64_t{8} * field.frames * field.bases, gpu::MemoryKind::kDevice,
                  VK_FORMAT_R32_SFLOAT),
-      rows_second(device, "row second moments", uint64_t{8} * field.frames * field.bases, MemoryKind::kDevice,
+      rows_second(device, "row second moments", uint64_t{8} * field.frames * field.bases, gpu::MemoryKind::kDevice,
                   VK_FORMAT_R32_SFLOAT) {
-    run_once(device, "clear moments", [&](Commands& commands) {
-        for (const Buffer* buffer : {&first, &second, &rows_first, &rows_second}) fill(commands, *buffer, 0);
-        compute_barrier(commands);
+    gpu::run_once(device, "clear moments", [&](gpu::Commands& commands) {
+        for (const gpu::Buffer* buffer : {&first, &second, &rows_first, &rows_second}) gpu::fill(commands, *buffer, 0);
+        gpu::compute_barrier(commands);
     });
 }
 
-LeafTally::LeafTally(const Device& device, const VOctree& tree)
-    : use(device, "leaf use", uint64_t{8} * tree.leaf_count, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
-      frames(device, "leaf frames", uint64_t{4} * frame_words(tree) * tree.leaf_count, MemoryKind::kDevice,
+LeafTally::LeafTally(const gpu::Device& device, const voctree::VOctree& tree)
+    : use(device, "leaf use", uint64_t{8} * tree.leaf_count, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
+      frames(device, "leaf frames", uint64_t{4} * frame_words(tree) * tree.leaf_count, gpu::MemoryKind::kDevice,
              VK_FORMAT_R32_UINT) {
-    run_once(device, "clear leaf use", [&](Commands& commands) {
-        fill(commands, use, 0);
-        fill(commands, frames, 0);
-        compute_barrier(commands);
+    gpu::run_once(device, "clear leaf use", [&](gpu::Commands& commands) {
+        gpu::fill(commands, use, 0);
+        gpu::fill(commands, frames, 0);
+        gpu::compute_barrier(commands);
     });
 }
 
-LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree) {
+LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctree::VOctree& tree) {
     std::vector<glm::vec2> pairs(tree.leaf_count);
     LeafUse use;
     use.frames.resize(frame_words(tree) * tree.leaf_count);
-    download(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
-    download(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
+    gpu::download(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
+    gpu::download(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
     for (const glm::vec2& pair : pairs) {
         use.reach.push_back(pair.x);
         use.pull.push_back(pair.y);
@@ -80,15 +80,15 @@ LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tr
     return use;
 }
 
-void write_use(const Device& device, const LeafTally& tally, const LeafUse& use) {
+void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use) {
     assert(use.reach.size() == use.pull.size() && "use of one tree");
     std::vector<glm::vec2> pairs;
     for (size_t i = 0; i < use.reach.size(); i++) pairs.push_back({use.reach[i], use.pull[i]});
-    upload(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
-    upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
+    gpu::upload(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
+    gpu::upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
 }
 
-SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice& slice,
+SliceAdjoint::SliceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
                            const SliceGradients& gradients, const Moments& moments, const LeafTally& tally)
     : field_(field),
       gradients_(gradients),
@@ -106,10 +106,10 @@ SliceAdjoint::SliceAdjoint(const Device& device, const Field& field, const Slice
                         {kRowsAdjointFirst, &moments.rows_first},
                         {kRowsAdjointSecond, &moments.rows_second}}) {}
 
-void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
+void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows) {
-    const PassScope scope(commands, "slice adjoint");
-    const Field& field = adjoint.field_;
+    const gpu::PassScope scope(commands, "slice adjoint");
+    const render::Field& field = adjoint.field_;
     const float last = static_cast<float>(field.frames - 1);
     const SliceAdjointPush push{adam_push(adam),
                                 field.leaf_count,
@@ -121,14 +121,15 @@ void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float
                                 rates.colour,
                                 rates.detail,
                                 field.box_size.x};
-    dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
-                      learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_, adjoint.gradients_.touched_count,
-                      0, push);
-    compute_barrier(commands);
+    gpu::dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
+                           learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_,
+                           adjoint.gradients_.touched_count, 0, push);
+    gpu::compute_barrier(commands);
     if (!learn_rows) return;
-    dispatch(commands, adjoint.rows_, adjoint.rows_set_, 1,
-             RowsAdjointPush{adam_push(adam), frame, field.frames, field.bases, rates.sigma_rows, rates.gamma_rows});
-    compute_barrier(commands);
+    gpu::dispatch(
+        commands, adjoint.rows_, adjoint.rows_set_, 1,
+        RowsAdjointPush{adam_push(adam), frame, field.frames, field.bases, rates.sigma_rows, rates.gamma_rows});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

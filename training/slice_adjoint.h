@@ -5,14 +5,14 @@
 #include "shared/training.h"
 #include "training/trace_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // Adam's moments, laid out as what they belong to. Starts at 0.
 struct Moments {
-    Moments(const Device& device, const Field& field);
+    Moments(const gpu::Device& device, const render::Field& field);
 
-    Buffer first, second;            // of the weights, in planes
-    Buffer rows_first, rows_second;  // of A, then of B
+    gpu::Buffer first, second;            // of the weights, in planes
+    gpu::Buffer rows_first, rows_second;  // of A, then of B
 };
 
 // What rays said of each leaf since the tree last changed: what growth goes by.
@@ -24,14 +24,14 @@ struct LeafUse {
 
 // The same on the device. Starts at 0.
 struct LeafTally {
-    LeafTally(const Device& device, const VOctree& tree);
+    LeafTally(const gpu::Device& device, const voctree::VOctree& tree);
 
-    Buffer use;     // (reach, pull)
-    Buffer frames;  // bits
+    gpu::Buffer use;     // (reach, pull)
+    gpu::Buffer frames;  // bits
 };
 
-LeafUse read_use(const Device& device, const LeafTally& tally, const VOctree& tree);
-void write_use(const Device& device, const LeafTally& tally, const LeafUse& use);
+LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctree::VOctree& tree);
+void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use);
 
 struct LearningRates {
     float sigma = 0;                       // of w^σ, optical depths of the leaf's edge
@@ -50,21 +50,21 @@ struct AdamSettings {
 
 class SliceAdjoint {
   public:
-    SliceAdjoint(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients,
-                 const Moments& moments, const LeafTally& tally);
+    SliceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+                 const SliceGradients& gradients, const Moments& moments, const LeafTally& tally);
 
   private:
-    friend void record_slice_adjoint(Commands&, const SliceAdjoint&, float, const LearningRates&, const AdamSettings&,
-                                     bool);
-    const Field& field_;
+    friend void record_slice_adjoint(gpu::Commands&, const SliceAdjoint&, float, const LearningRates&,
+                                     const AdamSettings&, bool);
+    const render::Field& field_;
     const SliceGradients& gradients_;
-    ComputePass leaves_, leaves_and_rows_, rows_;
-    BindingSet leaves_set_, leaves_and_rows_set_, rows_set_;
+    gpu::ComputePass leaves_, leaves_and_rows_, rows_;
+    gpu::BindingSet leaves_set_, leaves_and_rows_set_, rows_set_;
 };
 
 // After record_touched. `frame` is that of the slice. Rows move too where `learn_rows`; where they do not, the slice is
 // still that of the field afterwards.
-void record_slice_adjoint(Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
+void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -2,9 +2,10 @@
 
 #include "spirv/smooth.comp.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
-Smoother::Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients)
+Smoother::Smoother(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+                   const SliceGradients& gradients)
     : field_(field),
       gradients_(gradients),
       pass_(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels, field.top_levels}),
@@ -20,11 +21,11 @@ Smoother::Smoother(const Device& device, const Field& field, const Slice& slice,
                    {kSmoothCount, &gradients.touched_count},
                    {kSmoothGradients, &gradients.gradients}}) {}
 
-void record_smooth(Commands& commands, const Smoother& smoother, float lambda) {
-    const PassScope scope(commands, "smooth");
-    dispatch_indirect(commands, smoother.pass_, smoother.set_, smoother.gradients_.touched_count, 0,
-                      SmoothPush{smoother.field_.top_box, smoother.field_.box_size.x, lambda});
-    compute_barrier(commands);
+void record_smooth(gpu::Commands& commands, const Smoother& smoother, float lambda) {
+    const gpu::PassScope scope(commands, "smooth");
+    gpu::dispatch_indirect(commands, smoother.pass_, smoother.set_, smoother.gradients_.touched_count, 0,
+                           SmoothPush{smoother.field_.top_box, smoother.field_.box_size.x, lambda});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

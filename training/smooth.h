@@ -3,21 +3,22 @@
 
 #include "training/slice_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 class Smoother {
   public:
-    Smoother(const Device& device, const Field& field, const Slice& slice, const SliceGradients& gradients);
+    Smoother(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+             const SliceGradients& gradients);
 
   private:
-    friend void record_smooth(Commands&, const Smoother&, float);
-    const Field& field_;
+    friend void record_smooth(gpu::Commands&, const Smoother&, float);
+    const render::Field& field_;
     const SliceGradients& gradients_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Adds λ ∂L/∂σ to the gradients of the slots that record_touched listed.
-void record_smooth(Commands& commands, const Smoother& smoother, float lambda);
+void record_smooth(gpu::Commands& commands, const Smoother& smoother, float lambda);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

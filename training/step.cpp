@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cassert>
 
-namespace neuvv {
+namespace neuvv::training {
 
-void record_step(Commands& commands, TrainingStep& s, const StepSettings& settings) {
-    if (s.sliced_ != settings.frame) record_slice(commands, s.slicer_, settings.frame);
+void record_step(gpu::Commands& commands, TrainingStep& s, const StepSettings& settings) {
+    if (s.sliced_ != settings.frame) render::record_slice(commands, s.slicer_, settings.frame);
     s.sliced_ = settings.frame;
     if (settings.learn_rows) s.sliced_.reset();
-    record_trace(commands, s.tracer_, settings.tiles, settings.stop);
+    render::record_trace(commands, s.tracer_, settings.tiles, settings.stop);
     record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad, settings.samples);
     record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop,
                          settings.share() * settings.lambda_point);
@@ -17,19 +17,19 @@ void record_step(Commands& commands, TrainingStep& s, const StepSettings& settin
     if (settings.lambda_smooth > 0) record_smooth(commands, s.smoother_, settings.share() * settings.lambda_smooth);
     record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
                          settings.learn_rows);
-    copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
-    copy(commands, s.slice_.live, s.live_, sizeof(LiveCount));
-    copy(commands, s.gradients_.touched_count, s.touched_, sizeof(LiveCount));
-    host_barrier(commands);
+    gpu::copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
+    gpu::copy(commands, s.slice_.live, s.live_, sizeof(LiveCount));
+    gpu::copy(commands, s.gradients_.touched_count, s.touched_, sizeof(LiveCount));
+    gpu::host_barrier(commands);
 }
 
-Field training_field(const Device& device, const VOctree& tree) {
-    Field field = upload_field(device, tree, WeightPrecision::kFloat);
+render::Field training_field(const gpu::Device& device, const voctree::VOctree& tree) {
+    render::Field field = render::upload_field(device, tree, render::WeightPrecision::kFloat);
     if (tree.bases < tree.frames) field.busy_planes = field.basis_planes();
     return field;
 }
 
-TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles)
+TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles)
     : device_(device),
       field_(training_field(device, tree)),
       slice_(device, field_, std::min(field_.leaf_count, max_training_slots(device, field_.hh_degree))),
@@ -38,9 +38,9 @@ TrainingStep::TrainingStep(const Device& device, const VOctree& tree, uint32_t c
       gradients_(device, field_, slice_),
       moments_(device, field_),
       tally_(device, tree),
-      sums_(device, "loss sums readback", uint64_t{16} * tiles, MemoryKind::kReadback),
-      live_(device, "live count readback", sizeof(LiveCount), MemoryKind::kReadback),
-      touched_(device, "touched count readback", sizeof(LiveCount), MemoryKind::kReadback),
+      sums_(device, "loss sums readback", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
+      live_(device, "live count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
+      touched_(device, "touched count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
       slicer_(device, field_, slice_),
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
@@ -83,13 +83,13 @@ StepResult TrainingStep::wait() {
     return result;
 }
 
-void TrainingStep::download(VOctree& tree) const {
+void TrainingStep::download(voctree::VOctree& tree) const {
     assert(tree.leaf_count == field_.leaf_count && "the tree's topology changed");
     std::vector<float> planes(size_t{4} * field_.planes() * field_.leaf_count);
-    neuvv::download(device_, field_.weights, planes.data(), planes.size() * sizeof(float));
-    weights_from_planes(planes, tree);
-    neuvv::download(device_, field_.sigma_basis, tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
-    neuvv::download(device_, field_.gamma_basis, tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
+    neuvv::gpu::download(device_, field_.weights, planes.data(), planes.size() * sizeof(float));
+    render::weights_from_planes(planes, tree);
+    neuvv::gpu::download(device_, field_.sigma_basis, tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
+    neuvv::gpu::download(device_, field_.gamma_basis, tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

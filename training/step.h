@@ -9,7 +9,7 @@
 #include "training/touched.h"
 #include "training/trace_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct StepSettings {
     float frame = 0;
@@ -18,7 +18,7 @@ struct StepSettings {
     float lambda_point = 0.2f;
     float lambda_smooth = 0;
     uint32_t samples = 1;  // rays a pixel, per side
-    float stop = kStopTransmittance;
+    float stop = render::kStopTransmittance;
     LearningRates rates;
     AdamSettings adam;
     bool learn_rows = false;
@@ -37,7 +37,7 @@ struct StepResult {
 };
 
 // The tree's weights as training holds them. Where A and B may learn, all planes count as busy.
-Field training_field(const Device& device, const VOctree& tree);
+render::Field training_field(const gpu::Device& device, const voctree::VOctree& tree);
 
 // What loss.comp left for each tile (LossBatch::sums), as one; no slots.
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
@@ -47,46 +47,46 @@ StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
 class TrainingStep {
   public:
     // At most `cameras` cameras and `tiles` tiles a step. Throws RuntimeFailure where the device cannot hold it.
-    TrainingStep(const Device& device, const VOctree& tree, uint32_t cameras, uint32_t tiles);
+    TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles);
 
-    const RayBatch& rays() const { return rays_; }
+    const render::RayBatch& rays() const { return rays_; }
     const LossBatch& batch() const { return batch_; }
-    const Field& field() const { return field_; }
+    const render::Field& field() const { return field_; }
     const Moments& moments() const { return moments_; }
 
     void submit(const StepSettings& settings);
     StepResult wait();
-    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
     // Weights and rows as they are now; the rest of `tree` (the same topology) stays.
-    void download(VOctree& tree) const;
+    void download(voctree::VOctree& tree) const;
     // What rays said of the leaves since construction.
     const LeafTally& tally() const { return tally_; }
 
   private:
-    friend void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
-    const Device& device_;
-    Field field_;
-    Slice slice_;
-    RayBatch rays_;
+    friend void record_step(gpu::Commands& commands, TrainingStep& step, const StepSettings& settings);
+    const gpu::Device& device_;
+    render::Field field_;
+    render::Slice slice_;
+    render::RayBatch rays_;
     LossBatch batch_;
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    Buffer sums_, live_, touched_;  // host's copies
-    Slicer slicer_;
-    Tracer tracer_;
+    gpu::Buffer sums_, live_, touched_;  // host's copies
+    render::Slicer slicer_;
+    render::Tracer tracer_;
     Loss loss_;
     TraceAdjoint trace_adjoint_;
     TouchedList touched_list_;
     Smoother smoother_;
     SliceAdjoint slice_adjoint_;
-    Commands commands_;
+    gpu::Commands commands_;
     uint32_t tiles_ = 0;
     std::optional<float> sliced_;  // the frame that slice_ is of, where it is that of the weights as they are
 };
 
 // The whole step, pass by pass. Slices only where the step before was not at the same frame.
-void record_step(Commands& commands, TrainingStep& step, const StepSettings& settings);
+void record_step(gpu::Commands& commands, TrainingStep& step, const StepSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

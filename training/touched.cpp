@@ -2,9 +2,9 @@
 
 #include "spirv/touched.comp.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
-TouchedList::TouchedList(const Device& device, const Slice& slice, const SliceGradients& gradients)
+TouchedList::TouchedList(const gpu::Device& device, const render::Slice& slice, const SliceGradients& gradients)
     : slice_(slice),
       gradients_(gradients),
       pass_(device, "touched", touched_comp),
@@ -13,12 +13,12 @@ TouchedList::TouchedList(const Device& device, const Slice& slice, const SliceGr
                    {kTouchedSlots, &gradients.touched},
                    {kTouchedCount, &gradients.touched_count}}) {}
 
-void record_touched(Commands& commands, const TouchedList& list) {
-    const PassScope scope(commands, "touched");
-    update(commands, list.gradients_.touched_count, LiveCount{0, 1, 1, 0, 0});
-    compute_barrier(commands);
-    dispatch_indirect(commands, list.pass_, list.set_, list.slice_.live, 0, nullptr, 0);
-    compute_barrier(commands);
+void record_touched(gpu::Commands& commands, const TouchedList& list) {
+    const gpu::PassScope scope(commands, "touched");
+    gpu::update(commands, list.gradients_.touched_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
+    gpu::dispatch_indirect(commands, list.pass_, list.set_, list.slice_.live, 0, nullptr, 0);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

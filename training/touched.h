@@ -4,21 +4,21 @@
 #include "render/slice.h"
 #include "training/trace_adjoint.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 class TouchedList {
   public:
-    TouchedList(const Device& device, const Slice& slice, const SliceGradients& gradients);
+    TouchedList(const gpu::Device& device, const render::Slice& slice, const SliceGradients& gradients);
 
   private:
-    friend void record_touched(Commands&, const TouchedList&);
-    const Slice& slice_;
+    friend void record_touched(gpu::Commands&, const TouchedList&);
+    const render::Slice& slice_;
     const SliceGradients& gradients_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // After record_trace_adjoint. Fills SliceGradients::touched and touched_count.
-void record_touched(Commands& commands, const TouchedList& list);
+void record_touched(gpu::Commands& commands, const TouchedList& list);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -5,7 +5,7 @@
 #include "spirv/trace_adjoint.comp.h"
 #include "spirv/trace_adjoint_cas.comp.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -15,31 +15,32 @@ uint64_t gradient_bytes(uint32_t slots, uint32_t degree) {
 
 }  // namespace
 
-SliceGradients::SliceGradients(const Device& device, const Field& field, const Slice& slice)
-    : gradients(device, "slice gradients", gradient_bytes(slice.capacity, field.hh_degree), MemoryKind::kDevice),
-      reach(device, "slot reach", uint64_t{4} * slice.capacity, MemoryKind::kDevice),
-      touched(device, "touched slots", uint64_t{4} * slice.capacity, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      touched_count(device, "touched count", sizeof(LiveCount), MemoryKind::kDevice),
+SliceGradients::SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice)
+    : gradients(device, "slice gradients", gradient_bytes(slice.capacity, field.hh_degree), gpu::MemoryKind::kDevice),
+      reach(device, "slot reach", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice),
+      touched(device, "touched slots", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      touched_count(device, "touched count", sizeof(LiveCount), gpu::MemoryKind::kDevice),
       partials(device, "row partials", uint64_t{8} * kMaxBases * ((slice.capacity + kSliceGroup - 1) / kSliceGroup),
-               MemoryKind::kDevice) {
-    run_once(device, "clear gradients", [&](Commands& commands) {
-        fill(commands, gradients, 0);
-        fill(commands, reach, 0);
-        compute_barrier(commands);
+               gpu::MemoryKind::kDevice) {
+    gpu::run_once(device, "clear gradients", [&](gpu::Commands& commands) {
+        gpu::fill(commands, gradients, 0);
+        gpu::fill(commands, reach, 0);
+        gpu::compute_barrier(commands);
     });
 }
 
-uint32_t max_training_slots(const Device& device, uint32_t hh_degree) {
+uint32_t max_training_slots(const gpu::Device& device, uint32_t hh_degree) {
     const uint64_t bytes = std::min<uint64_t>(device.limits().maxStorageBufferRange, device.max_allocation_bytes());
     return static_cast<uint32_t>(bytes / gradient_bytes(1, hh_degree));
 }
 
-AtomicAdd best_atomic_add(const Device& device) {
+AtomicAdd best_atomic_add(const gpu::Device& device) {
     return device.float_atomics() ? AtomicAdd::kNative : AtomicAdd::kCompareAndSwap;
 }
 
-TraceAdjoint::TraceAdjoint(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays,
-                           const LossBatch& batch, const SliceGradients& gradients, AtomicAdd atomics)
+TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+                           const render::RayBatch& rays, const LossBatch& batch, const SliceGradients& gradients,
+                           AtomicAdd atomics)
     : field_(field),
       pass_(device, "trace adjoint",
             atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
@@ -59,13 +60,13 @@ TraceAdjoint::TraceAdjoint(const Device& device, const Field& field, const Slice
                    {kTraceGradients, &gradients.gradients},
                    {kTraceReach, &gradients.reach}}) {}
 
-void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
+void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
                           float lambda_point) {
-    const PassScope scope(commands, "trace adjoint");
-    const TracePush trace = trace_push(adjoint.field_, stop);
-    dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
-             TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
-    compute_barrier(commands);
+    const gpu::PassScope scope(commands, "trace adjoint");
+    const TracePush trace = render::trace_push(adjoint.field_, stop);
+    gpu::dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
+                  TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

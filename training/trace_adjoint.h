@@ -5,41 +5,42 @@
 #include "shared/training.h"
 #include "training/loss.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // What rays say to slots, summed; slice_adjoint reads and clears it.
 struct SliceGradients {
     // Starts out clear.
-    SliceGradients(const Device& device, const Field& field, const Slice& slice);
+    SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice);
 
-    Buffer gradients;  // per slot gradient_stride floats
-    Buffer reach;      // per slot bits of the largest blending weight of the step
-    Buffer touched;    // slots that rays of the step reached
-    Buffer touched_count;
-    Buffer partials;  // per workgroup of slots: sums for the rows
+    gpu::Buffer gradients;  // per slot gradient_stride floats
+    gpu::Buffer reach;      // per slot bits of the largest blending weight of the step
+    gpu::Buffer touched;    // slots that rays of the step reached
+    gpu::Buffer touched_count;
+    gpu::Buffer partials;  // per workgroup of slots: sums for the rows
 };
 
 // The most slots whose gradients fit one bound storage buffer of this device.
-uint32_t max_training_slots(const Device& device, uint32_t hh_degree);
+uint32_t max_training_slots(const gpu::Device& device, uint32_t hh_degree);
 
 enum class AtomicAdd { kNative, kCompareAndSwap };
-AtomicAdd best_atomic_add(const Device& device);
+AtomicAdd best_atomic_add(const gpu::Device& device);
 
 class TraceAdjoint {
   public:
-    TraceAdjoint(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays,
-                 const LossBatch& batch, const SliceGradients& gradients, AtomicAdd atomics);
+    TraceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+                 const render::RayBatch& rays, const LossBatch& batch, const SliceGradients& gradients,
+                 AtomicAdd atomics);
 
   private:
-    friend void record_trace_adjoint(Commands&, const TraceAdjoint&, uint32_t, float, float);
-    const Field& field_;
-    ComputePass pass_;
-    BindingSet set_;
+    friend void record_trace_adjoint(gpu::Commands&, const TraceAdjoint&, uint32_t, float, float);
+    const render::Field& field_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`:
 // weight of the point loss (trace_adjoint.glsl) against L_rgb; rays without an ∂L/∂ray take no part in it.
-void record_trace_adjoint(Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
+void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
                           float lambda_point);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

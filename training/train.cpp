@@ -14,7 +14,7 @@
 #include "training/revive.h"
 #include "training/schedule.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -29,13 +29,13 @@ double seconds_now() {
 uint64_t hash_of(const Dataset& dataset) {
     uint64_t hash = 0xcbf29ce484222325u;
     const auto add = [&](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
-    const auto add_image = [&](const Image& image) {
+    const auto add_image = [&](const media::Image& image) {
         add(image.width);
         add(image.height);
         for (size_t i = 0; i < image.rgba.size(); i += 101) add(image.rgba[i]);
     };
     const auto add_number = [&](double value) { add(std::bit_cast<uint64_t>(value)); };
-    for (const Camera& camera : dataset.cameras) {
+    for (const stage::Camera& camera : dataset.cameras) {
         for (int i = 0; i < 12; i++) add_number(camera.world_from_camera[i / 3][i % 3]);
         for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy}) add_number(number);
     }
@@ -45,14 +45,14 @@ uint64_t hash_of(const Dataset& dataset) {
         add_image(view.image);
         for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
     }
-    for (const Image& plate : dataset.plates) add_image(plate);
+    for (const media::Image& plate : dataset.plates) add_image(plate);
     return hash;
 }
 
 // One run: the tree on the host (its topology), the step on the device, and where they stand.
 class Run {
   public:
-    Run(const Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
+    Run(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
         : device_(device),
           dataset_(dataset),
           settings_(settings),
@@ -85,13 +85,13 @@ class Run {
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
 
-    const Device& device_;
+    const gpu::Device& device_;
     const Dataset& dataset_;
     TrainSettings settings_;
     std::filesystem::path output_;
     double began_;
     RunState run_;
-    VOctree tree_;
+    voctree::VOctree tree_;
     uint32_t finest_ = 0;  // octree depth of its finest leaves
     uint64_t saved_step_ = 0;
     uint64_t file_bytes_ = 0;  // of the last .nvv,
@@ -141,7 +141,7 @@ const Dataset& Run::begin() {
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
                                          tree_.leaf_count, max_leaves()),
                              "choose a lower resolution or --hh-degree");
-        run_.max_depth = leaf_places(tree_)[0].depth + kLevelsAbove;
+        run_.max_depth = voctree::leaf_places(tree_)[0].depth + kLevelsAbove;
         make_step();
     }
     if (settings_.minutes > 0 || settings_.steps > 0) {
@@ -176,7 +176,7 @@ double Run::fraction() const {
 
 void Run::make_step() {
     finest_ = 0;
-    for (const LeafPlace& place : leaf_places(tree_)) finest_ = std::max(finest_, place.depth);
+    for (const voctree::LeafPlace& place : voctree::leaf_places(tree_)) finest_ = std::max(finest_, place.depth);
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            run_.tiles_per_step);
@@ -344,10 +344,10 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
 
 }  // namespace
 
-TrainProgress train(const Device& device, const Dataset& dataset, const TrainSettings& settings,
+TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback) {
     Run run(device, dataset, settings, output);
     return run(callback);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

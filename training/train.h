@@ -7,7 +7,7 @@
 #include "training/checkpoint.h"
 #include "training/grow.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 struct TrainSettings {
     double minutes = 0;  // budget in wall time, or
@@ -22,8 +22,8 @@ struct TrainSettings {
     float lambda_grad = 0.1f, lambda_point = 0.2f, lambda_smooth = 5e-4f;
     std::string program = "NeuVV";  // for the record
     bool resume = false;
-    const VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all kLevelsAbove
-                                          // above the finest depth of `shape`
+    const voctree::VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all
+                                                   // kLevelsAbove above the finest depth of `shape`
 };
 
 constexpr double kDefaultMinutes = 20;
@@ -39,8 +39,8 @@ struct TrainProgress {
     uint64_t began_at_step = 0;  // 0, or the step that --resume went on from
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
-    std::vector<PassTime> passes;  // of the last step
-    const Field* field = nullptr;  // the model as it is now; idle and alive while the callback runs, not longer
+    std::vector<gpu::PassTime> passes;     // of the last step
+    const render::Field* field = nullptr;  // the model as it is now; idle and alive while the callback runs, not longer
 };
 
 // Called about once a second, and once at the end; false stops the run after a checkpoint.
@@ -49,7 +49,7 @@ using TrainCallback = std::function<bool(const TrainProgress&)>;
 // Trains until the budget is spent and leaves the last checkpoint at `output`. The first is written before the first
 // step, later ones so that they take at most a twentieth of the time. Throws InputError (a data set without matter, a
 // state file that does not fit) and RuntimeFailure.
-TrainProgress train(const Device& device, const Dataset& dataset, const TrainSettings& settings,
+TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -8,7 +8,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -19,8 +19,8 @@ constexpr double kMinAngle = 1e-3;  // narrower or wider, the focal length means
 
 uint32_t side(const JsonNode& node) {
     const double value = json_number(node);
-    if (value < 1 || value > kMaxImageSide || value != std::floor(value))
-        node.fail(fmt::format("is {}, not a picture size in pixels, 1 to {}", value, kMaxImageSide));
+    if (value < 1 || value > media::kMaxImageSide || value != std::floor(value))
+        node.fail(fmt::format("is {}, not a picture size in pixels, 1 to {}", value, media::kMaxImageSide));
     return static_cast<uint32_t>(value);
 }
 
@@ -272,4 +272,4 @@ Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height) {
     return lens;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

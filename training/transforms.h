@@ -11,7 +11,7 @@
 #include "training/json_file.h"
 #include "training/lens.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // As given; a focal length is either in pixels or an angle. The frame's own fields win over the file's.
 struct Intrinsics {
@@ -68,4 +68,4 @@ constexpr double kMaxPathSeconds = 1e6;
 // The lens of a frame whose picture has this size.
 Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

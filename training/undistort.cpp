@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::training {
 
 namespace {
 
@@ -62,9 +62,9 @@ Undistortion make_undistortion(const Lens& lens) {
     return map;
 }
 
-Image undistort(const Image& image, const Undistortion& map, ColourOf colour) {
+media::Image undistort(const media::Image& image, const Undistortion& map, ColourOf colour) {
     assert(image.width == map.width && image.height == map.height);
-    Image result(map.width, map.height);
+    media::Image result(map.width, map.height);
     for (size_t i = 0; i < map.places.size(); ++i) {
         if (!map.sees(i)) continue;
         const Taps taps = taps_at(map, map.places[i]);
@@ -74,13 +74,13 @@ Image undistort(const Image& image, const Undistortion& map, ColourOf colour) {
             const uint8_t* from = &image.rgba[4 * taps.pixel[k]];
             const float opacity = static_cast<float>(from[3]) / 255;
             const float share = taps.weight[k] * (colour == ColourOf::kForeground ? opacity : 1);
-            light += share * glm::vec3(linear_from_srgb_byte(from[0]), linear_from_srgb_byte(from[1]),
-                                       linear_from_srgb_byte(from[2]));
+            light += share * glm::vec3(media::linear_from_srgb_byte(from[0]), media::linear_from_srgb_byte(from[1]),
+                                       media::linear_from_srgb_byte(from[2]));
             weight += share;
             alpha += taps.weight[k] * opacity;
         }
         uint8_t* to = &result.rgba[4 * i];
-        for (int c = 0; c < 3 && weight > 0; ++c) to[c] = srgb_byte_from_linear(light[c] / weight);
+        for (int c = 0; c < 3 && weight > 0; ++c) to[c] = media::srgb_byte_from_linear(light[c] / weight);
         to[3] = static_cast<uint8_t>(std::lround(alpha * 255));
     }
     return result;
@@ -102,4 +102,4 @@ std::vector<bool> undistort_ignored(const std::vector<bool>& ignored, const Undi
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -7,7 +7,7 @@
 #include "media/image.h"
 #include "training/lens.h"
 
-namespace neuvv {
+namespace neuvv::training {
 
 // For each pixel of the pinhole picture, the place in the distorted one that its centre shows, in pixels; x < 0 where
 // the lens never saw it: beyond the picture's edge, or where the distortion folds over.
@@ -26,10 +26,10 @@ Undistortion make_undistortion(const Lens& lens);
 // Bilinear in linear light; colour is weighted by alpha unless it is that of the whole captured light (a plate, or a
 // picture before one). What the lens never saw becomes 0 0 0 0.
 enum class ColourOf { kForeground, kCapture };
-Image undistort(const Image& image, const Undistortion& map, ColourOf colour);
+media::Image undistort(const media::Image& image, const Undistortion& map, ColourOf colour);
 
 // The pixels that must be ignored: unseen ones, and those that show any of `ignored` (row-major; empty: none). Empty
 // where there is none.
 std::vector<bool> undistort_ignored(const std::vector<bool>& ignored, const Undistortion& map);
 
-}  // namespace neuvv
+}  // namespace neuvv::training

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace neuvv {
+namespace neuvv::training {
 
 Workers::Workers(uint32_t threads, size_t pending) : pending_(std::max<size_t>(1, pending)) {
     for (uint32_t i = 0; i < std::max(1u, threads); ++i) threads_.emplace_back([this] { run(); });
@@ -61,4 +61,4 @@ void Workers::run() {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::training

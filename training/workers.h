@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::training {
 
 class Workers {
   public:
@@ -39,4 +39,4 @@ class Workers {
     std::vector<std::jthread> threads_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::training

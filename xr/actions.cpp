@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -169,4 +169,4 @@ void Actions::pulse(int hand, double amplitude, double seconds) {
           "xrApplyHapticFeedback", kHandPaths[hand]);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -8,7 +8,7 @@
 #include "xr/hands.h"
 #include "xr/session.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 class Actions {
   public:
@@ -42,4 +42,4 @@ class Actions {
     std::array<const ControllerProfile*, kHands> profiles_{};
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -4,7 +4,7 @@
 
 #include "xr/openxr.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -143,4 +143,4 @@ const ControllerProfile* find_profile(std::string_view path) {
     return found == kProfiles.end() ? nullptr : &*found;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

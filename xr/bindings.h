@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // What a user does, whichever button that is. Those of one hand are asked of both.
 enum class HandAction {
@@ -57,4 +57,4 @@ const std::vector<ControllerProfile>& controller_profiles();
 // The one of this path; null: none of ours.
 const ControllerProfile* find_profile(std::string_view path);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

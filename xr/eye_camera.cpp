@@ -4,13 +4,13 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::xr {
 
-Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size) {
+stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size) {
     assert(spans_picture(eye.fov));
     const double left = std::tan(double{eye.fov.angleLeft}), right = std::tan(double{eye.fov.angleRight});
     const double up = std::tan(double{eye.fov.angleUp}), down = std::tan(double{eye.fov.angleDown});
-    Camera camera;
+    stage::Camera camera;
     camera.world_from_camera = matrix_of(world_from_tracking * eye.pose);
     camera.width = size.width;
     camera.height = size.height;
@@ -56,10 +56,10 @@ std::vector<glm::vec2> corners_in_picture(std::span<const XrVector2f> vertices, 
     return corners;
 }
 
-Fovea fovea_of(const Camera& eye, double share, double beside) {
+render::Fovea fovea_of(const stage::Camera& eye, double share, double beside) {
     const glm::dvec2 middle =
         glm::clamp(glm::dvec2(eye.cx / eye.width, eye.cy / eye.height), 0.5 * share, 1 - 0.5 * share);
     return {middle - 0.5 * share, middle + 0.5 * share, beside};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

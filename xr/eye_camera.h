@@ -8,11 +8,11 @@
 #include "stage/camera.h"
 #include "xr/session.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // Pixels are not square where the runtime's angles are not in the picture's proportion; the axis lies where the angles
 // say, seldom in the middle. Its angles span a picture.
-Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
+stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
 
 // Triangles that the lens hides, as SetRaster::hide takes them; none where the runtime knows none.
 std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, const XrFovf& fov);
@@ -22,6 +22,6 @@ std::vector<glm::vec2> corners_in_picture(std::span<const XrVector2f> vertices, 
                                           const XrFovf& fov);
 
 // The inset around the eye's axis that gets all rays, `share` of the picture a side; beside it `beside` of them.
-Fovea fovea_of(const Camera& eye, double share, double beside);
+render::Fovea fovea_of(const stage::Camera& eye, double share, double beside);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

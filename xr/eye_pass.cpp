@@ -12,20 +12,20 @@
 #include "spirv/eye_shape.frag.h"
 #include "spirv/eye_shape.vert.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
 constexpr uint64_t kFirstVertices = 1 << 14;
 
-const Device& with_output_layer(const Device& device) {
+const gpu::Device& with_output_layer(const gpu::Device& device) {
     if (device.output_layer()) return device;
     throw RuntimeFailure(
         fmt::format("device \"{}\" cannot draw both eyes at once: it lacks shaderOutputLayer", device.summary().name));
 }
 
-GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
-    GraphicsShape shape;
+gpu::GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = eye_vert;
     shape.fragment_spirv = eye_frag;
     shape.colours = {colour};
@@ -35,8 +35,8 @@ GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
     return shape;
 }
 
-GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
-    GraphicsShape shape = picture_shape(colour, depth);
+gpu::GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
+    gpu::GraphicsShape shape = picture_shape(colour, depth);
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
     shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
@@ -57,8 +57,8 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout) {
 }
 
 template <typename Push>
-void push(Commands& commands, const GraphicsPass& pass, const Push& values) {
-    vkCmdPushConstants(commands.handle(), pass.layout(), kDrawStages, 0, pass.interface().push_bytes, &values);
+void push(gpu::Commands& commands, const gpu::GraphicsPass& pass, const Push& values) {
+    vkCmdPushConstants(commands.handle(), pass.layout(), gpu::kDrawStages, 0, pass.interface().push_bytes, &values);
 }
 
 }  // namespace
@@ -74,25 +74,25 @@ const std::vector<VkFormat>& eye_depth_formats() {
     return kFormats;
 }
 
-EyePass::EyePass(const Device& device, VkFormat colour, VkFormat depth)
+EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
     : device_(with_output_layer(device)),
       picture_(device, "eye", picture_shape(colour, depth)),
       solid_(device, "eye shape", shape_of(colour, depth, false)),
       clear_(device, "eye clear shape", shape_of(colour, depth, true)),
       through_(device, "eye through shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
-      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), MemoryKind::kUpload),
+      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload),
       commands_(device, "eye", 4) {}
 
-void EyePass::bind(const StageRenderer& renderer, const Buffer& pictures) {
+void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& pictures) {
     const std::array<VkBuffer, 2> to{pictures.buffer, renderer.set().depth.buffer};
     if (to == bound_to_) return;
-    const RayBatch& rays = renderer.frames().rays();
-    bound_ = TextureSet(picture_, {},
-                        {{kEyePicture, &pictures},
-                         {kEyeRadiance, &rays.radiance},
-                         {kEyeDepth, &rays.depth},
-                         {kEyeCameras, &rays.cameras},
-                         {kEyeSetDepth, &renderer.set().depth}});
+    const render::RayBatch& rays = renderer.frames().rays();
+    bound_ = gpu::TextureSet(picture_, {},
+                             {{kEyePicture, &pictures},
+                              {kEyeRadiance, &rays.radiance},
+                              {kEyeDepth, &rays.depth},
+                              {kEyeCameras, &rays.cameras},
+                              {kEyeSetDepth, &renderer.set().depth}});
     bound_to_ = to;
 }
 
@@ -101,13 +101,14 @@ void EyePass::upload(const EyeShapes& shapes) {
     uint64_t count = 0;
     for (const auto list : lists) count += list.size();
     if (count * sizeof(ShapeVertex) > vertices_.bytes)
-        vertices_ = Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), MemoryKind::kUpload);
+        vertices_ = gpu::Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), gpu::MemoryKind::kUpload);
     auto* to = vertices_.as<ShapeVertex>();
     for (const auto list : lists) to = std::copy(list.begin(), list.end(), to);
 }
 
-void EyePass::draw(const StageRenderer& renderer, const Buffer& pictures, const std::array<Camera, kEyes>& cameras,
-                   const EyeShapes& shapes, double vignette, const EyeTarget& target) {
+void EyePass::draw(const render::StageRenderer& renderer, const gpu::Buffer& pictures,
+                   const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+                   const EyeTarget& target) {
     commands_.wait();
     bind(renderer, pictures);
     upload(shapes);
@@ -117,17 +118,17 @@ void EyePass::draw(const StageRenderer& renderer, const Buffer& pictures, const 
     commands_.wait();
 }
 
-void EyePass::record(const std::array<Camera, kEyes>& cameras, const ViewLayout& layout, const EyeShapes& shapes,
-                     double vignette, const EyeTarget& target) {
-    const PassScope scope(commands_, "eyes");
-    draw_barrier(commands_);
+void EyePass::record(const std::array<stage::Camera, kEyes>& cameras, const render::ViewLayout& layout,
+                     const EyeShapes& shapes, double vignette, const EyeTarget& target) {
+    const gpu::PassScope scope(commands_, "eyes");
+    gpu::draw_barrier(commands_);
     constexpr VkImageSubresourceRange kColour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes},
         kDepth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, kEyes};
     constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                             kDepthLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     // OpenXR gives images in these layouts, and wants them back so; what they held is not needed.
-    move_layout(commands_, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
-    move_layout(commands_, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
+    gpu::move_layout(commands_, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
+    gpu::move_layout(commands_, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
     const VkRenderingAttachmentInfo colour = attachment(target.colour_view, kColourLayout),
                                     depth = attachment(target.depth_view, kDepthLayout);
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
@@ -148,7 +149,7 @@ void EyePass::record(const std::array<Camera, kEyes>& cameras, const ViewLayout&
     vkCmdEndRendering(commands_.handle());
 }
 
-void EyePass::draw_picture(const ViewLayout& layout, double vignette) {
+void EyePass::draw_picture(const render::ViewLayout& layout, double vignette) {
     const VkDescriptorSet set = bound_.handle();
     vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.pipeline());
     vkCmdBindDescriptorSets(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.layout(), 0, 1, &set, 0,
@@ -156,20 +157,20 @@ void EyePass::draw_picture(const ViewLayout& layout, double vignette) {
     vkCmdSetDepthWriteEnable(commands_.handle(), VK_TRUE);
     push(commands_, picture_,
          EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
-                 static_cast<float>(kSetNear_m), static_cast<float>(vignette)});
+                 static_cast<float>(render::kSetNear_m), static_cast<float>(vignette)});
     vkCmdDraw(commands_.handle(), 3, kEyes, 0, 0);
 }
 
 // Holes and solid shapes go over what they are before; holes are as near as what is in them, so that hands before a
 // panel are seen before it.
-void EyePass::draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeShapes& shapes) {
+void EyePass::draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes) {
     ShapePush views{};
     for (uint32_t eye = 0; eye < kEyes; eye++)
-        views.clip_from_world[eye] = glm::mat4(clip_from_world(cameras[eye], kSetNear_m));
+        views.clip_from_world[eye] = glm::mat4(render::clip_from_world(cameras[eye], render::kSetNear_m));
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(commands_.handle(), 0, 1, &vertices_.buffer, &start);
     uint32_t first = 0;
-    const auto draw = [&](const GraphicsPass& pass, std::span<const ShapeVertex> list, VkBool32 writes_depth) {
+    const auto draw = [&](const gpu::GraphicsPass& pass, std::span<const ShapeVertex> list, VkBool32 writes_depth) {
         const auto count = static_cast<uint32_t>(list.size());
         if (count > 0) {
             vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
@@ -185,4 +186,4 @@ void EyePass::draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeSha
     draw(through_, shapes.through_ones(), VK_FALSE);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -10,7 +10,7 @@
 #include "xr/eye_shapes.h"
 #include "xr/swapchain.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // What the pass can draw to.
 const std::vector<VkFormat>& eye_colour_formats();
@@ -25,28 +25,29 @@ struct EyeTarget {
 class EyePass {
   public:
     // Throws RuntimeFailure for a device without Device::output_layer.
-    EyePass(const Device& device, VkFormat colour, VkFormat depth);
+    EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth);
 
     // Waits. Draws the renderer's last pictures of `cameras` (left, right), which have the target's size, and the
     // shapes; images are left as OpenXR wants them. `vignette`: 0..1.
-    void draw(const StageRenderer& renderer, const Buffer& pictures, const std::array<Camera, kEyes>& cameras,
-              const EyeShapes& shapes, double vignette, const EyeTarget& target);
+    void draw(const render::StageRenderer& renderer, const gpu::Buffer& pictures,
+              const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+              const EyeTarget& target);
 
-    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
   private:
-    void bind(const StageRenderer& renderer, const Buffer& pictures);
+    void bind(const render::StageRenderer& renderer, const gpu::Buffer& pictures);
     void upload(const EyeShapes& shapes);
-    void record(const std::array<Camera, kEyes>& cameras, const ViewLayout& layout, const EyeShapes& shapes,
-                double vignette, const EyeTarget& target);
-    void draw_picture(const ViewLayout& layout, double vignette);
-    void draw_shapes(const std::array<Camera, kEyes>& cameras, const EyeShapes& shapes);
-    const Device& device_;
-    GraphicsPass picture_, solid_, clear_, through_;
-    TextureSet bound_;
+    void record(const std::array<stage::Camera, kEyes>& cameras, const render::ViewLayout& layout,
+                const EyeShapes& shapes, double vignette, const EyeTarget& target);
+    void draw_picture(const render::ViewLayout& layout, double vignette);
+    void draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
+    const gpu::Device& device_;
+    gpu::GraphicsPass picture_, solid_, clear_, through_;
+    gpu::TextureSet bound_;
     std::array<VkBuffer, 2> bound_to_{};  // pictures and the set's depth: others where targets were made anew
-    Buffer vertices_;
-    Commands commands_;
+    gpu::Buffer vertices_;
+    gpu::Commands commands_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -143,4 +143,4 @@ void EyeShapes::hole(const Pose& world_from_rectangle, glm::dvec2 size_m) {
         holes_.push_back(corner);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -8,7 +8,7 @@
 
 #include "xr/pose.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 struct ShapeVertex {
     glm::vec3 place;   // world, metres
@@ -52,4 +52,4 @@ class EyeShapes {
     std::vector<ShapeVertex> holes_, solid_, clear_, through_ones_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

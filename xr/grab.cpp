@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -158,4 +158,4 @@ glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec
     return standing;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

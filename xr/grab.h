@@ -19,7 +19,7 @@
 
 #include "xr/pose.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 struct GrabSettings {
     bool upright = true;
@@ -92,4 +92,4 @@ double above_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3
 // Moved up or down by that, to stand on the floor. As it was where that is not finite.
 glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -74,4 +74,4 @@ bool stand_in(HandInput& input, const HandJoints& joints) {
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -6,7 +6,7 @@
 #include "xr/hands.h"
 #include "xr/session.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 struct HandJoint {
     glm::dvec3 position{0};  // tracking space
@@ -39,4 +39,4 @@ double pinch_of(const HandJoints& joints);
 // does; not where the runtime knows its gestures, though it may not know where it points now.
 bool stand_in(HandInput& input, const HandJoints& joints);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -7,7 +7,7 @@
 
 #include "xr/pose.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 constexpr int kLeft = 0, kRight = 1, kHands = 2;
 
@@ -24,4 +24,4 @@ struct HandInput {
 
 using HandInputs = std::array<HandInput, kHands>;
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -144,4 +144,4 @@ double vignette_of(double speed_m_per_s, double turn_rad_per_s) {
     return x * x * (3 - 2 * x);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -10,9 +10,9 @@
 
 #include "xr/pose.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
-// Where the tracking space's origin stands in the world, on its floor. (neuvv::Rig is a capture's rig of cameras.)
+// Where the tracking space's origin stands in the world, on its floor. (training::Rig is a capture's rig of cameras.)
 struct XrRig {
     glm::dvec3 position{0};
     double yaw_rad = 0;  // about +Y
@@ -52,4 +52,4 @@ XrRig walked(XrRig rig, const Pose& head_in_tracking, glm::dvec2 stick, double m
 constexpr double kVignetteSpeed_m_per_s = 3, kVignetteTurn_rad_per_s = 1.6;
 double vignette_of(double speed_m_per_s, double turn_rad_per_s);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

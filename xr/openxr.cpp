@@ -4,7 +4,7 @@
 
 #include <openxr/openxr_reflection.h>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 std::string result_name(XrResult result) {
     switch (result) {
@@ -30,4 +30,4 @@ bool works(XrResult result, const char* call, const std::string& object) {
     return XR_SUCCEEDED(result);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // A call that the runtime refused. One line.
 struct XrFailure : RuntimeFailure {
@@ -77,4 +77,4 @@ std::vector<T> enumerate(const char* name, const std::string& object, const T& b
     return all;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // `world_from_hand`, as a matrix would be named. The rotation is a unit quaternion; a runtime's floats are near enough.
 struct Pose {
@@ -83,4 +83,4 @@ inline double tilt_cosine_of(const glm::dquat& turn) {
     return std::hypot(turn.y, turn.w);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // A trigger or grip: held from `on` upward until its value has fallen to `off`.
 class Press {
@@ -65,4 +65,4 @@ class Flick {
     glm::ivec2 step_{0};
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -80,4 +80,4 @@ std::optional<RectangleHit> rectangle_hit(const Ray& ray, const Pose& world_from
     return RectangleHit{.at = at, .metres = metres};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -5,7 +5,7 @@
 
 #include "xr/pose.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // Metres along the ray to where it enters a box that stands in the world in any affine way: turned, scaled, sheared or
 // mirrored. 0 from inside. Nothing where the ray misses it or leads away from it, where the matrix is not invertible or
@@ -19,4 +19,4 @@ struct RectangleHit {
 // A panel with its middle at the pose's origin, X to its right, Y to its top; it is seen from its +Z side alone.
 std::optional<RectangleHit> rectangle_hit(const Ray& ray, const Pose& world_from_rectangle, glm::dvec2 size_m);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

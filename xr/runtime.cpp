@@ -10,7 +10,7 @@
 
 #include "xr/bindings.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -190,7 +190,7 @@ void Runtime::expect_vulkan_version() const {
                                          version_text(needs.minApiVersionSupported)));
 }
 
-DeviceExtensions Runtime::device_extensions() {
+gpu::DeviceExtensions Runtime::device_extensions() {
     expect_vulkan_version();
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) return {};
     const auto names = [&](const char* call) {
@@ -204,14 +204,14 @@ DeviceExtensions Runtime::device_extensions() {
     vulkan_names_ = names("xrGetVulkanInstanceExtensionsKHR");
     const size_t first_of_device = vulkan_names_.size();
     for (std::string& name : names("xrGetVulkanDeviceExtensionsKHR")) vulkan_names_.push_back(std::move(name));
-    DeviceExtensions extensions;
+    gpu::DeviceExtensions extensions;
     for (size_t i = 0; i < vulkan_names_.size(); i++)
         (i < first_of_device ? extensions.instance : extensions.device).push_back(vulkan_names_[i].c_str());
     return extensions;
 }
 
-DeviceMaker Runtime::device_maker() const {
-    DeviceMaker maker;
+gpu::DeviceMaker Runtime::device_maker() const {
+    gpu::DeviceMaker maker;
     if (!has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) {
         maker.choose_physical = [this](VkInstance vulkan) {
             VkPhysicalDevice physical = VK_NULL_HANDLE;
@@ -255,4 +255,4 @@ DeviceMaker Runtime::device_maker() const {
     return maker;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -8,7 +8,7 @@
 #include "gpu/device.h"
 #include "xr/openxr.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 // An extension of OpenXR that is used where there is one; `without` says what is done where there is none.
 struct OptionalExtension {
@@ -53,8 +53,8 @@ class Runtime {
 
     // Vulkan as the runtime wants it: for the constructor of Device. Both use this object, which must outlive the
     // Device.
-    DeviceExtensions device_extensions();
-    DeviceMaker device_maker() const;
+    gpu::DeviceExtensions device_extensions();
+    gpu::DeviceMaker device_maker() const;
 
   private:
     PFN_xrVoidFunction find_function(const char* name) const;
@@ -75,4 +75,4 @@ class Runtime {
 
 const char* blend_mode_name(XrEnvironmentBlendMode mode);
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <mutex>
 
-namespace neuvv {
+namespace neuvv::xr {
 
 namespace {
 
@@ -42,7 +42,7 @@ bool spans_picture(const XrFovf& fov) {
     return sound && fov.angleRight - fov.angleLeft > 1e-3f && fov.angleUp - fov.angleDown > 1e-3f;
 }
 
-Session::Session(const Runtime& runtime, const Device& device) : runtime_(runtime), device_(device) {
+Session::Session(const Runtime& runtime, const gpu::Device& device) : runtime_(runtime), device_(device) {
     XrGraphicsBindingVulkanKHR graphics{XR_TYPE_GRAPHICS_BINDING_VULKAN_KHR};
     graphics.instance = device.instance();
     graphics.physicalDevice = device.physical();
@@ -190,4 +190,4 @@ void Session::request_refresh_rate(float hz) {
     check(runtime_.function<PFN_xrRequestDisplayRefreshRateFB>(kCall)(handle(), hz), kCall, runtime_.headset());
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -11,7 +11,7 @@
 #include "xr/pose.h"
 #include "xr/runtime.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 Pose pose_of(const XrPosef& pose);
 XrPosef xr_pose(const Pose& pose);
@@ -51,7 +51,7 @@ bool spans_picture(const XrFovf& fov);
 class Session {
   public:
     // Both must outlive it. Throws XrFailure.
-    Session(const Runtime& runtime, const Device& device);
+    Session(const Runtime& runtime, const gpu::Device& device);
 
     XrSession handle() const { return session_.get(); }
     const Runtime& runtime() const { return runtime_; }
@@ -88,7 +88,7 @@ class Session {
     void end_session();
     void changed(const XrEventDataSessionStateChanged& event);
     const Runtime& runtime_;
-    const Device& device_;
+    const gpu::Device& device_;
     XrOwnedSession session_;
     XrOwnedSpace tracking_, head_;
     bool knows_floor_ = false;
@@ -97,4 +97,4 @@ class Session {
     std::optional<EyeViews> last_eyes_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::xr {
 
-XrImages::XrImages(const Session& session, const Device& device, std::string name, const XrSwapchainShape& shape)
+XrImages::XrImages(const Session& session, const gpu::Device& device, std::string name, const XrSwapchainShape& shape)
     : device_(device), name_(std::move(name)), shape_(shape) {
     const auto offered = enumerate("xrEnumerateSwapchainFormats", name_, int64_t{},
                                    [&](uint32_t capacity, uint32_t* count, int64_t* all) {
@@ -32,7 +32,8 @@ XrImages::XrImages(const Session& session, const Device& device, std::string nam
         info.viewType = shape_.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
         info.format = format_;
         info.subresourceRange = {shape_.aspect, 0, 1, 0, shape_.layers};
-        check(vkCreateImageView(device_.handle(), &info, nullptr, &views_.emplace_back()), "vkCreateImageView", name_);
+        gpu::check(vkCreateImageView(device_.handle(), &info, nullptr, &views_.emplace_back()), "vkCreateImageView",
+                   name_);
     }
 }
 
@@ -79,4 +80,4 @@ XrSwapchainSubImage XrImages::part(uint32_t layer) const {
         handle(), {{0, 0}, {static_cast<int32_t>(shape_.size.width), static_cast<int32_t>(shape_.size.height)}}, layer};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

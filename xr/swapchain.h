@@ -7,7 +7,7 @@
 #include "gpu/image.h"
 #include "xr/session.h"
 
-namespace neuvv {
+namespace neuvv::xr {
 
 struct XrSwapchainShape {
     VkExtent2D size{};
@@ -22,7 +22,7 @@ struct XrSwapchainShape {
 class XrImages {
   public:
     // Throws RuntimeFailure where none of the formats is to be had.
-    XrImages(const Session& session, const Device& device, std::string name, const XrSwapchainShape& shape);
+    XrImages(const Session& session, const gpu::Device& device, std::string name, const XrSwapchainShape& shape);
     ~XrImages();
     XrImages(const XrImages&) = delete;
     XrImages& operator=(const XrImages&) = delete;
@@ -42,7 +42,7 @@ class XrImages {
 
   private:
     bool create(const Session& session, VkFormat format);
-    const Device& device_;
+    const gpu::Device& device_;
     std::string name_;
     XrSwapchainShape shape_;
     VkFormat format_ = VK_FORMAT_UNDEFINED;
@@ -51,4 +51,4 @@ class XrImages {
     std::vector<VkImageView> views_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::xr

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -50,7 +50,8 @@ float luminance(glm::vec3 c) {
 
 }  // namespace
 
-std::vector<Touch> touches_under(Picker& picker, const Camera& camera, std::span<const glm::dvec2> pixels) {
+std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& camera,
+                                 std::span<const glm::dvec2> pixels) {
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
@@ -58,25 +59,25 @@ std::vector<Touch> touches_under(Picker& picker, const Camera& camera, std::span
         const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
         const auto steps = static_cast<size_t>(std::max(length, 1.0));
         for (size_t step = 1; step <= steps; step++)
-            rays.push_back(
-                pick_ray(camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
+            rays.push_back(render::pick_ray(
+                camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
     }
-    const std::vector<Picked> fronts = picker.pick(rays, kTouchFront), middles = picker.pick(rays, kTouched);
-    const std::vector<Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
+    const std::vector<render::Picked> fronts = picker.pick(rays, kTouchFront), middles = picker.pick(rays, kTouched);
+    const std::vector<render::Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
     std::vector<Touch> touches;
     for (size_t i = 0; i < rays.size(); i++) {
         if (!middles[i].hit()) continue;
-        const auto place = [&](const Picked& picked) {
+        const auto place = [&](const render::Picked& picked) {
             return glm::vec3(rays[i].origin) + picked.distance_m * glm::vec3(rays[i].direction);
         };
-        const Picked& back = farther[i].hit() ? farther[i] : far[i].hit() ? far[i] : middles[i];
+        const render::Picked& back = farther[i].hit() ? farther[i] : far[i].hit() ? far[i] : middles[i];
         touches.push_back({place(fronts[i]), place(back)});
     }
     return touches;
 }
 
-std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
-                             std::span<const Touch> touches) {
+std::vector<voctree::LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma, const Brush& brush,
+                                      std::span<const Touch> touches) {
     if (touches.empty()) return {};
     glm::vec3 low = touches[0].front, high = touches[0].front;
     for (const Touch& touch : touches) {
@@ -90,23 +91,23 @@ std::vector<LeafEdit> stroke(const Canvas& canvas, std::span<const float> sigma,
             if (sigma[leaf] > 0 && around(canvas.middles[leaf]))
                 covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
     });
-    std::vector<LeafEdit> edits;
+    std::vector<voctree::LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < covered.size(); leaf++) {
         const float alpha = brush.alpha * covered[leaf];
-        const float density = covered[leaf] >= 0.5f ? brush.sigma : kKeepSigma;
+        const float density = covered[leaf] >= 0.5f ? brush.sigma : voctree::kKeepSigma;
         if (alpha > 0 || density >= 0) edits.push_back({leaf, 0, 0, brush.colour, alpha, density});
     }
     return edits;
 }
 
-std::vector<LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha) {
-    std::vector<LeafEdit> edits;
+std::vector<voctree::LeafEdit> fill_leaves(std::span<const uint32_t> leaves, glm::vec3 colour, float alpha) {
+    std::vector<voctree::LeafEdit> edits;
     for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, colour, alpha});
     return edits;
 }
 
-std::vector<LeafEdit> set_density(std::span<const uint32_t> leaves, float sigma) {
-    std::vector<LeafEdit> edits;
+std::vector<voctree::LeafEdit> set_density(std::span<const uint32_t> leaves, float sigma) {
+    std::vector<voctree::LeafEdit> edits;
     for (const uint32_t leaf : leaves) edits.push_back({leaf, 0, 0, glm::vec3(0), 0, sigma});
     return edits;
 }
@@ -138,7 +139,7 @@ struct Shade {
 };
 
 // `rows` of `frames`.
-std::vector<Shade> shades_of(const VOctree& tree, uint32_t leaf, std::span<const float> frames,
+std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::span<const float> frames,
                              std::span<const InstantRows> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
     bool there = false;
@@ -162,22 +163,22 @@ std::vector<Shade> shades_of(const VOctree& tree, uint32_t leaf, std::span<const
 
 }  // namespace
 
-std::vector<LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32_t> leaves, float first, float last,
-                                    const ColourShift& shift) {
+std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32_t> leaves, float first,
+                                             float last, const ColourShift& shift) {
     std::vector<float> frames{first};
     for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
     if (last > first) frames.push_back(last);
     std::vector<InstantRows> rows;
     for (const float frame : frames) rows.emplace_back(canvas.tree, frame);
-    std::vector<std::vector<LeafEdit>> of_leaf(leaves.size());
+    std::vector<std::vector<voctree::LeafEdit>> of_leaf(leaves.size());
     parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++)
             for (const Shade& shade : shades_of(canvas.tree, leaves[i], frames, rows, shift))
                 of_leaf[i].push_back({leaves[i], shade.first, shade.last, shade.sum / shade.weight, 1});
     });
-    std::vector<LeafEdit> edits;
-    for (const std::vector<LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());
+    std::vector<voctree::LeafEdit> edits;
+    for (const std::vector<voctree::LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());
     return through_between(std::move(edits), first, last);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -9,7 +9,7 @@
 #include "edit/operations.h"
 #include "stage/camera_path_json.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -18,26 +18,26 @@ double time_of(const ordered_json& key) {
 }
 
 // The stage's cameraPath, null where there is none.
-ordered_json* find_path(StageFile& file) {
-    ordered_json* stage = find_extension(scene_of(file), kStageExtension);
+ordered_json* find_path(stage::StageFile& file) {
+    ordered_json* stage = find_extension(scene_of(file), stage::kStageExtension);
     return stage && stage->contains("cameraPath") ? &(*stage)["cameraPath"] : nullptr;
 }
 
-ordered_json& make_path(StageFile& file) {
-    declare_extension(file, kStageExtension);
-    return make_extension(file, scene_of(file), kStageExtension)["cameraPath"];
+ordered_json& make_path(stage::StageFile& file) {
+    declare_extension(file, stage::kStageExtension);
+    return make_extension(file, scene_of(file), stage::kStageExtension)["cameraPath"];
 }
 
-void remove_path(StageFile& file) {
+void remove_path(stage::StageFile& file) {
     ordered_json& scene = scene_of(file);
-    ordered_json& stage = *find_extension(scene, kStageExtension);
+    ordered_json& stage = *find_extension(scene, stage::kStageExtension);
     stage.erase("cameraPath");
-    if (stage.empty()) remove_extension(scene, kStageExtension);
-    forget_unused(file, kStageExtension);
+    if (stage.empty()) remove_extension(scene, stage::kStageExtension);
+    forget_unused(file, stage::kStageExtension);
 }
 
 // keys[key] of the path; throws where there is none.
-ordered_json& path_with_key(StageFile& file, size_t key) {
+ordered_json& path_with_key(stage::StageFile& file, size_t key) {
     ordered_json* path = find_path(file);
     const size_t count = path ? (*path)["keys"].size() : 0;
     if (key >= count)
@@ -84,9 +84,9 @@ std::string words_of(const ordered_json& path) {
 }
 
 // A stage's path says no more of a lens than its angle.
-void expect_simple(const StageFile& file, const CameraPath& path) {
+void expect_simple(const stage::StageFile& file, const stage::CameraPath& path) {
     for (size_t i = 0; i < path.keys.size(); ++i) {
-        const CameraPathKey& key = path.keys[i];
+        const stage::CameraPathKey& key = path.keys[i];
         if (key.angle_x || std::abs(key.stretch - 1) > 1e-6 || glm::length(key.shift) > 1e-6)
             throw InputError(file.path.string(), fmt::format("cameraPath/keys/{}", i),
                              "its lens has more than a vertical angle: another horizontal one, or a shifted middle",
@@ -96,7 +96,7 @@ void expect_simple(const StageFile& file, const CameraPath& path) {
 
 }  // namespace
 
-std::string set_camera_path(StageFile& file, const std::optional<CameraPath>& path) {
+std::string set_camera_path(stage::StageFile& file, const std::optional<stage::CameraPath>& path) {
     return all_or_nothing(file, [&]() -> std::string {
         if (!path || path->keys.empty()) {
             if (find_path(file)) remove_path(file);
@@ -107,7 +107,7 @@ std::string set_camera_path(StageFile& file, const std::optional<CameraPath>& pa
         if (json.is_null()) json = ordered_json::object();
         const ordered_json old = json.value("keys", ordered_json::array());
         for (const char* name : {"interpolation", "cyclic"}) json.erase(name);
-        json.update(json_of(*path));
+        json.update(stage::json_of(*path));
         for (ordered_json& key : json["keys"])
             if (const size_t same = key_at(old, time_of(key), 0); same < old.size()) {
                 ordered_json kept = old[same];
@@ -118,7 +118,7 @@ std::string set_camera_path(StageFile& file, const std::optional<CameraPath>& pa
     });
 }
 
-std::string add_path_key(StageFile& file, const CameraPathKey& key, double frame_s) {
+std::string add_path_key(stage::StageFile& file, const stage::CameraPathKey& key, double frame_s) {
     return all_or_nothing(file, [&] {
         if (!find_path(file)) make_path(file) = {{"keys", ordered_json::array()}, {"duration", key.time_s}};
         ordered_json& path = *find_path(file);
@@ -127,15 +127,15 @@ std::string add_path_key(StageFile& file, const CameraPathKey& key, double frame
         const size_t same = key_at(keys, key.time_s, frame_s);
         const bool replaces = same < keys.size();
         if (replaces)
-            keys[same].update(json_of(key));
+            keys[same].update(stage::json_of(key));
         else
-            insert_key(keys, json_of(key));
+            insert_key(keys, stage::json_of(key));
         set_duration(path, last_s);
         return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", words_of(path));
     });
 }
 
-std::string remove_path_key(StageFile& file, size_t key) {
+std::string remove_path_key(stage::StageFile& file, size_t key) {
     ordered_json& path = path_with_key(file, key);
     ordered_json& keys = path["keys"];
     const double time_s = time_of(keys[key]), last_s = time_of(keys.back());
@@ -148,7 +148,7 @@ std::string remove_path_key(StageFile& file, size_t key) {
     return fmt::format("key at {:.6g} s removed; {}", time_s, words_of(path));
 }
 
-std::string move_path_key(StageFile& file, size_t key, double to_s, double frame_s) {
+std::string move_path_key(stage::StageFile& file, size_t key, double to_s, double frame_s) {
     ordered_json& path = path_with_key(file, key);
     ordered_json& keys = path["keys"];
     const double from_s = time_of(keys[key]), last_s = time_of(keys.back());
@@ -162,4 +162,4 @@ std::string move_path_key(StageFile& file, size_t key, double to_s, double frame
     return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, words_of(path));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

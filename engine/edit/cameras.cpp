@@ -6,14 +6,14 @@
 #include "edit/document.h"
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
 constexpr double kNear_m = 0.05;  // glTF wants one; no picture of ours has one
 
 // The index of the camera that a node holds; throws where it holds none, or one that is not perspective.
-size_t perspective_camera_of(StageFile& file, uint32_t node) {
+size_t perspective_camera_of(stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     const std::string place = fmt::format("/nodes/{}", node);
     if (!json.contains("camera"))
@@ -28,7 +28,7 @@ size_t perspective_camera_of(StageFile& file, uint32_t node) {
 
 }  // namespace
 
-std::string add_camera(StageFile& file, const std::string& name, double vertical_angle_rad,
+std::string add_camera(stage::StageFile& file, const std::string& name, double vertical_angle_rad,
                        const glm::dmat4& world_from_camera) {
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", FreeNames(file).take(name.empty() ? "camera" : name)}});
@@ -47,7 +47,7 @@ std::string add_camera(StageFile& file, const std::string& name, double vertical
     });
 }
 
-std::string set_camera(StageFile& file, uint32_t node, double vertical_angle_rad) {
+std::string set_camera(stage::StageFile& file, uint32_t node, double vertical_angle_rad) {
     const size_t index = perspective_camera_of(file, node);
     ordered_json& nodes = file.json["nodes"];
     ordered_json& cameras = file.json["cameras"];
@@ -65,4 +65,4 @@ std::string set_camera(StageFile& file, uint32_t node, double vertical_angle_rad
     return fmt::format("{}: sees {:.6g}° high", title_of(file, node), glm::degrees(vertical_angle_rad));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -37,13 +37,13 @@ std::optional<uint64_t> index_of(const ordered_json& value) {
     return {};
 }
 
-ordered_json& node_of(StageFile& file, uint32_t node) {
+ordered_json& node_of(stage::StageFile& file, uint32_t node) {
     if (!file.json.contains("nodes") || node >= file.json["nodes"].size())
         throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
     return file.json["nodes"][node];
 }
 
-std::string title_of(const StageFile& file, uint32_t node) {
+std::string title_of(const stage::StageFile& file, uint32_t node) {
     const std::string name = name_of(file.json["nodes"][node]);
     return name.empty() ? fmt::format("node {}", node) : fmt::format("\"{}\" (node {})", name, node);
 }
@@ -54,7 +54,7 @@ ordered_json* find_extension(ordered_json& owner, const char* name) {
     return extensions.contains(name) && extensions[name].is_object() ? &extensions[name] : nullptr;
 }
 
-ordered_json& make_extension(const StageFile& file, ordered_json& owner, const char* name) {
+ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name) {
     if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
     if (!owner["extensions"].is_object())
         throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
@@ -62,7 +62,7 @@ ordered_json& make_extension(const StageFile& file, ordered_json& owner, const c
     return owner["extensions"][name] = ordered_json::object();
 }
 
-void declare_extension(StageFile& file, const char* name) {
+void declare_extension(stage::StageFile& file, const char* name) {
     ordered_json& used = list_in(file.json, "extensionsUsed");
     if (std::find(used.begin(), used.end(), ordered_json(name)) == used.end()) used.push_back(name);
 }
@@ -73,7 +73,7 @@ void remove_extension(ordered_json& owner, const char* name) {
     if (owner["extensions"].empty()) owner.erase("extensions");
 }
 
-void forget_unused(StageFile& file, const char* name) {
+void forget_unused(stage::StageFile& file, const char* name) {
     if (holds_extension(file.json, name)) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
         if (!file.json.contains(list) || !file.json[list].is_array()) continue;
@@ -84,7 +84,7 @@ void forget_unused(StageFile& file, const char* name) {
     }
 }
 
-std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
+std::vector<uint32_t> family_of(const stage::StageFile& file, uint32_t node) {
     std::vector<uint32_t> family = {node};
     for (size_t next = 0; next < family.size(); ++next)
         for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
@@ -92,7 +92,7 @@ std::vector<uint32_t> family_of(const StageFile& file, uint32_t node) {
     return family;
 }
 
-ordered_json& performer_of(StageFile& file, uint32_t node) {
+ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
     ordered_json* performer = find_extension(node_of(file, node), "NEUVV_performer");
     if (!performer)
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
@@ -100,8 +100,8 @@ ordered_json& performer_of(StageFile& file, uint32_t node) {
     return *performer;
 }
 
-const ordered_json& performer_of(const StageFile& file, uint32_t node) {
-    return performer_of(const_cast<StageFile&>(file), node);  // which it only finds
+const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
+    return performer_of(const_cast<stage::StageFile&>(file), node);  // which it only finds
 }
 
 ordered_json& list_in(ordered_json& json, const char* name) {
@@ -110,7 +110,7 @@ ordered_json& list_in(ordered_json& json, const char* name) {
     return json[name];
 }
 
-ordered_json& scene_of(StageFile& file) {
+ordered_json& scene_of(stage::StageFile& file) {
     if (list_in(file.json, "scenes").empty()) {
         std::set<uint64_t> children;
         ordered_json roots = ordered_json::array();
@@ -130,14 +130,14 @@ ordered_json& scene_of(StageFile& file) {
     return file.json["scenes"][scene];
 }
 
-uint32_t append_node(StageFile& file, ordered_json node) {
+uint32_t append_node(stage::StageFile& file, ordered_json node) {
     const auto index = static_cast<uint32_t>(list_in(file.json, "nodes").size());
     list_in(scene_of(file), "nodes").push_back(index);
     file.json["nodes"].push_back(std::move(node));
     return index;
 }
 
-FreeNames::FreeNames(const StageFile& file) {
+FreeNames::FreeNames(const stage::StageFile& file) {
     if (!file.json.contains("nodes")) return;
     for (const ordered_json& node : file.json["nodes"]) taken_.insert(name_of(node));
 }
@@ -203,7 +203,7 @@ glm::dvec3 place_of(const LocalPlace& place) {
     return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
 }
 
-bool is_animated(const StageFile& file, uint32_t node) {
+bool is_animated(const stage::StageFile& file, uint32_t node) {
     for (const ordered_json& animation : file.json.value("animations", ordered_json::array()))
         for (const ordered_json& channel : animation.value("channels", ordered_json::array()))
             if (channel.contains("target") && channel["target"].is_object() &&
@@ -220,4 +220,4 @@ std::string text_of(const glm::dvec3& v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -15,7 +15,7 @@
 
 #include "stage/stage_file.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 using nlohmann::ordered_json;
 
@@ -23,7 +23,7 @@ constexpr const char* kLightsExtension = "KHR_lights_punctual";
 
 // What `edit` returns; where it throws, the document is as it was.
 template <typename Edit>
-std::string all_or_nothing(StageFile& file, const Edit& edit) {
+std::string all_or_nothing(stage::StageFile& file, const Edit& edit) {
     ordered_json before = file.json;
     try {
         return edit();
@@ -37,38 +37,38 @@ std::string all_or_nothing(StageFile& file, const Edit& edit) {
 std::optional<uint64_t> index_of(const ordered_json& value);
 
 // nodes[node]; throws InputError where it does not exist.
-ordered_json& node_of(StageFile& file, uint32_t node);
+ordered_json& node_of(stage::StageFile& file, uint32_t node);
 // "\"anna\" (node 3)".
-std::string title_of(const StageFile& file, uint32_t node);
+std::string title_of(const stage::StageFile& file, uint32_t node);
 
 // owner.extensions[name], null where it is not there.
 ordered_json* find_extension(ordered_json& owner, const char* name);
 // The same, made where it is missing. The document must have been told: declare_extension.
-ordered_json& make_extension(const StageFile& file, ordered_json& owner, const char* name);
+ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name);
 // The document says that it uses it.
-void declare_extension(StageFile& file, const char* name);
+void declare_extension(stage::StageFile& file, const char* name);
 // Takes it away, and what is empty thereby.
 void remove_extension(ordered_json& owner, const char* name);
 // The document no longer says that it uses an extension that nothing has.
-void forget_unused(StageFile& file, const char* name);
+void forget_unused(stage::StageFile& file, const char* name);
 
 // The node and all below it, parents first.
-std::vector<uint32_t> family_of(const StageFile& file, uint32_t node);
+std::vector<uint32_t> family_of(const stage::StageFile& file, uint32_t node);
 
 // The performer on a node; throws InputError where there is none.
-ordered_json& performer_of(StageFile& file, uint32_t node);
-const ordered_json& performer_of(const StageFile& file, uint32_t node);
+ordered_json& performer_of(stage::StageFile& file, uint32_t node);
+const ordered_json& performer_of(const stage::StageFile& file, uint32_t node);
 // The list json[name], made where it is missing.
 ordered_json& list_in(ordered_json& json, const char* name);
 // The scene that a stage shows, made of all nodes that have no parent where the document has none.
-ordered_json& scene_of(StageFile& file);
+ordered_json& scene_of(stage::StageFile& file);
 // A node at the end of the list and of the scene; returns its index.
-uint32_t append_node(StageFile& file, ordered_json node);
+uint32_t append_node(stage::StageFile& file, ordered_json node);
 
 // Names that no node has: the one that is wanted, or with a number behind it. Each is given once.
 class FreeNames {
   public:
-    explicit FreeNames(const StageFile& file);
+    explicit FreeNames(const stage::StageFile& file);
     std::string take(const std::string& wanted);
 
   private:
@@ -94,9 +94,9 @@ LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle
 glm::dvec3 place_of(const LocalPlace& place);
 
 // Whether an animation moves the node itself.
-bool is_animated(const StageFile& file, uint32_t node);
+bool is_animated(const stage::StageFile& file, uint32_t node);
 
 ordered_json json_of(const glm::dvec3& v);
 std::string text_of(const glm::dvec3& v);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

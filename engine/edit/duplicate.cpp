@@ -13,12 +13,12 @@
 #include "edit/time_edit.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
 // What cannot be copied without moving the original, too.
-void expect_copyable(const StageFile& file, const std::vector<uint32_t>& family) {
+void expect_copyable(const stage::StageFile& file, const std::vector<uint32_t>& family) {
     const std::string place = fmt::format("/nodes/{}", family[0]);
     if (is_animated(file, family[0]))
         throw InputError(
@@ -33,7 +33,7 @@ void expect_copyable(const StageFile& file, const std::vector<uint32_t>& family)
 }
 
 // The list that holds the node: its parent's children, or the scene's roots; null where it is in neither.
-ordered_json* siblings_of(StageFile& file, uint32_t node) {
+ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
     const auto holds = [&](ordered_json& owner, const char* name) {
         if (!owner.contains(name) || !owner[name].is_array()) return false;
         for (const ordered_json& index : owner[name])
@@ -64,29 +64,29 @@ LocalPlace copy_place(const LocalPlace& first, const CopySettings& settings, uin
 }
 
 // The performer's time, made ready for its clip.
-Timeline timeline_of(const StageFile& file, uint32_t node) {
+stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     const std::filesystem::path clip = clip_of(file, node);
     const ordered_json& performer = performer_of(file, node);
     const std::string name = file.path.string(), place = title_of(file, node) + ": time";
-    const TimeMap map = time_map_of(performer.value("time", ordered_json::array()), name, place);
-    ClipHead head;
+    const stage::TimeMap map = stage::time_map_of(performer.value("time", ordered_json::array()), name, place);
+    voctree::ClipHead head;
     try {
-        head = read_clip_head(clip);
+        head = voctree::read_clip_head(clip);
     } catch (const InputError& problem) {
         throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
     }
-    return timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
+    return stage::timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
 }
 
 // A performer's copy: later, and spinning faster.
-void stagger(ordered_json& performer, const CopySettings& settings, const Timeline& timeline, uint32_t copy) {
-    const ClipTime by = stagger_offset(timeline, {settings.stagger.value * copy, settings.stagger.frames});
-    if (by.value != 0) list_in(performer, "time").push_back({{"operator", "offset"}, {"by", text_of(by)}});
+void stagger(ordered_json& performer, const CopySettings& settings, const stage::Timeline& timeline, uint32_t copy) {
+    const stage::ClipTime by = stagger_offset(timeline, {settings.stagger.value * copy, settings.stagger.frames});
+    if (by.value != 0) list_in(performer, "time").push_back({{"operator", "offset"}, {"by", stage::text_of(by)}});
     if (settings.spin_step != 0) performer["spin"] = performer.value("spin", 0.0) + settings.spin_step * copy;
 }
 
 // Copies of the channels that move what is below the copied node.
-void copy_channels(StageFile& file, const std::map<uint32_t, uint32_t>& copies) {
+void copy_channels(stage::StageFile& file, const std::map<uint32_t, uint32_t>& copies) {
     if (!file.json.contains("animations")) return;
     for (ordered_json& animation : file.json["animations"]) {
         ordered_json added = ordered_json::array();
@@ -102,7 +102,7 @@ void copy_channels(StageFile& file, const std::map<uint32_t, uint32_t>& copies) 
     }
 }
 
-uint32_t copy_family(StageFile& file, const std::vector<uint32_t>& family, FreeNames& names) {
+uint32_t copy_family(stage::StageFile& file, const std::vector<uint32_t>& family, FreeNames& names) {
     std::map<uint32_t, uint32_t> copies;
     for (const uint32_t node : family) {
         ordered_json copy = file.json["nodes"][node];
@@ -120,7 +120,7 @@ uint32_t copy_family(StageFile& file, const std::vector<uint32_t>& family, FreeN
     return copies.at(family[0]);
 }
 
-std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settings) {
+std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings& settings) {
     const std::string title = title_of(file, node);
     const LocalPlace first = local_place_of(node_of(file, node));
     const std::vector<uint32_t> family = family_of(file, node);
@@ -128,11 +128,11 @@ std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settin
     siblings_of(file, node);  // a document without a scene gets it before there are copies to list
     FreeNames names(file);
     std::vector<uint32_t> copies;
-    const Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : Timeline{};
+    const stage::Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : stage::Timeline{};
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
         const uint32_t index = copies.emplace_back(copy_family(file, family, names));
         set_local_place(node_of(file, index), copy_place(first, settings, copy));
-        if (ordered_json* performer = find_extension(node_of(file, index), kPerformerExtension))
+        if (ordered_json* performer = find_extension(node_of(file, index), stage::kPerformerExtension))
             stagger(*performer, settings, timeline, copy);
     }
     if (ordered_json* siblings = siblings_of(file, node))
@@ -143,17 +143,17 @@ std::string duplicate(StageFile& file, uint32_t node, const CopySettings& settin
 
 }  // namespace
 
-std::string duplicate_node(StageFile& file, uint32_t node, const CopySettings& settings) {
+std::string duplicate_node(stage::StageFile& file, uint32_t node, const CopySettings& settings) {
     node_of(file, node);
     if (settings.count == 0 || settings.count > kMaxCopies)
         throw InputError(file.path.string(), "count", fmt::format("{} is no number of copies", settings.count),
                          fmt::format("choose from 1 to {}", kMaxCopies));
     if ((settings.stagger.value != 0 || settings.spin_step != 0) &&
-        !find_extension(node_of(file, node), kPerformerExtension))
+        !find_extension(node_of(file, node), stage::kPerformerExtension))
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is no performer: it has no time and no spin", title_of(file, node)),
                          "leave them out");
     return all_or_nothing(file, [&] { return duplicate(file, node, settings); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

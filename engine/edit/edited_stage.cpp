@@ -10,16 +10,16 @@
 #include "stage/stage.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
 // Of a sound document.
-std::set<std::filesystem::path> worn_paint(StageFile& file) {
+std::set<std::filesystem::path> worn_paint(stage::StageFile& file) {
     std::set<std::filesystem::path> paths;
     if (!file.json.contains("nodes")) return paths;
     for (ordered_json& node : file.json["nodes"]) {
-        const ordered_json* performer = find_extension(node, kPerformerExtension);
+        const ordered_json* performer = find_extension(node, stage::kPerformerExtension);
         if (!performer) continue;
         for (const ordered_json& layer : performer->value("paint", ordered_json::array()))
             paths.insert(paint_path(file, layer["uri"].get<std::string>()));
@@ -34,9 +34,9 @@ bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
 
 // What the disk has in the place of this file, where that is another program's.
 std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const std::filesystem::path& path) {
-    const StageFile& file = document.file;
+    const stage::StageFile& file = document.file;
     std::error_code ignored;
-    const bool same_file = file.saved->on_disk && absolute_path(path) == absolute_path(file.path);
+    const bool same_file = file.saved->on_disk && stage::absolute_path(path) == stage::absolute_path(file.path);
     if (!same_file || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
     std::vector<uint8_t> bytes = read_file(path);
     if (bytes == file.saved->bytes && !document.disk_is_anothers) return std::nullopt;
@@ -45,25 +45,25 @@ std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const st
 
 }  // namespace
 
-std::filesystem::path paint_path(const StageFile& file, const std::string& uri) {
-    return absolute_path(file_of_uri(file, uri, "paint"));
+std::filesystem::path paint_path(const stage::StageFile& file, const std::string& uri) {
+    return stage::absolute_path(stage::file_of_uri(file, uri, "paint"));
 }
 
-std::shared_ptr<const EditLayer> open_paint(Document& document, const std::filesystem::path& path,
-                                            const PaintedField& field) {
+std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const std::filesystem::path& path,
+                                                     const voctree::PaintedField& field) {
     const auto found = document.paint.find(path);
     if (found != document.paint.end()) return found->second;
-    auto layer = std::make_shared<const EditLayer>(read_paint(path, field));
+    auto layer = std::make_shared<const voctree::EditLayer>(voctree::read_paint(path, field));
     document.paint[path] = document.saved_paint[path] = layer;
     return layer;
 }
 
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
-    expect_sound_document(document.file);
+    stage::expect_sound_document(document.file);
     const std::set<std::filesystem::path> worn = worn_paint(document.file);
     for (const auto& layer : document.paint) {
         if (!worn.contains(layer.first) || is_saved(document, layer)) continue;
-        write_paint(layer.first, *layer.second);
+        voctree::write_paint(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
     std::optional<std::filesystem::path> kept;
@@ -71,7 +71,7 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
         kept = free_path(path.parent_path() / (path.stem().string() + "-theirs" + path.extension().string()));
         write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
     }
-    save_stage_file(document.file, path);
+    stage::save_stage_file(document.file, path);
     document.disk_is_anothers = false;
     return kept;
 }
@@ -91,4 +91,4 @@ std::string saved_text(const std::filesystem::path& path, const std::optional<st
                        theirs->filename().string());
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -11,13 +11,13 @@
 #include "stage/stage_file.h"
 #include "voctree/paint.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 // By paint_path. Layers do not change: who paints puts another one in.
-using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const EditLayer>>;
+using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>>;
 
 struct Document {
-    StageFile file;
+    stage::StageFile file;
     // Layers as edited; one that is missing here is as on the disk. Put one in by open_paint before its first edit, so
     // that undo knows how it was; one that has no file yet, at any time.
     PaintLayers paint;
@@ -27,11 +27,11 @@ struct Document {
 };
 
 // The .nvpaint that a layer's uri names, absolute. Throws InputError as file_of_uri.
-std::filesystem::path paint_path(const StageFile& file, const std::string& uri);
+std::filesystem::path paint_path(const stage::StageFile& file, const std::string& uri);
 
 // The layer as edited, else as read from the disk, which then is in both lists. Throws InputError as read_paint.
-std::shared_ptr<const EditLayer> open_paint(Document& document, const std::filesystem::path& path,
-                                            const PaintedField& field);
+std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const std::filesystem::path& path,
+                                                     const voctree::PaintedField& field);
 
 // Writes the layers that the stage's performers wear and the disk does not hold so, then the stage to `path`, which is
 // the file's then (save_stage_file): each file atomically. Layers stay where they are; stages that share one share its
@@ -44,4 +44,4 @@ std::filesystem::path free_path(const std::filesystem::path& wanted);
 // "saved stage.gltf", and what became of another program's version.
 std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

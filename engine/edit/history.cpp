@@ -2,17 +2,17 @@
 
 #include <set>
 
-namespace neuvv {
+namespace neuvv::edit {
 
 // Of layers that steps hold and the document does not.
 uint64_t History::paint_bytes(const Document& document) const {
-    std::set<const EditLayer*> counted;
+    std::set<const voctree::EditLayer*> counted;
     for (const auto& [path, layer] : document.paint) counted.insert(layer.get());
     uint64_t bytes = 0;
     for (const std::deque<Step>* steps : {&undo_, &redo_})
         for (const Step& step : *steps)
             for (const auto& [path, layer] : step.paint)
-                if (counted.insert(layer.get()).second) bytes += layer->edits.size() * sizeof(LeafEdit);
+                if (counted.insert(layer.get()).second) bytes += layer->edits.size() * sizeof(voctree::LeafEdit);
     return bytes;
 }
 
@@ -27,8 +27,8 @@ void History::did(Document before, const Document& after, std::string what) {
 std::optional<std::string> History::step(Document& document, uint64_t& revision, std::deque<Step>& from,
                                          std::deque<Step>& to) {
     if (from.empty()) return {};
-    StageFile& file = document.file;
-    StageFile target = moved_to({from.back().path, from.back().json, {}}, file.path);
+    stage::StageFile& file = document.file;
+    stage::StageFile target = stage::moved_to({from.back().path, from.back().json, {}}, file.path);
     Step step = std::move(from.back());
     from.pop_back();
     // Layers that were opened since are as they were opened, for their first edit is another step.
@@ -50,4 +50,4 @@ std::optional<std::string> History::redo(Document& document) {
     return step(document, revision_, redo_, undo_);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -8,7 +8,7 @@
 
 #include "edit/edited_stage.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 class History {
   public:
@@ -56,4 +56,4 @@ class History {
     uint64_t revision_ = 1, last_revision_ = 1, saved_ = 1;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -4,14 +4,14 @@
 #include "edit/document.h"
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
 constexpr double kDefaultCandela = 100;
 
 // lights[...] of a node; throws where it has none.
-ordered_json& light_of(StageFile& file, uint32_t node) {
+ordered_json& light_of(stage::StageFile& file, uint32_t node) {
     ordered_json* held = find_extension(node_of(file, node), kLightsExtension);
     ordered_json* lights = find_extension(file.json, kLightsExtension);
     if (!held || !lights)
@@ -20,7 +20,7 @@ ordered_json& light_of(StageFile& file, uint32_t node) {
     return (*lights)["lights"].at((*held)["light"].get<size_t>());
 }
 
-size_t users_of(StageFile& file, size_t light) {
+size_t users_of(stage::StageFile& file, size_t light) {
     size_t count = 0;
     for (ordered_json& node : file.json["nodes"])
         if (const ordered_json* held = find_extension(node, kLightsExtension)) count += (*held)["light"] == light;
@@ -61,7 +61,8 @@ std::string changes_of(const LightEdit& edit, const ordered_json& light) {
 
 }  // namespace
 
-std::string add_light(StageFile& file, const std::string& name, const LightEdit& edit, const Placement& placement) {
+std::string add_light(stage::StageFile& file, const std::string& name, const LightEdit& edit,
+                      const Placement& placement) {
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", FreeNames(file).take(name.empty() ? "light" : name)}});
         declare_extension(file, kLightsExtension);
@@ -75,7 +76,7 @@ std::string add_light(StageFile& file, const std::string& name, const LightEdit&
     });
 }
 
-std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit) {
+std::string set_light(stage::StageFile& file, uint32_t node, const LightEdit& edit) {
     ordered_json changed = light_of(file, node);
     edit_light(changed, edit);
     ordered_json& held = *find_extension(node_of(file, node), kLightsExtension);
@@ -88,9 +89,9 @@ std::string set_light(StageFile& file, uint32_t node, const LightEdit& edit) {
     return fmt::format("{}: {}", title_of(file, node), changes_of(edit, changed));
 }
 
-std::string remove_light(StageFile& file, uint32_t node) {
+std::string remove_light(stage::StageFile& file, uint32_t node) {
     light_of(file, node);
     return remove_node(file, node);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

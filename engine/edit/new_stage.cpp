@@ -5,7 +5,7 @@
 #include "edit/document.h"
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -61,12 +61,13 @@ void add_floor(ordered_json& json) {
 
 }  // namespace
 
-StageFile new_stage(const std::filesystem::path& path) {
+stage::StageFile new_stage(const std::filesystem::path& path) {
     ordered_json json = {{"asset", {{"version", "2.0"}, {"generator", "neuvv"}}},
-                         {"extensionsUsed", {kLightsExtension, kStageExtension}},
+                         {"extensionsUsed", {kLightsExtension, stage::kStageExtension}},
                          {"scene", 0}};
-    json["scenes"] = {
-        {{"name", "stage"}, {"nodes", {0, 1, 2}}, {"extensions", {{kStageExtension, {{"ambient", {0.3, 0.3, 0.3}}}}}}}};
+    json["scenes"] = {{{"name", "stage"},
+                       {"nodes", {0, 1, 2}},
+                       {"extensions", {{stage::kStageExtension, {{"ambient", {0.3, 0.3, 0.3}}}}}}}};
     json["nodes"] = {{{"name", "floor"}, {"mesh", 0}},
                      {{"name", "camera"},
                       {"camera", 0},
@@ -87,7 +88,7 @@ StageFile new_stage(const std::filesystem::path& path) {
              {"intensity", kCandela},
              {"spot", {{"innerConeAngle", std::numbers::pi / 8}, {"outerConeAngle", std::numbers::pi / 5}}}}}}}}};
     add_floor(json);
-    return make_stage_file(path, json.dump(2) + "\n");
+    return stage::make_stage_file(path, json.dump(2) + "\n");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -6,7 +6,7 @@
 #include "edit/operations.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -25,7 +25,7 @@ void remove_lock(ordered_json& node) {
     if (extras.empty()) node.erase("extras");
 }
 
-void add_lock(const StageFile& file, uint32_t index, ordered_json& node) {
+void add_lock(const stage::StageFile& file, uint32_t index, ordered_json& node) {
     ordered_json& extras = node["extras"];
     const bool usable = extras.is_null() || extras.is_object();
     if (!usable || (extras.contains("neuvv") && !extras["neuvv"].is_object()))
@@ -36,29 +36,29 @@ void add_lock(const StageFile& file, uint32_t index, ordered_json& node) {
 
 }  // namespace
 
-std::string show_node(StageFile& file, uint32_t node, bool shown) {
+std::string show_node(stage::StageFile& file, uint32_t node, bool shown) {
     node_of(file, node);
     if (shown) {
-        remove_extension(node_of(file, node), kVisibilityExtension);
-        if (ordered_json* performer = find_extension(node_of(file, node), kPerformerExtension))
+        remove_extension(node_of(file, node), stage::kVisibilityExtension);
+        if (ordered_json* performer = find_extension(node_of(file, node), stage::kPerformerExtension))
             performer->erase("visible");
-        forget_unused(file, kVisibilityExtension);
+        forget_unused(file, stage::kVisibilityExtension);
     } else {
-        declare_extension(file, kVisibilityExtension);
-        make_extension(file, node_of(file, node), kVisibilityExtension)["visible"] = false;
+        declare_extension(file, stage::kVisibilityExtension);
+        make_extension(file, node_of(file, node), stage::kVisibilityExtension)["visible"] = false;
     }
     return fmt::format("{}: {}", title_of(file, node), shown ? "shown" : "hidden, and what hangs on it");
 }
 
-bool is_shown(const StageFile& file, uint32_t node) {
-    ordered_json& json = node_of(const_cast<StageFile&>(file), node);  // which is only looked at
-    for (const char* extension : {kVisibilityExtension, kPerformerExtension})
+bool is_shown(const stage::StageFile& file, uint32_t node) {
+    ordered_json& json = node_of(const_cast<stage::StageFile&>(file), node);  // which is only looked at
+    for (const char* extension : {stage::kVisibilityExtension, stage::kPerformerExtension})
         if (const ordered_json* found = find_extension(json, extension))
             if (!found->value("visible", true)) return false;
     return true;
 }
 
-std::string lock_node(StageFile& file, uint32_t node, bool locked) {
+std::string lock_node(stage::StageFile& file, uint32_t node, bool locked) {
     return all_or_nothing(file, [&] {
         ordered_json& json = node_of(file, node);
         if (locked)
@@ -69,9 +69,9 @@ std::string lock_node(StageFile& file, uint32_t node, bool locked) {
     });
 }
 
-bool is_locked(const StageFile& file, uint32_t node) {
-    const ordered_json* ours = our_extras(node_of(const_cast<StageFile&>(file), node));
+bool is_locked(const stage::StageFile& file, uint32_t node) {
+    const ordered_json* ours = our_extras(node_of(const_cast<stage::StageFile&>(file), node));
     return ours && ours->contains("locked") && (*ours)["locked"] == true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "edit/document.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -102,7 +102,7 @@ std::vector<std::string> changes_of(const Placement& placement, const LocalPlace
     return changes;
 }
 
-void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdit& edit,
+void edit_performer(stage::StageFile& file, ordered_json& performer, const PerformerEdit& edit,
                     std::vector<std::string>& changes) {
     const auto put = [&](const char* name, const auto& value, const std::string& text) {
         if (!value) return;
@@ -110,15 +110,15 @@ void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdi
         changes.push_back(text);
     };
     if (edit.clip) {
-        performer["uri"] = uri_of_file(file, *edit.clip);
+        performer["uri"] = stage::uri_of_file(file, *edit.clip);
         changes.push_back("plays " + performer["uri"].get<std::string>());
     }
     if (edit.time) {
         if (edit.time->empty())
             performer.erase("time");
         else
-            performer["time"] = json_of(*edit.time);
-        changes.push_back("time " + (edit.time->empty() ? "as the clip's" : text_of(*edit.time)));
+            performer["time"] = stage::json_of(*edit.time);
+        changes.push_back("time " + (edit.time->empty() ? "as the clip's" : stage::text_of(*edit.time)));
     }
     put("spin", edit.spin_deg_per_s, fmt::format("spins {}° a second", edit.spin_deg_per_s.value_or(0)));
     put("opacity", edit.opacity, fmt::format("opacity {}", edit.opacity.value_or(0)));
@@ -128,7 +128,8 @@ void edit_performer(StageFile& file, ordered_json& performer, const PerformerEdi
         edit.receives_shadow.value_or(false) ? "shadows fall on it" : "no shadows fall on it");
 }
 
-void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edit, std::vector<std::string>& changes) {
+void edit_environment(stage::StageFile& file, ordered_json& stage, const StageEdit& edit,
+                      std::vector<std::string>& changes) {
     if (edit.environment && edit.environment->empty()) {
         stage.erase("environment");
         changes.push_back("no environment");
@@ -138,7 +139,7 @@ void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edi
     if (!edit.environment && !stage.contains("environment"))
         throw InputError(file.path.string(), "environment", "there is none to change", "give it a picture");
     ordered_json& environment = stage["environment"];
-    if (edit.environment) environment["uri"] = uri_of_file(file, *edit.environment);
+    if (edit.environment) environment["uri"] = stage::uri_of_file(file, *edit.environment);
     if (edit.environment_intensity) environment["intensity"] = *edit.environment_intensity;
     if (edit.environment_rotation_deg) environment["rotation"] = *edit.environment_rotation_deg;
     changes.push_back(fmt::format("environment {}, intensity {:.6g}, turned by {:.6g}°",
@@ -146,9 +147,9 @@ void edit_environment(StageFile& file, ordered_json& stage, const StageEdit& edi
                                   environment.value("rotation", 0.0)));
 }
 
-std::string edit_stage(StageFile& file, const StageEdit& edit) {
-    declare_extension(file, kStageExtension);
-    ordered_json& stage = make_extension(file, scene_of(file), kStageExtension);
+std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
+    declare_extension(file, stage::kStageExtension);
+    ordered_json& stage = make_extension(file, scene_of(file), stage::kStageExtension);
     std::vector<std::string> changes;
     const auto put = [&](const char* name, const ordered_json& value, const std::string& text) {
         stage[name] = value;
@@ -163,7 +164,7 @@ std::string edit_stage(StageFile& file, const StageEdit& edit) {
     put_color("ambient", "ambient light", edit.ambient);
     edit_environment(file, stage, edit, changes);
     if (edit.blend) {
-        const char* const name = kStageBlendNames[static_cast<size_t>(*edit.blend)];
+        const char* const name = stage::kStageBlendNames[static_cast<size_t>(*edit.blend)];
         put("blend", name, fmt::format("performers blend: {}", name));
     }
     if (edit.shadows) put("shadows", *edit.shadows, *edit.shadows ? "lights cast shadows" : "no shadows");
@@ -174,7 +175,7 @@ std::string edit_stage(StageFile& file, const StageEdit& edit) {
 
 }  // namespace
 
-uint32_t find_node(const StageFile& file, const std::string& name_or_index) {
+uint32_t find_node(const stage::StageFile& file, const std::string& name_or_index) {
     const ordered_json none = ordered_json::array();
     const ordered_json& nodes = file.json.contains("nodes") ? file.json["nodes"] : none;
     std::vector<std::string> found, all;
@@ -199,7 +200,7 @@ uint32_t find_node(const StageFile& file, const std::string& name_or_index) {
                      all.empty() ? "the stage has none" : "choose from " + with_commas(all));
 }
 
-std::string place_node(StageFile& file, uint32_t node, const Placement& placement) {
+std::string place_node(stage::StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
     const LocalPlace before = local_place_of(json);
     LocalPlace place = placed(before, placement);
@@ -225,7 +226,7 @@ std::string place_node(StageFile& file, uint32_t node, const Placement& placemen
                        is_animated(file, node) ? ", but an animation moves it" : "");
 }
 
-std::string rename_node(StageFile& file, uint32_t node, const std::string& name) {
+std::string rename_node(stage::StageFile& file, uint32_t node, const std::string& name) {
     const std::string before = title_of(file, node);
     ordered_json& json = node_of(file, node);
     if (name.empty()) throw InputError(file.path.string(), before, "cannot be named \"\"", "choose a name");
@@ -236,31 +237,31 @@ std::string rename_node(StageFile& file, uint32_t node, const std::string& name)
                        free == name ? "" : fmt::format(", as there is a \"{}\" already", name));
 }
 
-std::string add_performer(StageFile& file, const std::string& name, const PerformerEdit& edit,
+std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement) {
     if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
     const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", FreeNames(file).take(wanted)}});
-        declare_extension(file, kPerformerExtension);
+        declare_extension(file, stage::kPerformerExtension);
         std::vector<std::string> changes;
-        edit_performer(file, make_extension(file, node_of(file, node), kPerformerExtension), edit, changes);
+        edit_performer(file, make_extension(file, node_of(file, node), stage::kPerformerExtension), edit, changes);
         return "added " + place_node(file, node, placement) + ", " + with_commas(changes);
     });
 }
 
-std::string set_performer(StageFile& file, uint32_t node, const PerformerEdit& edit) {
+std::string set_performer(stage::StageFile& file, uint32_t node, const PerformerEdit& edit) {
     std::vector<std::string> changes;
     edit_performer(file, performer_of(file, node), edit, changes);
     return title_of(file, node) + ": " + (changes.empty() ? "as it was" : with_commas(changes));
 }
 
-std::filesystem::path clip_of(const StageFile& file, uint32_t node) {
-    return file_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
+std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node) {
+    return stage::file_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
 }
 
-std::string set_stage(StageFile& file, const StageEdit& edit) {
+std::string set_stage(stage::StageFile& file, const StageEdit& edit) {
     return all_or_nothing(file, [&] { return edit_stage(file, edit); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

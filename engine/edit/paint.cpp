@@ -5,11 +5,11 @@
 #include "edit/document.h"
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
-ordered_json& layer_of(StageFile& file, uint32_t node, size_t layer) {
+ordered_json& layer_of(stage::StageFile& file, uint32_t node, size_t layer) {
     ordered_json& performer = performer_of(file, node);
     const size_t count = performer.contains("paint") ? performer["paint"].size() : 0;
     if (layer >= count)
@@ -23,7 +23,7 @@ void edit_layer(ordered_json& layer, const PaintEdit& edit) {
     if (edit.name) layer["name"] = *edit.name;
     if (edit.visible) layer["visible"] = *edit.visible;
     if (edit.opacity) layer["opacity"] = *edit.opacity;
-    if (edit.blend) layer["blend"] = kPaintBlendNames[static_cast<size_t>(*edit.blend)];
+    if (edit.blend) layer["blend"] = stage::kPaintBlendNames[static_cast<size_t>(*edit.blend)];
 }
 
 // "0 \"red\" (red.nvpaint): tint, opacity 0.5".
@@ -36,21 +36,22 @@ std::string words_of(size_t index, const ordered_json& layer) {
 
 }  // namespace
 
-std::string add_paint_layer(StageFile& file, uint32_t node, const std::filesystem::path& paint, const PaintEdit& edit) {
+std::string add_paint_layer(stage::StageFile& file, uint32_t node, const std::filesystem::path& paint,
+                            const PaintEdit& edit) {
     ordered_json& layers = list_in(performer_of(file, node), "paint");
-    ordered_json layer = {{"uri", uri_of_file(file, paint)}};
+    ordered_json layer = {{"uri", stage::uri_of_file(file, paint)}};
     edit_layer(layer, edit);
     layers.push_back(layer);
     return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layers.size() - 1, layer));
 }
 
-std::string set_paint_layer(StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit) {
+std::string set_paint_layer(stage::StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit) {
     ordered_json& json = layer_of(file, node, layer);
     edit_layer(json, edit);
     return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layer, json));
 }
 
-std::string move_paint_layer(StageFile& file, uint32_t node, size_t from, size_t to) {
+std::string move_paint_layer(stage::StageFile& file, uint32_t node, size_t from, size_t to) {
     layer_of(file, node, to);
     ordered_json moved = layer_of(file, node, from);
     ordered_json& layers = performer_of(file, node)["paint"];
@@ -59,7 +60,7 @@ std::string move_paint_layer(StageFile& file, uint32_t node, size_t from, size_t
     return fmt::format("{}: paint layer {} is layer {} now", title_of(file, node), from, to);
 }
 
-std::string remove_paint_layer(StageFile& file, uint32_t node, size_t layer) {
+std::string remove_paint_layer(stage::StageFile& file, uint32_t node, size_t layer) {
     layer_of(file, node, layer);
     ordered_json& performer = performer_of(file, node);
     performer["paint"].erase(layer);
@@ -67,4 +68,4 @@ std::string remove_paint_layer(StageFile& file, uint32_t node, size_t layer) {
     return fmt::format("{}: paint layer {} removed", title_of(file, node), layer);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -22,7 +22,7 @@ struct DepthMap {
     glm::dvec2 pixel(uint32_t x, uint32_t y) const { return (glm::dvec2(x, y) + 0.5) / static_cast<double>(dense); }
 };
 
-DepthMap depth_map(Picker& picker, const Camera& camera, uint32_t dense) {
+DepthMap depth_map(render::Picker& picker, const stage::Camera& camera, uint32_t dense) {
     DepthMap map{camera.width * dense, camera.height * dense, dense, {}};
     map.distance_m.reserve(size_t{map.width} * map.height);
     constexpr uint32_t kRows = 64;
@@ -30,8 +30,8 @@ DepthMap depth_map(Picker& picker, const Camera& camera, uint32_t dense) {
     for (uint32_t first = 0; first < map.height; first += kRows) {
         rays.clear();
         for (uint32_t y = first; y < std::min(first + kRows, map.height); y++)
-            for (uint32_t x = 0; x < map.width; x++) rays.push_back(pick_ray(camera, map.pixel(x, y)));
-        for (const Picked& picked : picker.pick(rays))
+            for (uint32_t x = 0; x < map.width; x++) rays.push_back(render::pick_ray(camera, map.pixel(x, y)));
+        for (const render::Picked& picked : picker.pick(rays))
             map.distance_m.push_back(picked.hit() ? picked.distance_m : kInfinity);
     }
     return map;
@@ -39,7 +39,7 @@ DepthMap depth_map(Picker& picker, const Camera& camera, uint32_t dense) {
 
 // From the eye to what a place in the picture shows, at one metre along the camera's own axis. Its length is in the
 // performer's metres, whose space may be stretched, sheared or mirrored as the camera sees it.
-glm::dvec3 line_at(const Camera& camera, glm::dvec2 pixel) {
+glm::dvec3 line_at(const stage::Camera& camera, glm::dvec2 pixel) {
     const glm::dvec3 line((pixel.x - camera.cx) / camera.fx, (camera.cy - pixel.y) / camera.fy, -1);
     return glm::dmat3(camera.world_from_camera) * line;
 }
@@ -50,7 +50,7 @@ struct RayCell {
     double half_diagonal = 0;  // to the nearest ray, at most
 };
 
-RayCell ray_cell(const Camera& camera, const glm::dvec3& direction) {
+RayCell ray_cell(const stage::Camera& camera, const glm::dvec3& direction) {
     const auto aside = [&](const glm::dvec4& step) {
         return glm::dvec3(step) - glm::dot(glm::dvec3(step), direction) * direction;
     };
@@ -61,7 +61,8 @@ RayCell ray_cell(const Camera& camera, const glm::dvec3& direction) {
 }
 
 // Rays a pixel along each side that lie no farther apart than the narrowest live leaf is wide.
-uint32_t rays_a_pixel(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Camera& camera) {
+uint32_t rays_a_pixel(render::Picker& picker, const Canvas& canvas, std::span<const float> sigma,
+                      const stage::Camera& camera) {
     float edge = kInfinity;
     for (size_t leaf = 0; leaf < sigma.size(); leaf++)
         if (sigma[leaf] > 0) edge = std::min(edge, canvas.edges_m[leaf]);
@@ -82,7 +83,7 @@ uint32_t rays_a_pixel(Picker& picker, const Canvas& canvas, std::span<const floa
 }
 
 // Premultiplied linear colour and alpha between the middles of pixels.
-glm::vec4 picture_at(const Image& image, glm::vec2 at) {
+glm::vec4 picture_at(const media::Image& image, glm::vec2 at) {
     const glm::vec2 size(image.width, image.height);
     const glm::vec2 place = glm::clamp(at - 0.5f, glm::vec2(0), size - 1.0f), low = glm::floor(place);
     const glm::vec2 part = place - low;
@@ -91,8 +92,8 @@ glm::vec4 picture_at(const Image& image, glm::vec2 at) {
                    row = static_cast<uint32_t>(std::min(y, size.y - 1));
         const uint8_t* rgba = image.at(column, row);
         const float alpha = static_cast<float>(rgba[3]) / 255;
-        return glm::vec4(alpha * glm::vec3(linear_from_srgb_byte(rgba[0]), linear_from_srgb_byte(rgba[1]),
-                                           linear_from_srgb_byte(rgba[2])),
+        return glm::vec4(alpha * glm::vec3(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
+                                           media::linear_from_srgb_byte(rgba[2])),
                          alpha);
     };
     return glm::mix(glm::mix(pixel(low.x, low.y), pixel(low.x + 1, low.y), part.x),
@@ -101,7 +102,7 @@ glm::vec4 picture_at(const Image& image, glm::vec2 at) {
 
 // All lengths in the performer's metres, where leaves are cubes and rays are as long as they are picked to be.
 struct Projector {
-    Projector(const Canvas& on, const Image& picture, const Camera& from, const DepthMap& seen)
+    Projector(const Canvas& on, const media::Image& picture, const stage::Camera& from, const DepthMap& seen)
         : canvas(on),
           image(picture),
           camera(from),
@@ -109,8 +110,8 @@ struct Projector {
           camera_from_performer(glm::inverse(camera.world_from_camera)),
           eye(camera.world_from_camera[3]) {}
     const Canvas& canvas;
-    const Image& image;
-    const Camera& camera;
+    const media::Image& image;
+    const stage::Camera& camera;
     const DepthMap& map;
     glm::dmat4 camera_from_performer;
     glm::dvec3 eye;
@@ -190,8 +191,8 @@ struct Projector {
 
 }  // namespace
 
-std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
-                              const Camera& camera) {
+std::vector<voctree::LeafEdit> project(render::Picker& picker, const Canvas& canvas, std::span<const float> sigma,
+                                       const media::Image& image, const stage::Camera& camera) {
     assert(camera.width == image.width && camera.height == image.height);
     const DepthMap map = depth_map(picker, camera, rays_a_pixel(picker, canvas, sigma, camera));
     const Projector projector(canvas, image, camera, map);
@@ -200,7 +201,7 @@ std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<co
         for (size_t leaf = begin; leaf < end; leaf++)
             if (sigma[leaf] > 0) seen[leaf] = projector.seen_at(static_cast<uint32_t>(leaf));
     });
-    std::vector<LeafEdit> edits;
+    std::vector<voctree::LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < seen.size(); leaf++) {
         const float alpha = std::min(seen[leaf].a, 1.0f);
         if (alpha < 1.0f / 512) continue;
@@ -209,4 +210,4 @@ std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<co
     return edits;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

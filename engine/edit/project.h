@@ -13,13 +13,13 @@
 #include "media/image.h"
 #include "render/pick.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 constexpr uint32_t kMaxProjectionRays = 8;
 
 // The camera in the performer's space (in_performer: any affine transform will do), of the picture's size; the picker
 // shows the instant that is painted on, `sigma` is densities() at it. Transparent pixels paint nothing.
-std::vector<LeafEdit> project(Picker& picker, const Canvas& canvas, std::span<const float> sigma, const Image& image,
-                              const Camera& camera);
+std::vector<voctree::LeafEdit> project(render::Picker& picker, const Canvas& canvas, std::span<const float> sigma,
+                                       const media::Image& image, const stage::Camera& camera);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -14,7 +14,7 @@
 #include "stage/stage.h"
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -22,7 +22,7 @@ using nlohmann::ordered_json;
 
 constexpr const char* kEntryName = "entry.json";
 constexpr const char* kLockName = "lock";
-constexpr uint64_t kMaxEntryBytes = 3 * kMaxStageJsonBytes;
+constexpr uint64_t kMaxEntryBytes = 3 * stage::kMaxStageJsonBytes;
 constexpr uint64_t kVersion = 1;
 
 // Paths are bytes, JSON is UTF-8. decoded_uri reads it.
@@ -81,7 +81,7 @@ struct Members {
         return at(name).get<bool>();
     }
     std::filesystem::path path(const char* name) const {
-        const std::string decoded = decoded_uri(text(name));
+        const std::string decoded = stage::decoded_uri(text(name));
         const std::filesystem::path found(decoded);
         if (!found.is_absolute() || decoded.find('\0') != std::string::npos) fail(name);
         return found;
@@ -91,8 +91,8 @@ struct Members {
 ordered_json read_entry(const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / kEntryName;
     const std::vector<uint8_t> bytes = read_file(file, kMaxEntryBytes);
-    ordered_json json =
-        parse_document(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file.string());
+    ordered_json json = stage::parse_document(
+        std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file.string());
     const Members members{json, file.string()};
     if (members.number("version", UINT64_MAX) != kVersion)
         throw InputError(file.string(), "version", "is another program's", "recover it with the neuvv that wrote it");
@@ -102,7 +102,7 @@ ordered_json read_entry(const std::filesystem::path& folder) {
 bool is_changed(const RecoveryEntry& entry, uint64_t disk_hash) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(entry.stage, error)) return entry.on_disk;
-    return !entry.on_disk || hash_of(read_file(entry.stage, kMaxStageBytes)) != disk_hash;
+    return !entry.on_disk || hash_of(read_file(entry.stage, stage::kMaxStageBytes)) != disk_hash;
 }
 
 RecoveryEntry entry_of(const std::filesystem::path& folder) {
@@ -128,9 +128,11 @@ void restore_layer(Document& document, const ordered_json& json, const RecoveryE
     const Members members{json, (entry.folder / kEntryName).string()};
     const std::filesystem::path name = members.text("file");
     if (!name.has_filename() || name.filename() != name || name == ".." || name == ".") members.fail("file");
-    const PaintedField field{members.hex("topology"), static_cast<uint32_t>(members.number("leaves", UINT32_MAX)),
-                             static_cast<uint32_t>(members.number("frames", UINT32_MAX))};
-    document.paint[members.path("path")] = std::make_shared<const EditLayer>(read_paint(entry.folder / name, field));
+    const voctree::PaintedField field{members.hex("topology"),
+                                      static_cast<uint32_t>(members.number("leaves", UINT32_MAX)),
+                                      static_cast<uint32_t>(members.number("frames", UINT32_MAX))};
+    document.paint[members.path("path")] =
+        std::make_shared<const voctree::EditLayer>(voctree::read_paint(entry.folder / name, field));
 }
 
 }  // namespace
@@ -160,7 +162,7 @@ RecoveryWriter::StoredLayers RecoveryWriter::store_layers(const Document& docume
             continue;
         }
         const std::string name = fmt::format("{}.nvpaint", next_layer_++);
-        write_paint(entry_ / name, *layer);
+        voctree::write_paint(entry_ / name, *layer);
         stored[path] = {layer, name};
     }
     return stored;
@@ -192,7 +194,7 @@ void RecoveryWriter::store(const Document& document) {
     if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
     const uint64_t hash = document.disk_is_anothers ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
     ordered_json json = {{"version", kVersion},
-                         {"stage", escaped(absolute_path(document.file.path))},
+                         {"stage", escaped(stage::absolute_path(document.file.path))},
                          {"when", static_cast<uint64_t>(now_s())},
                          {"process", static_cast<uint64_t>(process_id())},
                          {"on_disk", document.file.saved->on_disk},
@@ -239,7 +241,8 @@ std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder) {
 
 std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, const std::filesystem::path& stage) {
     std::vector<RecoveryEntry> entries = list_recovery(folder);
-    std::erase_if(entries, [whole = absolute_path(stage)](const RecoveryEntry& entry) { return entry.stage != whole; });
+    std::erase_if(entries,
+                  [whole = stage::absolute_path(stage)](const RecoveryEntry& entry) { return entry.stage != whole; });
     return entries;
 }
 
@@ -251,20 +254,20 @@ bool has_anothers_file(const RecoveryEntry& entry) {
 Document restore(const RecoveryEntry& entry) {
     const ordered_json json = read_entry(entry.folder);
     const Members members{json, (entry.folder / kEntryName).string()};
-    const ordered_json stored = parse_document(members.text("document"), members.file);
+    const ordered_json stored = stage::parse_document(members.text("document"), members.file);
     const std::filesystem::path stage = members.path("stage");
     std::error_code error;
     const bool on_disk = members.boolean("on_disk");
     Document document;
     // The text of a .gltf is all of it; a .glb has its buffers beside.
     if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
-        document.file = read_stage_file(stage);
+        document.file = stage::read_stage_file(stage);
         document.disk_is_anothers = has_anothers_file(entry);
     } else {
-        document.file = make_stage_file(stage, text_of(stored, 2) + "\n");
+        document.file = stage::make_stage_file(stage, text_of(stored, 2) + "\n");
     }
     document.file.json = stored;
-    expect_sound_document(document.file);
+    stage::expect_sound_document(document.file);
     if (!members.at("paint").is_array()) members.fail("paint");
     for (const ordered_json& layer : members.at("paint")) restore_layer(document, layer, entry);
     return document;
@@ -275,4 +278,4 @@ void discard(const RecoveryEntry& entry) {
     std::filesystem::remove_all(entry.folder, ignored);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -13,7 +13,7 @@
 #include "base/file_lock.h"
 #include "edit/edited_stage.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 // The folder for entries of this user (state_folder()/recovery); empty where there is none.
 std::filesystem::path recovery_folder();
@@ -32,7 +32,7 @@ class RecoveryWriter {
 
   private:
     struct StoredLayer {
-        std::shared_ptr<const EditLayer> layer;
+        std::shared_ptr<const voctree::EditLayer> layer;
         std::string file;
     };
     using StoredLayers = std::map<std::filesystem::path, StoredLayer>;
@@ -44,7 +44,7 @@ class RecoveryWriter {
     FileLock lock_;
     uint64_t next_layer_ = 0;
     // As stored last.
-    StageFile file_;
+    stage::StageFile file_;
     uint64_t disk_hash_ = 0;  // of file_.saved
     StoredLayers layers_;
 };
@@ -75,4 +75,4 @@ Document restore(const RecoveryEntry& entry);
 // Removes the entry.
 void discard(const RecoveryEntry& entry);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

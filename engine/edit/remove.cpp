@@ -10,7 +10,7 @@
 #include "edit/operations.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -19,7 +19,7 @@ using Indices = std::set<uint64_t>;
 // Extensions whose indices are known here, or that hold none of nodes, meshes, skins, cameras and lights.
 constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",     "KHR_materials_",
                                            "KHR_texture_",        "KHR_mesh_",  "EXT_mesh_",
-                                           "EXT_texture_",        "KHR_draco_", kVisibilityExtension};
+                                           "EXT_texture_",        "KHR_draco_", stage::kVisibilityExtension};
 
 size_t size_of(const ordered_json& json, const char* list) {
     return json.contains(list) ? json[list].size() : 0;
@@ -76,7 +76,7 @@ std::optional<uint64_t> held_index(ordered_json& node, const char* name) {
 }
 
 // What nodes of the family hold and no other node.
-Indices only_used_by(StageFile& file, const Indices& family, const char* name) {
+Indices only_used_by(stage::StageFile& file, const Indices& family, const char* name) {
     Indices inside, outside;
     for (size_t i = 0; i < size_of(file.json, "nodes"); ++i)
         if (const auto index = held_index(file.json["nodes"][i], name))
@@ -85,7 +85,7 @@ Indices only_used_by(StageFile& file, const Indices& family, const char* name) {
     return inside;
 }
 
-void expect_no_joint(const StageFile& file, const Indices& family, const Indices& skins) {
+void expect_no_joint(const stage::StageFile& file, const Indices& family, const Indices& skins) {
     for (size_t s = 0; s < size_of(file.json, "skins"); ++s) {
         if (skins.contains(s)) continue;
         for (const ordered_json& joint : file.json["skins"][s].value("joints", ordered_json::array()))
@@ -142,7 +142,7 @@ void remove_held(ordered_json& json, const char* list, const char* member, const
     for_each(json, "nodes", [&](ordered_json& node) { renumber_member(node, member, where); });
 }
 
-void remove_lights(StageFile& file, const Indices& gone) {
+void remove_lights(stage::StageFile& file, const Indices& gone) {
     ordered_json* lights = find_extension(file.json, kLightsExtension);
     if (gone.empty() || !lights) return;
     const std::vector<int64_t> where = renumbering(size_of(*lights, "lights"), gone);
@@ -154,7 +154,7 @@ void remove_lights(StageFile& file, const Indices& gone) {
 }
 
 // Extensions that may hold indices which were renumbered.
-std::string doubtful_extensions(const StageFile& file) {
+std::string doubtful_extensions(const stage::StageFile& file) {
     std::string names;
     for (const ordered_json& used : file.json.value("extensionsUsed", ordered_json::array())) {
         const std::string name = used.is_string() ? used.get<std::string>() : "?";
@@ -167,7 +167,7 @@ std::string doubtful_extensions(const StageFile& file) {
 
 }  // namespace
 
-std::string remove_node(StageFile& file, uint32_t node) {
+std::string remove_node(stage::StageFile& file, uint32_t node) {
     node_of(file, node);
     const std::string title = title_of(file, node);
     const std::vector<uint32_t> nodes = family_of(file, node);
@@ -183,7 +183,7 @@ std::string remove_node(StageFile& file, uint32_t node) {
     remove_held(file.json, "cameras", "camera", cameras);
     remove_lights(file, lights);
     remove_nodes(file.json, family);
-    for (const char* extension : {kPerformerExtension, kLightsExtension, kVisibilityExtension})
+    for (const char* extension : {stage::kPerformerExtension, kLightsExtension, stage::kVisibilityExtension})
         forget_unused(file, extension);
     std::string text = fmt::format("removed {}", title);
     if (family.size() > 1) text += fmt::format(" and {} below it", family.size() - 1);
@@ -191,4 +191,4 @@ std::string remove_node(StageFile& file, uint32_t node) {
     return text;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -84,41 +84,42 @@ std::vector<Span> joined(std::vector<Span> spans) {
 
 }  // namespace
 
-Canvas::Canvas(const VOctree& field) : tree(field), rows(basis_entries(field.sigma_basis, field.bases)) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+Canvas::Canvas(const voctree::VOctree& field)
+    : tree(field), rows(voctree::basis_entries(field.sigma_basis, field.bases)) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     middles.reserve(places.size());
     edges_m.reserve(places.size());
-    for (const LeafPlace& place : places) {
+    for (const voctree::LeafPlace& place : places) {
         const float side = std::ldexp(1.0f, -static_cast<int>(place.depth));
         const glm::vec3 middle = (glm::vec3(place.x, place.y, place.z) + 0.5f) * side;
         middles.push_back(tree.box_min + middle * tree.box_size);
-        edges_m.push_back(leaf_edge_m(tree, place.depth));
+        edges_m.push_back(voctree::leaf_edge_m(tree, place.depth));
     }
 }
 
-std::vector<float> densities(const Canvas& canvas, float frame, std::span<const PaintUse> paint) {
-    const VOctree& tree = canvas.tree;
+std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint) {
+    const voctree::VOctree& tree = canvas.tree;
     const InstantRows rows(tree, frame);
     std::vector<float> sigma(tree.leaf_count);
     parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
     });
-    for (const PaintUse& use : paint)
-        for (const LeafEdit& edit : use.layer->edits)
+    for (const render::PaintUse& use : paint)
+        for (const voctree::LeafEdit& edit : use.layer->edits)
             if (edit.sigma >= 0 && edit.first <= frame && frame <= edit.last)
                 sigma[edit.leaf] = std::lerp(sigma[edit.leaf], edit.sigma, use.opacity);
     return sigma;
 }
 
-InstantRows::InstantRows(const VOctree& tree, float frame)
+InstantRows::InstantRows(const voctree::VOctree& tree, float frame)
     : sigma(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames))),
       gamma(row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames))) {}
 
-float density(const VOctree& tree, const InstantRows& rows, uint32_t leaf) {
+float density(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf) {
     return std::max(dot(rows.sigma, tree.leaf(leaf)), 0.0f);
 }
 
-glm::vec3 mean_colour(const VOctree& tree, const InstantRows& rows, uint32_t leaf) {
+glm::vec3 mean_colour(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
     const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
@@ -167,7 +168,7 @@ std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region) 
 std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last) {
     // Between two frames a density is largest at one of them, or at an end of what is asked for.
     std::vector<std::vector<float>> rows;
-    const VOctree& tree = canvas.tree;
+    const voctree::VOctree& tree = canvas.tree;
     for (const float frame : {first, last})
         rows.push_back(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames)));
     for (float frame = std::floor(first) + 1; frame < last; frame++)
@@ -182,13 +183,14 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     return marked(live);
 }
 
-std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames) {
-    std::vector<LeafEdit> result;
+std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const voctree::LeafEdit> edits,
+                                         const EditFrames& frames) {
+    std::vector<voctree::LeafEdit> result;
     std::vector<float> sigma(canvas.tree.frames);
-    for (LeafEdit edit : edits) {
+    for (voctree::LeafEdit edit : edits) {
         std::vector<Span> spans;
         if (frames.follow != Follow::kNot) {
-            density_of_frames(canvas.tree.leaf(edit.leaf), canvas.rows, sigma);
+            voctree::density_of_frames(canvas.tree.leaf(edit.leaf), canvas.rows, sigma);
             spans = opaque_runs(sigma, -std::log(1 - frames.opaque) / canvas.edges_m[edit.leaf], frames);
         }
         spans.emplace_back(frames.first, frames.last);
@@ -201,14 +203,14 @@ std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> 
     return result;
 }
 
-std::vector<LeafEdit> through_between(std::vector<LeafEdit> edits, float first, float last) {
-    std::sort(edits.begin(), edits.end(), [](const LeafEdit& a, const LeafEdit& b) {
+std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last) {
+    std::sort(edits.begin(), edits.end(), [](const voctree::LeafEdit& a, const voctree::LeafEdit& b) {
         return std::pair(a.leaf, a.first) < std::pair(b.leaf, b.first);
     });
     constexpr float kEver = std::numeric_limits<float>::infinity();
-    const std::vector<LeafEdit> made = edits;
+    const std::vector<voctree::LeafEdit> made = edits;
     for (size_t i = 0; i < made.size(); i++) {
-        const LeafEdit& edit = made[i];
+        const voctree::LeafEdit& edit = made[i];
         const float before = i > 0 && made[i - 1].leaf == edit.leaf ? made[i - 1].last : -kEver;
         const float after = i + 1 < made.size() && made[i + 1].leaf == edit.leaf ? made[i + 1].first : kEver;
         const float previous = std::ceil(edit.first) - 1, next = std::floor(edit.last) + 1;
@@ -220,4 +222,4 @@ std::vector<LeafEdit> through_between(std::vector<LeafEdit> edits, float first, 
     return edits;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -7,29 +7,29 @@
 #include "render/paint.h"
 #include "voctree/leaf_density.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 // A field on the host, with what every tool asks of its leaves. The tree must outlive it.
 struct Canvas {
-    explicit Canvas(const VOctree& tree);
-    const VOctree& tree;
-    std::vector<glm::vec3> middles;  // per leaf, performer's space, metres
-    std::vector<float> edges_m;      // per leaf: the mean of its three edges
-    std::vector<BasisEntry> rows;    // of A
+    explicit Canvas(const voctree::VOctree& tree);
+    const voctree::VOctree& tree;
+    std::vector<glm::vec3> middles;         // per leaf, performer's space, metres
+    std::vector<float> edges_m;             // per leaf: the mean of its three edges
+    std::vector<voctree::BasisEntry> rows;  // of A
 };
 
 // σ of every leaf at a frame (fractions interpolate), 1/m, as painted.
-std::vector<float> densities(const Canvas& canvas, float frame, std::span<const PaintUse> paint = {});
+std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint = {});
 
 // A_t and B_t at a frame (fractions interpolate), for leaf after leaf.
 struct InstantRows {
-    InstantRows(const VOctree& tree, float frame);
+    InstantRows(const voctree::VOctree& tree, float frame);
     std::vector<float> sigma, gamma;
 };
 
 // σ of a leaf without paint, 1/m, held at 0; and its mean colour, linear: sigmoid(k_00 Y_00).
-float density(const VOctree& tree, const InstantRows& rows, uint32_t leaf);
-glm::vec3 mean_colour(const VOctree& tree, const InstantRows& rows, uint32_t leaf);
+float density(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf);
+glm::vec3 mean_colour(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf);
 
 // Whether a place belongs to it: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;
@@ -58,11 +58,12 @@ struct EditFrames {
 
 // Each edit at its frames. Runs reach into the fractions before and after them, where the leaf comes and goes; kRun and
 // kAll hold from first to last in any case.
-std::vector<LeafEdit> at_frames(const Canvas& canvas, std::span<const LeafEdit> edits, const EditFrames& frames);
+std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const voctree::LeafEdit> edits,
+                                         const EditFrames& frames);
 
 // Edits that were made at whole frames, or from one to another, reach into the fractions before and after them, where
 // the field fades between two frames: to the next frame, or half way where the leaf has an edit there, too; never out
 // of first to last. In order of leaf and frame.
-std::vector<LeafEdit> through_between(std::vector<LeafEdit> edits, float first, float last);
+std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 namespace {
 
@@ -18,7 +18,7 @@ constexpr double kMinSpeed = 1e-3, kMaxSpeed = 1e3;
 // A map as a bar. Times are frames at the clip's rate: begin and end of the part in the time of `inner`, start in the
 // stage's.
 struct Bar {
-    TimeMap inner;
+    stage::TimeMap inner;
     double length = 0;  // of inner; INFINITY where endless
     double frame = 1;   // a clip frame's length in it
     double begin = 0, end = 0;
@@ -29,12 +29,12 @@ struct Bar {
     double shown() const { return (end - begin) / speed; }
 };
 
-double in_frames(const ClipTime& time, const ClipRate& clip) {
+double in_frames(const stage::ClipTime& time, const ClipRate& clip) {
     return time.frames ? time.value : time.value * clip.fps;
 }
 
-Timeline ready(const TimeMap& map, const ClipRate& clip) {
-    return timeline_of(map, clip.frames, clip.fps, kPlace, "");
+stage::Timeline ready(const stage::TimeMap& map, const ClipRate& clip) {
+    return stage::timeline_of(map, clip.frames, clip.fps, kPlace, "");
 }
 
 // Offsets that are one: both later or both earlier, or later and then earlier by no more. Earlier and then later is
@@ -43,9 +43,9 @@ bool merge(double first, double second) {
     return second == 0 || first == 0 || (first > 0) == (second > 0) || (first > 0 && first + second >= 0);
 }
 
-double take_start(TimeMap& inner, const ClipRate& clip) {
+double take_start(stage::TimeMap& inner, const ClipRate& clip) {
     double start = 0;
-    while (!inner.empty() && inner.back().verb == TimeVerb::kOffset) {
+    while (!inner.empty() && inner.back().verb == stage::TimeVerb::kOffset) {
         const double by = in_frames(inner.back().a, clip);
         if (!merge(by, start)) break;
         start += by;
@@ -56,21 +56,21 @@ double take_start(TimeMap& inner, const ClipRate& clip) {
 
 // Takes the operator that is the last of `bar.inner` into the bar, where it is one that a bar can say: the part that is
 // shown, in the time after the operator, becomes one in the time before it.
-bool take_last(Bar& bar, const Timeline::Step& step) {
-    const double tolerance = 20 * kFrameTolerance;
-    if (step.verb == TimeVerb::kSpeed) {
+bool take_last(Bar& bar, const stage::Timeline::Step& step) {
+    const double tolerance = 20 * stage::kFrameTolerance;
+    if (step.verb == stage::TimeVerb::kSpeed) {
         bar.begin *= step.factor;
         bar.end *= step.factor;
         bar.speed *= step.factor;
-    } else if (step.verb == TimeVerb::kReverse && bar.end <= step.length + tolerance) {
+    } else if (step.verb == stage::TimeVerb::kReverse && bar.end <= step.length + tolerance) {
         const double begin = bar.begin;
         bar.begin = std::max(0.0, step.length - bar.end);
         bar.end = step.length - begin;
         bar.reverse = !bar.reverse;
-    } else if (step.verb == TimeVerb::kClip && bar.end <= step.b - step.a + tolerance) {
+    } else if (step.verb == stage::TimeVerb::kClip && bar.end <= step.b - step.a + tolerance) {
         bar.begin += step.a;
         bar.end = std::min(bar.end + step.a, step.b);
-    } else if (step.verb == TimeVerb::kOffset && step.a <= 0) {
+    } else if (step.verb == stage::TimeVerb::kOffset && step.a <= 0) {
         bar.begin -= step.a;
         bar.end -= step.a;
     } else {
@@ -79,78 +79,81 @@ bool take_last(Bar& bar, const Timeline::Step& step) {
     return true;
 }
 
-double length_of(const Timeline& timeline) {
+double length_of(const stage::Timeline& timeline) {
     return timeline.steps.empty() ? timeline.frames : timeline.steps.back().length_after;
 }
 
 // Seconds that someone gave.
 double checked(double seconds) {
-    if (!(std::abs(seconds) <= kMaxClipTime))
-        throw InputError(kPlace, "", fmt::format("{} is no time within {} s", seconds, kMaxClipTime));
+    if (!(std::abs(seconds) <= stage::kMaxClipTime))
+        throw InputError(kPlace, "", fmt::format("{} is no time within {} s", seconds, stage::kMaxClipTime));
     return seconds;
 }
 
-Bar read_bar(const TimeMap& map, const ClipRate& clip) {
+Bar read_bar(const stage::TimeMap& map, const ClipRate& clip) {
     Bar bar;
     bar.inner = map;
-    bar.hold = std::erase_if(bar.inner, [](const TimeOperator& op) { return op.verb == TimeVerb::kHold; }) > 0;
+    bar.hold =
+        std::erase_if(bar.inner, [](const stage::TimeOperator& op) { return op.verb == stage::TimeVerb::kHold; }) > 0;
     ready(bar.inner, clip);  // a sound one
     bar.start = take_start(bar.inner, clip);
-    const Timeline timeline = ready(bar.inner, clip);
+    const stage::Timeline timeline = ready(bar.inner, clip);
     bar.end = length_of(timeline);
     while (!bar.inner.empty() && take_last(bar, timeline.steps[bar.inner.size() - 1])) bar.inner.pop_back();
     const size_t kept = bar.inner.size();
     bar.length = kept < timeline.steps.size() ? timeline.steps[kept].length : length_of(timeline);
     bar.frame = kept < timeline.steps.size() ? timeline.steps[kept].frame : 1;
     if (kept == timeline.steps.size())
-        for (const Timeline::Step& step : timeline.steps)
-            if (step.verb == TimeVerb::kSpeed) bar.frame /= step.factor;
+        for (const stage::Timeline::Step& step : timeline.steps)
+            if (step.verb == stage::TimeVerb::kSpeed) bar.frame /= step.factor;
     return bar;
 }
 
 // Whole frames as such; else seconds, to a billionth.
-ClipTime time_of(double frames, const ClipRate& clip) {
+stage::ClipTime time_of(double frames, const ClipRate& clip) {
     constexpr double kSteps = 1e9;
-    if (!(std::abs(frames / clip.fps) <= kMaxClipTime))
-        throw InputError(kPlace, "", fmt::format("reaches farther than {} s", kMaxClipTime));
+    if (!(std::abs(frames / clip.fps) <= stage::kMaxClipTime))
+        throw InputError(kPlace, "", fmt::format("reaches farther than {} s", stage::kMaxClipTime));
     const double whole = std::round(frames);
-    if (std::abs(frames - whole) <= kFrameTolerance && std::abs(whole) <= kMaxClipTime) return {whole + 0.0, true};
+    if (std::abs(frames - whole) <= stage::kFrameTolerance && std::abs(whole) <= stage::kMaxClipTime)
+        return {whole + 0.0, true};
     return {std::round(frames / clip.fps * kSteps) / kSteps, false};
 }
 
-TimeOperator with_times(TimeVerb verb, const ClipTime& a, const ClipTime& b = {}) {
-    TimeOperator op;
+stage::TimeOperator with_times(stage::TimeVerb verb, const stage::ClipTime& a, const stage::ClipTime& b = {}) {
+    stage::TimeOperator op;
     op.verb = verb;
     op.a = a;
     op.b = b;
     return op;
 }
 
-void expect_room(const TimeMap& map) {
-    if (map.size() > kMaxTimeOperators)
-        throw InputError(kPlace, "", fmt::format("has more than {} operators", kMaxTimeOperators));
+void expect_room(const stage::TimeMap& map) {
+    if (map.size() > stage::kMaxTimeOperators)
+        throw InputError(kPlace, "", fmt::format("has more than {} operators", stage::kMaxTimeOperators));
 }
 
-TimeMap write_bar(const Bar& bar, const ClipRate& clip) {
-    TimeMap map = bar.inner;
-    const bool whole_end = std::abs(bar.end - bar.length) <= kFrameTolerance || bar.end == bar.length;
+stage::TimeMap write_bar(const Bar& bar, const ClipRate& clip) {
+    stage::TimeMap map = bar.inner;
+    const bool whole_end = std::abs(bar.end - bar.length) <= stage::kFrameTolerance || bar.end == bar.length;
     const auto add_offset = [&](double by) {
-        if (!(std::abs(by) <= kFrameTolerance)) map.push_back(with_times(TimeVerb::kOffset, time_of(by, clip)));
+        if (!(std::abs(by) <= stage::kFrameTolerance))
+            map.push_back(with_times(stage::TimeVerb::kOffset, time_of(by, clip)));
     };
     if (!std::isfinite(bar.end))
         add_offset(-bar.begin);
-    else if (bar.begin > kFrameTolerance || !whole_end)
-        map.push_back(with_times(TimeVerb::kClip, time_of(bar.begin, clip), time_of(bar.end, clip)));
-    if (bar.reverse) map.push_back(with_times(TimeVerb::kReverse, {}));
+    else if (bar.begin > stage::kFrameTolerance || !whole_end)
+        map.push_back(with_times(stage::TimeVerb::kClip, time_of(bar.begin, clip), time_of(bar.end, clip)));
+    if (bar.reverse) map.push_back(with_times(stage::TimeVerb::kReverse, {}));
     if (!(std::abs(bar.speed - 1) <= 1e-12)) {
         if (!(bar.speed >= kMinSpeed && bar.speed <= kMaxSpeed))
             throw InputError(kPlace, "speed",
                              fmt::format("{:.6g} is not from {} to {}", bar.speed, kMinSpeed, kMaxSpeed));
-        map.push_back(with_times(TimeVerb::kSpeed, {}));
+        map.push_back(with_times(stage::TimeVerb::kSpeed, {}));
         map.back().factor = bar.speed;
     }
     add_offset(bar.start);
-    if (bar.hold) map.push_back(with_times(TimeVerb::kHold, {}));
+    if (bar.hold) map.push_back(with_times(stage::TimeVerb::kHold, {}));
     expect_room(map);
     ready(map, clip);
     return map;
@@ -183,19 +186,20 @@ void cut_end(Bar& bar, double by) {
 }
 
 // loop:a:b is clip:a:b,loop; what stands before the loop is a round of it.
-TimeMap with_rounds_reversed(TimeMap map, const ClipRate& clip) {
-    const auto repeats = [](const TimeOperator& op) {
-        return op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong;
+stage::TimeMap with_rounds_reversed(stage::TimeMap map, const ClipRate& clip) {
+    const auto repeats = [](const stage::TimeOperator& op) {
+        return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
     };
     auto loop = std::find_if(map.rbegin(), map.rend(), repeats).base() - 1;  // nothing else is endless
     if (std::exchange(loop->has_part, false)) {
-        const TimeOperator part = with_times(TimeVerb::kClip, std::exchange(loop->a, {}), std::exchange(loop->b, {}));
+        const stage::TimeOperator part =
+            with_times(stage::TimeVerb::kClip, std::exchange(loop->a, {}), std::exchange(loop->b, {}));
         loop = map.insert(loop, part) + 1;
     }
-    if (loop != map.begin() && (loop - 1)->verb == TimeVerb::kReverse)
+    if (loop != map.begin() && (loop - 1)->verb == stage::TimeVerb::kReverse)
         map.erase(loop - 1);
     else
-        map.insert(loop, with_times(TimeVerb::kReverse, {}));
+        map.insert(loop, with_times(stage::TimeVerb::kReverse, {}));
     expect_room(map);
     ready(map, clip);
     return map;
@@ -203,24 +207,24 @@ TimeMap with_rounds_reversed(TimeMap map, const ClipRate& clip) {
 
 }  // namespace
 
-TimeBar bar_of(const TimeMap& map, const ClipRate& clip) {
+TimeBar bar_of(const stage::TimeMap& map, const ClipRate& clip) {
     const Bar bar = read_bar(map, clip);
     return {bar.start / clip.fps, (bar.start + bar.shown()) / clip.fps};
 }
 
-TimeMap moved(const TimeMap& map, const ClipRate& clip, double by_s) {
+stage::TimeMap moved(const stage::TimeMap& map, const ClipRate& clip, double by_s) {
     Bar bar = read_bar(map, clip);
     bar.start += checked(by_s) * clip.fps;
     return write_bar(bar, clip);
 }
 
-TimeMap trimmed_start(const TimeMap& map, const ClipRate& clip, double at_s) {
+stage::TimeMap trimmed_start(const stage::TimeMap& map, const ClipRate& clip, double at_s) {
     Bar bar = read_bar(map, clip);
     cut_start(bar, inner_span(bar, checked(at_s) - bar.start / clip.fps, clip));
     return write_bar(bar, clip);
 }
 
-TimeMap trimmed_end(const TimeMap& map, const ClipRate& clip, double at_s) {
+stage::TimeMap trimmed_end(const stage::TimeMap& map, const ClipRate& clip, double at_s) {
     Bar bar = read_bar(map, clip);
     if (std::isfinite(bar.end)) {
         cut_end(bar, inner_span(bar, (bar.start + bar.shown()) / clip.fps - checked(at_s), clip));
@@ -231,25 +235,25 @@ TimeMap trimmed_end(const TimeMap& map, const ClipRate& clip, double at_s) {
     return write_bar(bar, clip);
 }
 
-TimeMap reversed(const TimeMap& map, const ClipRate& clip) {
+stage::TimeMap reversed(const stage::TimeMap& map, const ClipRate& clip) {
     Bar bar = read_bar(map, clip);
     if (!std::isfinite(bar.end)) return with_rounds_reversed(map, clip);
     bar.reverse = !bar.reverse;
     return write_bar(bar, clip);
 }
 
-TimeMap sped(const TimeMap& map, const ClipRate& clip, double factor) {
+stage::TimeMap sped(const stage::TimeMap& map, const ClipRate& clip, double factor) {
     Bar bar = read_bar(map, clip);
     bar.speed *= factor;
     return write_bar(bar, clip);
 }
 
-ClipTime stagger_offset(const Timeline& timeline, const ClipTime& by) {
-    const bool waits = std::any_of(timeline.steps.begin(), timeline.steps.end(), [](const Timeline::Step& step) {
-        return step.verb == TimeVerb::kOffset && step.a > 0;
+stage::ClipTime stagger_offset(const stage::Timeline& timeline, const stage::ClipTime& by) {
+    const bool waits = std::any_of(timeline.steps.begin(), timeline.steps.end(), [](const stage::Timeline::Step& step) {
+        return step.verb == stage::TimeVerb::kOffset && step.a > 0;
     });
     if (waits) return by;
-    const double period = period_s(timeline) * (by.frames ? timeline.fps : 1);
+    const double period = stage::period_s(timeline) * (by.frames ? timeline.fps : 1);
     if (period == 0) return by;
     constexpr double kSteps = 1e9;  // of a frame or second, to which text is rounded
     double ahead = std::fmod(-by.value, period);
@@ -258,8 +262,8 @@ ClipTime stagger_offset(const Timeline& timeline, const ClipTime& by) {
     return {ahead >= period ? 0 : -ahead, by.frames};
 }
 
-TimeMap staggered(const TimeMap& map, const ClipRate& clip, const ClipTime& by) {
+stage::TimeMap staggered(const stage::TimeMap& map, const ClipRate& clip, const stage::ClipTime& by) {
     return moved(map, clip, in_frames(stagger_offset(ready(map, clip), by), clip) / clip.fps);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

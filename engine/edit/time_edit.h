@@ -13,7 +13,7 @@
 
 #include "stage/time_map.h"
 
-namespace neuvv {
+namespace neuvv::edit {
 
 // What the map is of.
 struct ClipRate {
@@ -25,29 +25,29 @@ struct ClipRate {
 struct TimeBar {
     double start_s = 0, end_s = 0;
 };
-TimeBar bar_of(const TimeMap& map, const ClipRate& clip);
+TimeBar bar_of(const stage::TimeMap& map, const ClipRate& clip);
 
 // The bar begins so much later, or earlier; what of it then lies before the stage comes back when it is moved back.
-TimeMap moved(const TimeMap& map, const ClipRate& clip, double by_s);
+stage::TimeMap moved(const stage::TimeMap& map, const ClipRate& clip, double by_s);
 
 // The bar begins, or ends, at this stage time; whatever it shows goes on being shown when it was. At least a frame is
 // left, and no more is shown than there is: a bar that is pulled beyond ends where what it shows ends. Before and after
 // a bar its first and its last frame stand; the last one, as a clip's, as long as a frame. What is endless may be given
 // an end; its start is an offset into it, not a clip.
-TimeMap trimmed_start(const TimeMap& map, const ClipRate& clip, double at_s);
-TimeMap trimmed_end(const TimeMap& map, const ClipRate& clip, double at_s);
+stage::TimeMap trimmed_start(const stage::TimeMap& map, const ClipRate& clip, double at_s);
+stage::TimeMap trimmed_end(const stage::TimeMap& map, const ClipRate& clip, double at_s);
 
 // The bar plays backwards where it stands, or forwards again; of what is endless, each of its rounds.
-TimeMap reversed(const TimeMap& map, const ClipRate& clip);
+stage::TimeMap reversed(const stage::TimeMap& map, const ClipRate& clip);
 
 // The bar plays so many times as fast, from where it begins.
-TimeMap sped(const TimeMap& map, const ClipRate& clip, double factor);
+stage::TimeMap sped(const stage::TimeMap& map, const ClipRate& clip, double factor);
 
 // Later by `by`, as a copy among others: what never ends has begun before the stage (stagger_offset).
-TimeMap staggered(const TimeMap& map, const ClipRate& clip, const ClipTime& by);
+stage::TimeMap staggered(const stage::TimeMap& map, const ClipRate& clip, const stage::ClipTime& by);
 
 // The offset of what is later by `by`. What never ends has begun before the stage, so that it runs from the start on:
 // it is within a round of its period behind. What waits before it begins has a start to be later than.
-ClipTime stagger_offset(const Timeline& timeline, const ClipTime& by);
+stage::ClipTime stagger_offset(const stage::Timeline& timeline, const stage::ClipTime& by);
 
-}  // namespace neuvv
+}  // namespace neuvv::edit

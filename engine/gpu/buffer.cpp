@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 uint32_t texel_bytes(VkFormat format) {
     switch (format) {
@@ -118,4 +118,4 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
     return *this;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

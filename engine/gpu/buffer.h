@@ -5,7 +5,7 @@
 
 #include "gpu/device.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 enum class MemoryKind {
     kDevice,    // device-local; also mapped where the device shares memory with the host
@@ -42,4 +42,4 @@ struct Buffer {
 // Bytes of one texel of the formats used here.
 uint32_t texel_bytes(VkFormat format);
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 Commands::Commands(const Device& device, std::string name, uint32_t max_scopes)
     : device_(device), name_(std::move(name)), max_scopes_(max_scopes) {
@@ -239,4 +239,4 @@ void download(const Device& device, const Buffer& from, void* data, uint64_t byt
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -8,7 +8,7 @@
 
 #include "gpu/compute_pass.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 struct PassTime {
     std::string name;
@@ -120,4 +120,4 @@ void run_once(const Device& device, const std::string& name, const std::function
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

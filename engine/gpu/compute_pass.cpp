@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 namespace {
 
@@ -188,4 +188,4 @@ BindingSet& BindingSet::operator=(BindingSet&& other) noexcept {
     return *this;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -9,7 +9,7 @@
 
 #include "gpu/buffer.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 struct BindingSlot {
     uint32_t binding = 0;
@@ -75,4 +75,4 @@ class BindingSet {
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -16,7 +16,7 @@
 #include "gpu/features.h"
 #include "gpu/result_name.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 void check(VkResult result, const char* call, const std::string& object) {
     if (result != VK_SUCCESS)
@@ -349,4 +349,4 @@ void Device::wait_idle() const {
     check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -13,7 +13,7 @@
 
 #include "gpu/shader_table.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 // Throws RuntimeFailure naming the call, its object and the result unless it is VK_SUCCESS.
 void check(VkResult result, const char* call, const std::string& object);
@@ -118,4 +118,4 @@ class Device {
     std::unique_ptr<Messages> messages_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 bool has_extension(VkPhysicalDevice physical, const char* name) {
     uint32_t count = 0;
@@ -88,4 +88,4 @@ void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& 
     if (!output_layer(available)) optional.emplace_back("shaderOutputLayer (headsets are not drawn for)");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 // The features of a device, or those to enable, as Vulkan wants them chained. link() sets the chain; call it after the
 // last copy or move.
@@ -32,4 +32,4 @@ FeatureChain features_to_enable(VkPhysicalDevice physical);
 void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& missing,
                            std::vector<std::string>& optional);
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

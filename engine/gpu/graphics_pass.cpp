@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 namespace {
 
@@ -222,4 +222,4 @@ TextureSet& TextureSet::operator=(TextureSet&& other) noexcept {
     return *this;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

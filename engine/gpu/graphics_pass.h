@@ -9,7 +9,7 @@
 #include "gpu/compute_pass.h"
 #include "gpu/image.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 struct GraphicsShape {
     std::span<const uint32_t> vertex_spirv;
@@ -71,4 +71,4 @@ class TextureSet {
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 namespace {
 
@@ -164,4 +164,4 @@ void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, con
     vkCmdCopyImageToBuffer(commands.handle(), from.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.buffer, 1, &region);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

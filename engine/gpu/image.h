@@ -7,7 +7,7 @@
 
 #include "gpu/commands.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 struct ImageShape {
     uint32_t width = 1, height = 1;
@@ -71,4 +71,4 @@ void upload_levels(const Device& device, const DeviceImage& image, std::span<con
 // A part of level 0, in layout TRANSFER_SRC, tightly packed into a buffer from byte `offset` on.
 void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to, uint64_t offset = 0);
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "gpu/compute_pass.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 namespace {
 
@@ -70,4 +70,4 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
     return interface;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -3,7 +3,7 @@
 
 #include <volk.h>
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 inline const char* result_name(VkResult result) {
     switch (result) {
@@ -44,4 +44,4 @@ inline const char* result_name(VkResult result) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

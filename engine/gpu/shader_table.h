@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 // SPIR-V by the SPIR-V that was built in.
 using ShaderReplacements = std::map<std::vector<uint32_t>, std::vector<uint32_t>>;
@@ -36,4 +36,4 @@ class ShaderTable {
     ShaderReplacements replacements_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

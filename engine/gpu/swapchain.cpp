@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 namespace {
 
@@ -174,4 +174,4 @@ void Swapchain::present(const PresentTarget& target) {
     if (!old_) check(result, "vkQueuePresentKHR", "window");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

@@ -5,7 +5,7 @@
 
 #include "gpu/commands.h"
 
-namespace neuvv {
+namespace neuvv::gpu {
 
 // Extensions of the device that presenting needs, beyond those of the instance that the window system names.
 inline const std::vector<const char*> kPresentExtensions{VK_KHR_SWAPCHAIN_EXTENSION_NAME};
@@ -71,4 +71,4 @@ class Swapchain {
     bool old_ = true;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::gpu

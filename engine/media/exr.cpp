@@ -17,7 +17,7 @@
 #include "base/platform.h"
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::media {
 
 namespace {
 
@@ -163,4 +163,4 @@ LinearImage read_exr(const std::filesystem::path& file) {
     return image;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::media

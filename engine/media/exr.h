@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::media {
 
 // Linear light (Rec. 709 primaries), row-major from the top left.
 struct LinearImage {
@@ -26,4 +26,4 @@ constexpr uint64_t kMaxExrPixels = uint64_t{1} << 27;  // 16384×8192
 // kMaxExrPixels, and colours that are not finite.
 LinearImage read_exr(const std::filesystem::path& file);
 
-}  // namespace neuvv
+}  // namespace neuvv::media

@@ -19,7 +19,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::media {
 
 namespace {
 
@@ -360,4 +360,4 @@ Image composite_over(const Image& image, const uint8_t background_rgb[3]) {
     return result;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::media

@@ -7,7 +7,7 @@
 #include <memory_resource>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::media {
 
 // Row-major from the top left, 4 bytes a pixel: R, G, B sRGB-encoded, straight A.
 struct Image {
@@ -52,4 +52,4 @@ void write_png(const std::filesystem::path& path, const Image& image);
 // family's metrics do; result is opaque.
 Image composite_over(const Image& image, const uint8_t background_rgb[3]);
 
-}  // namespace neuvv
+}  // namespace neuvv::media

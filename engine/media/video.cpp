@@ -16,7 +16,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-namespace neuvv {
+namespace neuvv::media {
 
 namespace {
 
@@ -415,4 +415,4 @@ VideoSummary summarise_video(const std::filesystem::path& path) {
     return summary;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::media

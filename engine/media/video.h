@@ -8,7 +8,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::media {
 
 // Encoders want even sizes: odd ones are padded by one row or column.
 inline uint32_t video_side(uint32_t side) {
@@ -66,4 +66,4 @@ struct VideoSummary {
 };
 VideoSummary summarise_video(const std::filesystem::path& path);
 
-}  // namespace neuvv
+}  // namespace neuvv::media

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -127,4 +127,4 @@ std::vector<std::vector<uint32_t>> draw_order(std::span<const PlacedBox> boxes, 
     return std::move(components.groups);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

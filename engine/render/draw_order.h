@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::render {
 
 // A box under an affine transform: middle and half edges, world space, metres.
 struct PlacedBox {
@@ -21,4 +21,4 @@ PlacedBox placed_box(glm::dvec3 box_min, glm::dvec3 box_max, const glm::dmat4& w
 // them; planes that are parallel to faces or to an edge of each are tried, which finds one wherever there is any.
 std::vector<std::vector<uint32_t>> draw_order(std::span<const PlacedBox> boxes, std::span<const glm::dvec3> eyes);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

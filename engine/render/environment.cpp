@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -21,7 +21,7 @@ struct Level {
 };
 
 // A picture as linear light, taken down by the power of two that makes it narrow enough.
-Level linear_level(const Image& picture) {
+Level linear_level(const media::Image& picture) {
     uint32_t block = 1;
     while (picture.width / block > kMaxAcross) block *= 2;
     Level level{std::max(1u, picture.width / block), std::max(1u, picture.height / block), {}};
@@ -32,8 +32,8 @@ Level linear_level(const Image& picture) {
             for (uint32_t i = 0; i < block * block; i++) {
                 const uint8_t* pixel = picture.at(std::min(x * block + i % block, picture.width - 1),
                                                   std::min(y * block + i / block, picture.height - 1));
-                sum += glm::vec3(linear_from_srgb_byte(pixel[0]), linear_from_srgb_byte(pixel[1]),
-                                 linear_from_srgb_byte(pixel[2]));
+                sum += glm::vec3(media::linear_from_srgb_byte(pixel[0]), media::linear_from_srgb_byte(pixel[1]),
+                                 media::linear_from_srgb_byte(pixel[2]));
             }
             level.texels.push_back(sum / static_cast<float>(block * block));
         }
@@ -125,8 +125,8 @@ glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double
 }
 
 void store(std::vector<uint16_t>& to, size_t texel, const glm::vec3& light) {
-    for (int k = 0; k < 3; k++) to[4 * texel + static_cast<size_t>(k)] = half_from_float(light[k]);
-    to[4 * texel + 3] = half_from_float(1);
+    for (int k = 0; k < 3; k++) to[4 * texel + static_cast<size_t>(k)] = voctree::half_from_float(light[k]);
+    to[4 * texel + 3] = voctree::half_from_float(1);
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ glm::dvec3 environment_direction(double u, double v) {
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
-Environment make_environment(const Image& picture) {
+Environment make_environment(const media::Image& picture) {
     std::vector<Level> pyramid{linear_level(picture)};
     Environment out;
     out.width = pyramid[0].width;
@@ -169,4 +169,4 @@ Environment dark_environment() {
     return out;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -6,7 +6,7 @@
 #include "media/image.h"
 #include "render/set_lights.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 struct Environment {
     Irradiance irradiance{};
@@ -17,7 +17,7 @@ struct Environment {
 
 // `picture`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 2048
 // pixels across. That much takes about a second.
-Environment make_environment(const Image& picture);
+Environment make_environment(const media::Image& picture);
 
 // No light.
 Environment dark_environment();
@@ -25,4 +25,4 @@ Environment dark_environment();
 // Where the texel at (u, v) in [0,1]² lies.
 glm::dvec3 environment_direction(double u, double v);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -9,14 +9,14 @@
 #include "render/walk_tree.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
 constexpr size_t kCachedLeaves = 256;  // whose weights a core's cache holds
 
 // Calls visit(index among the leaf's weights, plane, component) for every weight of a leaf.
-void for_each_weight(const VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
+void for_each_weight(const voctree::VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
     const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
     for (uint32_t kind = 0; kind < 2; kind++)
         for (uint32_t c = 0; c < tree.bases; c++) visit(kind * tree.bases + c, kind * basis_planes + c / 4, c % 4);
@@ -25,7 +25,7 @@ void for_each_weight(const VOctree& tree, const std::function<void(uint32_t, uin
             visit(2 * tree.bases + channel * functions + f, 2 * basis_planes + f, channel);
 }
 
-size_t plane_floats(const VOctree& tree) {
+size_t plane_floats(const voctree::VOctree& tree) {
     return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
 }
 
@@ -55,9 +55,9 @@ float mean_edge(const std::vector<glm::uvec2>& leaf_places) {
 }
 
 template <typename T>
-Buffer uploaded(const Device& device, const char* name, const std::vector<T>& data, VkFormat format) {
-    Buffer buffer(device, name, data.size() * sizeof(T), MemoryKind::kDevice, format);
-    upload(device, buffer, data.data(), data.size() * sizeof(T));
+gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vector<T>& data, VkFormat format) {
+    gpu::Buffer buffer(device, name, data.size() * sizeof(T), gpu::MemoryKind::kDevice, format);
+    gpu::upload(device, buffer, data.data(), data.size() * sizeof(T));
     return buffer;
 }
 
@@ -72,7 +72,7 @@ void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_places) {
 
 }  // namespace
 
-std::vector<float> weights_to_planes(const VOctree& tree) {
+std::vector<float> weights_to_planes(const voctree::VOctree& tree) {
     std::vector<float> planes(plane_floats(tree));
     const uint32_t stride = tree.weights_per_leaf();
     parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
@@ -84,7 +84,7 @@ std::vector<float> weights_to_planes(const VOctree& tree) {
     return planes;
 }
 
-void weights_from_planes(const std::vector<float>& planes, VOctree& tree) {
+void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree) {
     const uint32_t stride = tree.weights_per_leaf();
     tree.weights.resize(size_t{tree.leaf_count} * stride);
     for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
@@ -93,7 +93,7 @@ void weights_from_planes(const std::vector<float>& planes, VOctree& tree) {
     });
 }
 
-Field upload_field(const Device& device, const VOctree& tree, WeightPrecision precision) {
+Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision) {
     Field field;
     field.box_min = tree.box_min;
     field.leaf_count = tree.leaf_count;
@@ -131,11 +131,11 @@ Field upload_field(const Device& device, const VOctree& tree, WeightPrecision pr
     } else {
         std::vector<uint16_t> halves(planes.size());
         parallel_for(planes.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) halves[i] = half_from_float(planes[i]);
+            for (size_t i = begin; i < end; i++) halves[i] = voctree::half_from_float(planes[i]);
         });
         field.weights = uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
     }
     return field;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

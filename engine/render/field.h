@@ -5,15 +5,16 @@
 #include "shared/field.h"
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 enum class WeightPrecision { kHalf, kFloat };  // shaders read either; training writes, so it needs kFloat
 
 struct Field {
-    Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
-    Buffer leaf_cells, node_cells;      // per leaf and node: word of LiveLeaves::node_live and its bits there
-    Buffer leaf_places, node_places;    // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
-    Buffer inner_cells;                 // per node: mask of the cells that are nodes
+    gpu::Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
+    gpu::Buffer leaf_cells, node_cells;  // per leaf and node: word of LiveLeaves::node_live and its bits there
+    gpu::Buffer leaf_places,
+        node_places;                    // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
+    gpu::Buffer inner_cells;            // per node: mask of the cells that are nodes
     std::vector<uint32_t> level_begin;  // first node of each level; at the end the number of nodes
     glm::vec3 box_min{0}, box_size{1};
     uint32_t node_levels = 1, top_levels = 0;       // of the walk tree, whose box this is
@@ -31,10 +32,10 @@ struct Field {
 };
 
 // The tree must be sound (defect_of(tree) empty). Throws RuntimeFailure where the device cannot hold it.
-Field upload_field(const Device& device, const VOctree& tree, WeightPrecision precision);
+Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision);
 
 // The weights in plane order, four floats a texel, and back.
-std::vector<float> weights_to_planes(const VOctree& tree);
-void weights_from_planes(const std::vector<float>& planes, VOctree& tree);
+std::vector<float> weights_to_planes(const voctree::VOctree& tree);
+void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

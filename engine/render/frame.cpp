@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Cameras, tiles and instances are in their buffers, the mode's path is made.
-void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+void record_frame(gpu::Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     const uint32_t tiles = r.layout_.ray_tiles();
     const float frame = settings.instances.empty() ? 0 : settings.instances[0].frame;  // a reference has only this one
     switch (settings.mode) {
@@ -29,18 +29,18 @@ void record_frame(Commands& commands, FrameRenderer& r, const FrameSettings& set
             break;
     }
     if (is_reference(settings.mode)) record_resolve(commands, r.resolver_, r.layout_, settings.resolve);
-    host_barrier(commands);  // it looks at what had no room
+    gpu::host_barrier(commands);  // it looks at what had no room
 }
 
-void record_readback(Commands& commands, FrameRenderer& r) {
-    const PassScope scope(commands, "readback");
-    copy(commands, r.picture_, r.readback_, r.layout_.picture_bytes());
-    host_barrier(commands);
+void record_readback(gpu::Commands& commands, FrameRenderer& r) {
+    const gpu::PassScope scope(commands, "readback");
+    gpu::copy(commands, r.picture_, r.readback_, r.layout_.picture_bytes());
+    gpu::host_barrier(commands);
 }
 
 // Slices; on a set what lights see of both, and the set as far as it ends rays; the rays; what is blended before and
 // behind them. Without a set only the tiles of the picture that see anything are worked on.
-void record_playing(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+void record_playing(gpu::Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     if (!r.set_) record_blank(commands, r, settings);
     for (const auto& performer : r.performers_) record_slices(commands, *performer);
     if (r.set_) {
@@ -60,7 +60,7 @@ void record_playing(Commands& commands, FrameRenderer& r, const FrameSettings& s
 }
 
 // What walks are like in place of what they see. The set takes no part.
-void record_inspected(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+void record_inspected(gpu::Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     for (const auto& performer : r.performers_) record_slices(commands, *performer);
     record_rays(commands, r, settings);
     record_inspect(commands, *r.inspector_, r.layout_, settings.resolve);
@@ -68,27 +68,27 @@ void record_inspected(Commands& commands, FrameRenderer& r, const FrameSettings&
 }
 
 // What pictures of this layout show where nothing is seen, where they were others so far.
-void record_blank(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+void record_blank(gpu::Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     ViewLayout all_pixels = r.layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
     if (r.blank_is_of_ == shown) return;
     record_clear(commands, r.target_.rays, all_pixels.ray_tiles());
     record_resolve(commands, r.resolver_, all_pixels, settings.resolve);
-    copy(commands, r.picture_, r.blank_, r.layout_.picture_bytes());
+    gpu::copy(commands, r.picture_, r.blank_, r.layout_.picture_bytes());
     r.blank_is_of_ = shown;
 }
 
 // The tiles where anything may be seen, in a picture that shows nothing yet.
-void record_listed(Commands& commands, FrameRenderer& r) {
+void record_listed(gpu::Commands& commands, FrameRenderer& r) {
     record_picture_list(commands, r.lister_, r.layout_);
-    const PassScope scope(commands, "blank");
-    copy(commands, r.blank_, r.picture_, r.layout_.picture_bytes());
-    compute_barrier(commands);
+    const gpu::PassScope scope(commands, "blank");
+    gpu::copy(commands, r.blank_, r.picture_, r.layout_.picture_bytes());
+    gpu::compute_barrier(commands);
 }
 
 // The instances, near to far.
-void record_rays(Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
+void record_rays(gpu::Commands& commands, FrameRenderer& r, const FrameSettings& settings) {
     record_clear(commands, r.target_.rays, r.layout_.ray_tiles());
     record_unseen(commands, r.target_.ranges);
     for (const std::vector<DrawnInstance>& group : r.drawn_)
@@ -99,7 +99,7 @@ void record_rays(Commands& commands, FrameRenderer& r, const FrameSettings& sett
 }
 
 // Instances that have no order: their segments, merged, go under what stands there.
-void record_merged(Commands& commands, FrameRenderer& r, std::span<const DrawnInstance> group,
+void record_merged(gpu::Commands& commands, FrameRenderer& r, std::span<const DrawnInstance> group,
                    const FrameSettings& settings) {
     record_unshared(commands, r.target_.ranges);
     for (const DrawnInstance& instance : group)
@@ -120,4 +120,4 @@ void record_merged(Commands& commands, FrameRenderer& r, std::span<const DrawnIn
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -13,7 +13,7 @@
 #include "render/segments.h"
 #include "render/volume_depth.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 enum class TraceMode {
     kPlay,    // slice trees, shaded where that shows the same (play_shading)
@@ -70,14 +70,14 @@ struct FrameCapacity {
 
 // What the reference paths need on the device besides rays.
 struct SlotPath {
-    SlotPath(const Device& device, const Field& field, const RayBatch& rays);
+    SlotPath(const gpu::Device& device, const Field& field, const RayBatch& rays);
     Slice slice;
     Slicer slicer;
     Tracer tracer;
 };
 
 struct DirectPath {
-    DirectPath(const Device& device, const Field& field, const RayBatch& rays);
+    DirectPath(const gpu::Device& device, const Field& field, const RayBatch& rays);
     LiveLeaves live;  // its rows alone
     LiveFinder finder;
     DirectTracer direct, paper;
@@ -88,9 +88,9 @@ class FrameRenderer {
   public:
     // `set`: what stands around the performers, of samples · width × samples · height texels and as many views at
     // least; its owner poses and lights it before each picture.
-    FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
+    FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                   SetRaster* set = nullptr);
-    FrameRenderer(const Device& device, const Field& field, const FrameCapacity& capacity)
+    FrameRenderer(const gpu::Device& device, const Field& field, const FrameCapacity& capacity)
         : FrameRenderer(device, std::vector{&field}, capacity) {}
     // The other one for another size, on its set, which has been resized already: slices, paints and shadows with their
     // passes go over, what is bound to the pictures is made anew. The other one can only be destroyed afterwards.
@@ -104,10 +104,10 @@ class FrameRenderer {
     // each other in rows of settings.width, until the next one is drawn. Passes that read them elsewhere than in
     // compute shaders and copies begin with a barrier. Throws RuntimeFailure for more or larger pictures than the
     // renderer was made for, cameras of another size, fields that it has not, and transforms that cannot be inverted.
-    const Buffer& draw(std::span<const Camera> cameras, const FrameSettings& settings);
+    const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     // The same, brought to the host.
-    std::vector<Image> render_views(std::span<const Camera> cameras, const FrameSettings& settings);
-    Image render(const Camera& camera, const FrameSettings& settings);
+    std::vector<media::Image> render_views(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    media::Image render(const stage::Camera& camera, const FrameSettings& settings);
 
     // What instances of a field may be painted with.
     Paints& paints(uint32_t field = 0) { return *paints_[field]; }
@@ -134,38 +134,39 @@ class FrameRenderer {
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
     // GPU time of each pass of the last picture.
-    std::vector<PassTime> pass_times() const { return commands_.pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
     // From its submission until it was there (Commands::milliseconds).
     double milliseconds() const { return commands_.milliseconds(); }
 
   private:
-    friend void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_playing(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_inspected(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_blank(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_listed(Commands& commands, FrameRenderer& renderer);
-    friend void record_rays(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_merged(Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
+    friend void record_frame(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_playing(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_inspected(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_blank(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_listed(gpu::Commands& commands, FrameRenderer& renderer);
+    friend void record_rays(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+    friend void record_merged(gpu::Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
                               const FrameSettings& settings);
-    friend void record_readback(Commands& commands, FrameRenderer& renderer);
+    friend void record_readback(gpu::Commands& commands, FrameRenderer& renderer);
     enum class To { kDevice, kHost };
-    void draw_to(To to, std::span<const Camera> cameras, const FrameSettings& settings);
-    void expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const;
+    void draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void place_grids(const FrameSettings& settings, uint32_t views);
-    TargetViews views_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
-    void place_rays(std::span<const Camera> cameras, const FrameSettings& settings);
-    void place_instances(std::span<const Camera> cameras, const FrameSettings& settings);
-    std::vector<std::vector<uint32_t>> order_of(std::span<const Camera> cameras, const FrameSettings& settings) const;
+    TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
+    void place_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void place_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    std::vector<std::vector<uint32_t>> order_of(std::span<const stage::Camera> cameras,
+                                                const FrameSettings& settings) const;
     void prepare(const FrameSettings& settings);
     void prepare_performers(const FrameSettings& settings);
     bool enlarge();
-    const Device& device_;
+    const gpu::Device& device_;
     std::vector<const Field*> fields_;
     FrameCapacity capacity_;
     SetRaster* set_;
     RayTarget target_;
-    Buffer picture_, readback_;
-    Buffer blank_;  // what pictures show where nothing is seen
+    gpu::Buffer picture_, readback_;
+    gpu::Buffer blank_;  // what pictures show where nothing is seen
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
     std::vector<std::unique_ptr<Paints>> paints_;         // by field
     std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
@@ -178,16 +179,16 @@ class FrameRenderer {
     std::unique_ptr<Inspector> inspector_;       // likewise
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
-    std::vector<Camera> set_cameras_;
+    std::vector<stage::Camera> set_cameras_;
     ViewLayout layout_;                              // of the last picture
     std::vector<RayGrid> grids_;                     // of its views, where they are upscaled
     std::vector<std::vector<DrawnInstance>> drawn_;  // of the last picture: those that may be seen, near to far
-    Commands commands_;
+    gpu::Commands commands_;
 };
 
 // The frame, pass by pass.
-void record_frame(Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
+void record_frame(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
 // Its pictures to the host.
-void record_readback(Commands& commands, FrameRenderer& renderer);
+void record_readback(gpu::Commands& commands, FrameRenderer& renderer);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

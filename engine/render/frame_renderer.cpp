@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -18,7 +18,7 @@ namespace {
 constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
 
 // Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
-uint32_t checked_tiles(const Device& device, const FrameCapacity& capacity) {
+uint32_t checked_tiles(const gpu::Device& device, const FrameCapacity& capacity) {
     const uint64_t across = (uint64_t{capacity.samples} * capacity.width + kTile - 1) / kTile;
     const uint64_t down = (uint64_t{capacity.samples} * capacity.height + kTile - 1) / kTile;
     const uint64_t tiles = across * down * capacity.views;
@@ -36,9 +36,10 @@ ViewLayout largest(const FrameCapacity& capacity) {
 
 // Per-ray values of one view from tile order into rows.
 template <typename T>
-std::vector<T> rows_of_view(const Device& device, const Buffer& rays, const ViewLayout& layout, uint32_t view) {
+std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, const ViewLayout& layout,
+                            uint32_t view) {
     std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
-    download(device, rays, tiles.data(), tiles.size() * sizeof(T));
+    gpu::download(device, rays, tiles.data(), tiles.size() * sizeof(T));
     const uint32_t width = layout.rays_across(), height = layout.rays_down();
     const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
     std::vector<T> rows(size_t{width} * height);
@@ -68,16 +69,16 @@ constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, time
 
 }  // namespace
 
-SlotPath::SlotPath(const Device& device, const Field& field, const RayBatch& rays)
+SlotPath::SlotPath(const gpu::Device& device, const Field& field, const RayBatch& rays)
     : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
 
-DirectPath::DirectPath(const Device& device, const Field& field, const RayBatch& rays)
+DirectPath::DirectPath(const gpu::Device& device, const Field& field, const RayBatch& rays)
     : live(device, field, 1),
       finder(device, field, live),
       direct(device, field, live, rays),
       paper(device, field, live, rays, Walk::kFromRoot) {}
 
-FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
+FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                              SetRaster* set)
     : device_(device),
       fields_(std::move(fields)),
@@ -85,9 +86,9 @@ FrameRenderer::FrameRenderer(const Device& device, std::vector<const Field*> fie
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity),
               largest(capacity).picture_tiles(), surroundings_of(set)),
-      picture_(device, "picture", largest(capacity).picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      readback_(device, "picture readback", largest(capacity).picture_bytes(), MemoryKind::kReadback),
-      blank_(device, "blank picture", set ? 4 : largest(capacity).picture_bytes(), MemoryKind::kDevice),
+      picture_(device, "picture", largest(capacity).picture_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      readback_(device, "picture readback", largest(capacity).picture_bytes(), gpu::MemoryKind::kReadback),
+      blank_(device, "blank picture", set ? 4 : largest(capacity).picture_bytes(), gpu::MemoryKind::kDevice),
       lister_(device, target_.rays, target_.ranges),
       resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, nullptr, set),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, &target_.ranges),
@@ -133,7 +134,7 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     fields_ = std::move(fields);
 }
 
-void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameSettings& settings) const {
+void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
     if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
         layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
@@ -146,7 +147,7 @@ void FrameRenderer::expect_fitting(std::span<const Camera> cameras, const FrameS
     if (settings.instances.size() > kMaxInstances)
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
-    for (const Camera& camera : cameras)
+    for (const stage::Camera& camera : cameras)
         if (camera.width != settings.width || camera.height != settings.height)
             throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
                                              camera.height, settings.width, settings.height));
@@ -182,25 +183,25 @@ void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
                                                set_ ? nullptr : &target_.ranges, set_);
 }
 
-TargetViews FrameRenderer::views_of(std::span<const Camera> cameras, const FrameSettings& settings) const {
+TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
     return {target_, layout_, cameras, grids_, settings.scale};
 }
 
 // The cameras of the world, one a view, and their tiles.
-void FrameRenderer::place_rays(std::span<const Camera> cameras, const FrameSettings& settings) {
+void FrameRenderer::place_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     const ViewLayout last = layout_;
     place_grids(settings, static_cast<uint32_t>(cameras.size()));
     place_cameras(views_of(cameras, settings));
     if (layout_ != last) place_tiles(views_of(cameras, settings));
     set_cameras_.clear();
-    for (const Camera& camera : cameras) set_cameras_.push_back(enlarged(camera, layout_.samples));
+    for (const stage::Camera& camera : cameras) set_cameras_.push_back(stage::enlarged(camera, layout_.samples));
 }
 
 // Near to far, so that rays that have met something solid need not look behind it.
-std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const Camera> cameras,
+std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const stage::Camera> cameras,
                                                            const FrameSettings& settings) const {
     std::vector<glm::dvec3> eyes;
-    for (const Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
+    for (const stage::Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
     std::vector<PlacedBox> boxes;
     for (const Instance& instance : settings.instances) {
         const Field& field = *fields_[instance.field];
@@ -218,7 +219,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const Camer
 }
 
 // Those that may be seen.
-void FrameRenderer::place_instances(std::span<const Camera> cameras, const FrameSettings& settings) {
+void FrameRenderer::place_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     drawn_.clear();
     uint32_t placed = 0;
     for (const std::vector<uint32_t>& group : order_of(cameras, settings)) {
@@ -317,7 +318,7 @@ uint64_t FrameRenderer::live_entries() const {
     return entries;
 }
 
-void FrameRenderer::draw_to(To to, std::span<const Camera> cameras, const FrameSettings& settings) {
+void FrameRenderer::draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     expect_fitting(cameras, settings);
     place_rays(cameras, settings);
     place_instances(cameras, settings);
@@ -332,24 +333,25 @@ void FrameRenderer::draw_to(To to, std::span<const Camera> cameras, const FrameS
     } while (!is_reference(settings.mode) && enlarge());
 }
 
-const Buffer& FrameRenderer::draw(std::span<const Camera> cameras, const FrameSettings& settings) {
+const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     draw_to(To::kDevice, cameras, settings);
     return picture_;
 }
 
-std::vector<Image> FrameRenderer::render_views(std::span<const Camera> cameras, const FrameSettings& settings) {
+std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
+                                                      const FrameSettings& settings) {
     draw_to(To::kHost, cameras, settings);
-    std::vector<Image> pictures;
+    std::vector<media::Image> pictures;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {
-        Image& picture = pictures.emplace_back(settings.width, settings.height);
+        media::Image& picture = pictures.emplace_back(settings.width, settings.height);
         std::memcpy(picture.rgba.data(), from, picture.rgba.size());
         from += picture.rgba.size();
     }
     return pictures;
 }
 
-Image FrameRenderer::render(const Camera& camera, const FrameSettings& settings) {
+media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSettings& settings) {
     return std::move(render_views({&camera, 1}, settings)[0]);
 }
 
@@ -361,4 +363,4 @@ std::vector<float> FrameRenderer::depth(uint32_t view) const {
     return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

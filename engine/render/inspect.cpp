@@ -5,9 +5,9 @@
 
 #include "spirv/inspect.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-Inspector::Inspector(const Device& device, const RayBatch& rays, const Buffer& picture,
+Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& picture,
                      std::span<const Field* const> fields)
     : coarsest_(2 * kMaxNodeLevels),
       finest_(1),
@@ -23,10 +23,10 @@ Inspector::Inspector(const Device& device, const RayBatch& rays, const Buffer& p
     coarsest_ = std::min(coarsest_, finest_ - 1);  // a single level is bright
 }
 
-void record_inspect(Commands& commands, const Inspector& inspector, const ViewLayout& layout,
+void record_inspect(gpu::Commands& commands, const Inspector& inspector, const ViewLayout& layout,
                     const ResolveSettings& settings) {
     assert(is_inspection(settings.show) && settings.cost_max > 0);
-    const PassScope scope(commands, inspector.pass_.name());
+    const gpu::PassScope scope(commands, inspector.pass_.name());
     const bool level = settings.show == Show::kLevel;
     const InspectPush push{layout.width,
                            layout.height,
@@ -37,8 +37,8 @@ void record_inspect(Commands& commands, const Inspector& inspector, const ViewLa
                            level ? 1u : 0u,
                            level ? inspector.coarsest_ : 0,
                            level ? inspector.finest_ : settings.cost_max};
-    dispatch(commands, inspector.pass_, inspector.set_, layout.picture_tiles(), push);
-    compute_barrier(commands);
+    gpu::dispatch(commands, inspector.pass_, inspector.set_, layout.picture_tiles(), push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -7,23 +7,24 @@
 #include "render/resolve.h"
 #include "shared/inspect.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class Inspector {
   public:
     // `picture`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
-    Inspector(const Device& device, const RayBatch& rays, const Buffer& picture, std::span<const Field* const> fields);
+    Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& picture,
+              std::span<const Field* const> fields);
 
   private:
-    friend void record_inspect(Commands&, const Inspector&, const ViewLayout&, const ResolveSettings&);
+    friend void record_inspect(gpu::Commands&, const Inspector&, const ViewLayout&, const ResolveSettings&);
     float coarsest_, finest_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Rays that instances were traced into as Into::kInspect, laid out as record_resolve's; is_inspection(settings.show).
 // Black where nothing is met, and where no walk took a step; opaque.
-void record_inspect(Commands& commands, const Inspector& inspector, const ViewLayout& layout,
+void record_inspect(gpu::Commands& commands, const Inspector& inspector, const ViewLayout& layout,
                     const ResolveSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

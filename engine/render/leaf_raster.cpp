@@ -10,7 +10,7 @@
 #include "spirv/leaf_pairs.comp.h"
 #include "spirv/leaf_tiles.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -36,18 +36,18 @@ LeafRasterPush raster_push(const Field& field, const SliceTrees& trees, uint32_t
 
 }  // namespace
 
-LeafRasterizer::LeafRasterizer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded,
-                               const RayBatch& rays, uint32_t pair_capacity)
+LeafRasterizer::LeafRasterizer(const gpu::Device& device, const Field& field, const SliceTrees& trees,
+                               const gpu::Buffer& shaded, const RayBatch& rays, uint32_t pair_capacity)
     : field_(field),
       trees_(trees),
       rays_(rays),
       key_bits_(bits_of_key(field, rays)),
       pairs_(device, pair_capacity),
-      tile_pairs_(device, "pairs of tiles", uint64_t{8} * rays.tile_capacity, MemoryKind::kDevice,
+      tile_pairs_(device, "pairs of tiles", uint64_t{8} * rays.tile_capacity, gpu::MemoryKind::kDevice,
                   VK_FORMAT_R32G32_UINT),
-      tile_list_(device, "tiles with pairs", uint64_t{4} * (rays.tile_capacity + kListRow), MemoryKind::kDevice,
+      tile_list_(device, "tiles with pairs", uint64_t{4} * (rays.tile_capacity + kListRow), gpu::MemoryKind::kDevice,
                  VK_FORMAT_R32_UINT),
-      tiles_listed_(device, "count of tiles with pairs", sizeof(LiveCount), MemoryKind::kDevice),
+      tiles_listed_(device, "count of tiles with pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
       sorter_(device, pairs_),
       project_(device, "leaf pairs", leaf_pairs_comp, {field.node_levels}),
       tiles_(device, "leaf tiles", leaf_tiles_comp, {field.node_levels}),
@@ -74,36 +74,36 @@ LeafRasterizer::LeafRasterizer(const Device& device, const Field& field, const S
                                   {kTraceRadiance, &rays.radiance},
                                   {kTraceDepth, &rays.depth}}) {}
 
-void record_leaf_raster(Commands& commands, const LeafRasterizer& r, uint32_t slice, const ShaderCamera& camera,
+void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32_t slice, const ShaderCamera& camera,
                         float stop) {
     const LeafRasterPush push = raster_push(r.field_, r.trees_, slice, camera, r.pairs_.capacity, stop);
     {
-        const PassScope scope(commands, "project");
-        update(commands, r.pairs_.count, LiveCount{0, 1, 1, 0, 0});
-        compute_barrier(commands);
-        dispatch_indirect(commands, r.project_, r.project_set_, r.trees_.counts, slice * sizeof(LiveCount), push);
-        compute_barrier(commands);
+        const gpu::PassScope scope(commands, "project");
+        gpu::update(commands, r.pairs_.count, LiveCount{0, 1, 1, 0, 0});
+        gpu::compute_barrier(commands);
+        gpu::dispatch_indirect(commands, r.project_, r.project_set_, r.trees_.counts, slice * sizeof(LiveCount), push);
+        gpu::compute_barrier(commands);
     }
     {
-        const PassScope scope(commands, "sort");
+        const gpu::PassScope scope(commands, "sort");
         record_pair_sort(commands, r.sorter_, r.key_bits_);
     }
-    const PassScope scope(commands, "composite");
+    const gpu::PassScope scope(commands, "composite");
     record_clear(commands, r.rays_, r.rays_.tile_capacity);
-    fill(commands, r.tile_pairs_, 0);
-    fill(commands, r.tile_list_, kNoTile);
-    update(commands, r.tiles_listed_, LiveCount{0, 1, 1, 0, 0});
-    compute_barrier(commands);
-    dispatch_indirect(commands, r.tiles_, r.tiles_set_, r.pairs_.count, 0, LeafTilesPush{r.pairs_.capacity});
-    compute_barrier(commands);
-    dispatch_indirect(commands, r.composite_, r.composite_set_, r.tiles_listed_, 0, push);
-    compute_barrier(commands);
+    gpu::fill(commands, r.tile_pairs_, 0);
+    gpu::fill(commands, r.tile_list_, kNoTile);
+    gpu::update(commands, r.tiles_listed_, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
+    gpu::dispatch_indirect(commands, r.tiles_, r.tiles_set_, r.pairs_.count, 0, LeafTilesPush{r.pairs_.capacity});
+    gpu::compute_barrier(commands);
+    gpu::dispatch_indirect(commands, r.composite_, r.composite_set_, r.tiles_listed_, 0, push);
+    gpu::compute_barrier(commands);
 }
 
-uint32_t pairs_wanted(const Device& device, const LeafRasterizer& rasterizer) {
+uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterizer) {
     LiveCount count;
-    download(device, rasterizer.pairs().count, &count, sizeof(count));
+    gpu::download(device, rasterizer.pairs().count, &count, sizeof(count));
     return count.slots;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

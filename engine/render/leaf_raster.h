@@ -6,39 +6,39 @@
 #include "render/slice_tree.h"
 #include "render/trace.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class LeafRasterizer {
   public:
     // Room for so many pairs of a tile and a leaf. `shaded`: as the Shader has it. All must outlive it.
-    LeafRasterizer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded,
+    LeafRasterizer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded,
                    const RayBatch& rays, uint32_t pair_capacity);
 
     const SortPairs& pairs() const { return pairs_; }
     // Per tile (its first pair, the first after its last) of those that sorted_buffer(key_bits) names; (0, 0) of none.
-    const Buffer& tile_pairs() const { return tile_pairs_; }
+    const gpu::Buffer& tile_pairs() const { return tile_pairs_; }
     uint32_t key_bits() const { return key_bits_; }
 
   private:
-    friend void record_leaf_raster(Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
+    friend void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
                                    const ShaderCamera& camera, float stop);
     const Field& field_;
     const SliceTrees& trees_;
     const RayBatch& rays_;
     uint32_t key_bits_;
     SortPairs pairs_;
-    Buffer tile_pairs_, tile_list_, tiles_listed_;
+    gpu::Buffer tile_pairs_, tile_list_, tiles_listed_;
     PairSorter sorter_;
-    ComputePass project_, tiles_, composite_;
-    BindingSet project_set_, tiles_set_, composite_set_;
+    gpu::ComputePass project_, tiles_, composite_;
+    gpu::BindingSet project_set_, tiles_set_, composite_set_;
 };
 
 // All rays of a picture through one of the slices, shaded from the camera's eye. `camera` is that of the batch's tiles,
 // which are those of its picture row by row (tiles_of_picture).
-void record_leaf_raster(Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
+void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
                         const ShaderCamera& camera, float stop = kStopTransmittance);
 
 // The pairs of the last picture. Where they are more than there was room for, it lacks some: make a larger rasterizer.
-uint32_t pairs_wanted(const Device& device, const LeafRasterizer& rasterizer);
+uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterizer);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

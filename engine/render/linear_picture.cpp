@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
-namespace neuvv {
+namespace neuvv::render {
 
-LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
-                           uint32_t height, uint32_t samples, const glm::vec4& background) {
+media::LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
+                                  uint32_t height, uint32_t samples, const glm::vec4& background) {
     const size_t row = size_t{samples} * width;
     assert(radiance.size() == row * samples * height && depth.size() == radiance.size());
-    LinearImage image{width, height};
+    media::LinearImage image{width, height};
     image.rgba.resize(size_t{4} * width * height);
     image.depth_m.resize(size_t{width} * height);
     const glm::vec4 behind(glm::vec3(background) * background.a, background.a);
@@ -34,4 +34,4 @@ LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const 
     return image;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -12,7 +12,7 @@
 #include "spirv/paint_colour.comp.h"
 #include "spirv/paint_density.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -24,7 +24,7 @@ struct PackedPaint {
 };
 
 uint32_t halves(float low, float high) {
-    return half_from_float(low) | uint32_t{half_from_float(high)} << 16;
+    return voctree::half_from_float(low) | uint32_t{voctree::half_from_float(high)} << 16;
 }
 
 // Per leaf its edits, those of the lowest layer first: each layer has its leaves in order already.
@@ -33,7 +33,7 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     std::vector<uint32_t> next;  // per leaf: where its next edit goes
     for (const PaintUse& use : uses) {
         next.resize(std::max<size_t>(next.size(), use.layer->field.leaf_count + size_t{1}));
-        for (const LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
+        for (const voctree::LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
     }
     for (size_t leaf = 1; leaf < next.size(); leaf++) {
         if (next[leaf] > 0) packed.leaves.emplace_back(static_cast<uint32_t>(leaf - 1), next[leaf - 1]);
@@ -45,20 +45,20 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     packed.sigmas.resize(count);
     for (uint32_t i = 0; i < uses.size(); i++) {
         packed.layers.emplace_back(static_cast<uint32_t>(uses[i].blend), std::bit_cast<uint32_t>(uses[i].opacity));
-        for (const LeafEdit& edit : uses[i].layer->edits) {
+        for (const voctree::LeafEdit& edit : uses[i].layer->edits) {
             const uint32_t at = next[edit.leaf]++;
             packed.edits[at] = {std::bit_cast<uint32_t>(edit.first), std::bit_cast<uint32_t>(edit.last),
                                 halves(edit.colour.r, edit.colour.g), halves(edit.colour.b, edit.alpha)};
-            packed.sigmas[at] = half_from_float(edit.sigma) | i << 16;
+            packed.sigmas[at] = voctree::half_from_float(edit.sigma) | i << 16;
         }
     }
     return packed;
 }
 
 template <typename T>
-Buffer uploaded(const Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
-    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
-    if (!values.empty()) upload(device, buffer, values.data(), values.size() * sizeof(T));
+gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
+    gpu::Buffer buffer(device, name, values.size() * sizeof(T), gpu::MemoryKind::kDevice, format);
+    if (!values.empty()) gpu::upload(device, buffer, values.data(), values.size() * sizeof(T));
     return buffer;
 }
 
@@ -75,7 +75,7 @@ uint32_t groups(const Paint& paint) {
 
 }  // namespace
 
-Paint::Paint(const Device& device, uint32_t field_leaves, std::span<const PaintUse> uses) {
+Paint::Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const PaintUse> uses) {
     if (uses.size() > kPaintLayerLimit)
         throw RuntimeFailure(fmt::format("{} layers of paint are more than {}", uses.size(), kPaintLayerLimit));
     for (const PaintUse& use : uses)
@@ -100,7 +100,7 @@ const Paint* Paints::find(uint32_t paint) const {
     return found == paints_.end() ? nullptr : &found->second;
 }
 
-Painter::Painter(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
+Painter::Painter(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
     : field_(field),
       live_(live),
       trees_(trees),
@@ -127,22 +127,22 @@ SlicePaint::SlicePaint(const Painter& passes, const Paint& layers)
                                   {kPaintNodes, &passes.trees_.nodes},
                                   {kPaintEntries, &passes.trees_.entries}}) {}
 
-void record_paint_density(Commands& commands, const SlicePaint& paint, float frame) {
+void record_paint_density(gpu::Commands& commands, const SlicePaint& paint, float frame) {
     if (paint.paint.leaf_count == 0) return;
-    const PassScope scope(commands, "paint density");
+    const gpu::PassScope scope(commands, "paint density");
     PaintPush push = paint_push(paint.paint, frame);
     push.capacity = paint.painter.live_.capacity;
-    dispatch(commands, paint.painter.density_, paint.density_set, groups(paint.paint), push);
-    compute_barrier(commands);
+    gpu::dispatch(commands, paint.painter.density_, paint.density_set, groups(paint.paint), push);
+    gpu::compute_barrier(commands);
 }
 
-void record_paint_colour(Commands& commands, const SlicePaint& paint, uint32_t slice, float frame) {
+void record_paint_colour(gpu::Commands& commands, const SlicePaint& paint, uint32_t slice, float frame) {
     if (paint.paint.leaf_count == 0) return;
-    const PassScope scope(commands, "paint colour");
+    const gpu::PassScope scope(commands, "paint colour");
     PaintPush push = paint_push(paint.paint, frame);
     push.node_base = paint.painter.trees_.node_base(slice);
-    dispatch(commands, paint.painter.colour_, paint.colour_set, groups(paint.paint), push);
-    compute_barrier(commands);
+    gpu::dispatch(commands, paint.painter.colour_, paint.colour_set, groups(paint.paint), push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

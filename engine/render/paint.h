@@ -8,20 +8,20 @@
 #include "stage/performer_settings.h"
 #include "voctree/paint.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 struct SliceTrees;
 
 // Shaders have them by number.
-static_assert(static_cast<uint32_t>(PaintBlend::kNormal) == kPaintNormal);
-static_assert(static_cast<uint32_t>(PaintBlend::kMultiply) == kPaintMultiply);
-static_assert(static_cast<uint32_t>(PaintBlend::kTint) == kPaintTint);
-static_assert(static_cast<uint32_t>(PaintBlend::kRecolour) == kPaintRecolour);
+static_assert(static_cast<uint32_t>(stage::PaintBlend::kNormal) == kPaintNormal);
+static_assert(static_cast<uint32_t>(stage::PaintBlend::kMultiply) == kPaintMultiply);
+static_assert(static_cast<uint32_t>(stage::PaintBlend::kTint) == kPaintTint);
+static_assert(static_cast<uint32_t>(stage::PaintBlend::kRecolour) == kPaintRecolour);
 
 // A layer as it shows. Layers that do not show are left out of a paint.
 struct PaintUse {
-    const EditLayer* layer = nullptr;
-    PaintBlend blend = PaintBlend::kNormal;
+    const voctree::EditLayer* layer = nullptr;
+    stage::PaintBlend blend = stage::PaintBlend::kNormal;
     float opacity = 1;
 };
 
@@ -29,17 +29,17 @@ struct PaintUse {
 struct Paint {
     // The lowest first; they are not needed afterwards. Throws RuntimeFailure for more than kPaintLayerLimit, and for
     // one that is not of a field of so many leaves.
-    Paint(const Device& device, uint32_t field_leaves, std::span<const PaintUse> layers);
+    Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const PaintUse> layers);
 
     uint32_t leaf_count;  // that have edits
-    Buffer leaves, edits, sigmas, layers;
+    gpu::Buffer leaves, edits, sigmas, layers;
 };
 
 // What copies of one field are painted with, each paint by a number of its own that is not given twice: a paint does
 // not change, and slices that were made with it need not be forgotten when layers do. 0 is no paint.
 class Paints {
   public:
-    Paints(const Device& device, const Field& field) : device_(device), leaf_count_(field.leaf_count) {}
+    Paints(const gpu::Device& device, const Field& field) : device_(device), leaf_count_(field.leaf_count) {}
     // Throws RuntimeFailure as Paint does.
     uint32_t add(std::span<const PaintUse> layers) { return add(Paint(device_, leaf_count_, layers)); }
     // One that was made for this field.
@@ -51,7 +51,7 @@ class Paints {
     size_t count() const { return paints_.size(); }
 
   private:
-    const Device& device_;
+    const gpu::Device& device_;
     uint32_t leaf_count_;
     std::map<uint32_t, Paint> paints_;
     uint32_t last_ = 0;
@@ -61,16 +61,17 @@ class Paints {
 class Painter {
   public:
     // Field, live leaves and trees must outlive it.
-    Painter(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
+    Painter(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
 
   private:
     friend struct SlicePaint;
-    friend void record_paint_density(Commands& commands, const struct SlicePaint& paint, float frame);
-    friend void record_paint_colour(Commands& commands, const struct SlicePaint& paint, uint32_t slice, float frame);
+    friend void record_paint_density(gpu::Commands& commands, const struct SlicePaint& paint, float frame);
+    friend void record_paint_colour(gpu::Commands& commands, const struct SlicePaint& paint, uint32_t slice,
+                                    float frame);
     const Field& field_;
     const LiveLeaves& live_;
     const SliceTrees& trees_;
-    ComputePass density_, colour_;
+    gpu::ComputePass density_, colour_;
 };
 
 // A paint, bound to the passes. Both must outlive it.
@@ -78,12 +79,12 @@ struct SlicePaint {
     SlicePaint(const Painter& passes, const Paint& layers);
     const Painter& painter;
     const Paint& paint;
-    BindingSet density_set, colour_set;
+    gpu::BindingSet density_set, colour_set;
 };
 
 // After the densities of all leaves, before the nodes.
-void record_paint_density(Commands& commands, const SlicePaint& paint, float frame);
+void record_paint_density(gpu::Commands& commands, const SlicePaint& paint, float frame);
 // After all entries.
-void record_paint_colour(Commands& commands, const SlicePaint& paint, uint32_t slice, float frame);
+void record_paint_colour(gpu::Commands& commands, const SlicePaint& paint, uint32_t slice, float frame);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

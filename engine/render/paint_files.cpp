@@ -2,14 +2,15 @@
 
 #include "voctree/nvpaint.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-std::shared_ptr<const EditLayer> PaintFiles::read(const std::filesystem::path& path, const PaintedField& field) {
+std::shared_ptr<const voctree::EditLayer> PaintFiles::read(const std::filesystem::path& path,
+                                                           const voctree::PaintedField& field) {
     const FileStamp stamp = stamp_of(path);
     const auto known = files_.find(path);
     if (known != files_.end() && known->second.stamp == stamp && known->second.layer->field == field)
         return known->second.layer;
-    auto layer = std::make_shared<const EditLayer>(read_paint(path, field));
+    auto layer = std::make_shared<const voctree::EditLayer>(voctree::read_paint(path, field));
     files_[path] = {stamp, layer};
     return layer;
 }
@@ -18,4 +19,4 @@ void PaintFiles::drop_unused() {
     std::erase_if(files_, [](const auto& file) { return file.second.layer.use_count() == 1; });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -9,7 +9,7 @@
 #include "spirv/pair_sort_scan.comp.h"
 #include "spirv/pair_sort_scatter.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -17,32 +17,33 @@ uint32_t blocks_of(uint32_t pairs) {
     return pairs / kSortBlock + (pairs % kSortBlock > 0 ? 1 : 0);
 }
 
-Buffer keys_buffer(const Device& device, const char* name, uint32_t pairs) {
-    return Buffer(device, name, uint64_t{8} * pairs, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT);
+gpu::Buffer keys_buffer(const gpu::Device& device, const char* name, uint32_t pairs) {
+    return gpu::Buffer(device, name, uint64_t{8} * pairs, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT);
 }
 
-Buffer values_buffer(const Device& device, const char* name, uint32_t pairs) {
-    return Buffer(device, name, uint64_t{4} * pairs, MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+gpu::Buffer values_buffer(const gpu::Device& device, const char* name, uint32_t pairs) {
+    return gpu::Buffer(device, name, uint64_t{4} * pairs, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
 }
 
-void check_limits(const Device& device, uint32_t pairs) {
+void check_limits(const gpu::Device& device, uint32_t pairs) {
     if (blocks_of(pairs) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(fmt::format("{} pairs are more than this device can sort", pairs));
 }
 
 }  // namespace
 
-SortPairs::SortPairs(const Device& device, uint32_t pair_capacity)
+SortPairs::SortPairs(const gpu::Device& device, uint32_t pair_capacity)
     : capacity(std::max(pair_capacity, 1u)),
       keys{keys_buffer(device, "pair keys", capacity), keys_buffer(device, "pair keys, other", capacity)},
       values{values_buffer(device, "pair values", capacity), values_buffer(device, "pair values, other", capacity)},
-      count(device, "count of pairs", sizeof(LiveCount), MemoryKind::kDevice),
-      block_counts(device, "digits of blocks", uint64_t{4} * kSortDigits * blocks_of(capacity), MemoryKind::kDevice),
-      digit_counts(device, "digits of pairs", uint64_t{4} * kSortDigits * kSortPlaces, MemoryKind::kDevice) {
+      count(device, "count of pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
+      block_counts(device, "digits of blocks", uint64_t{4} * kSortDigits * blocks_of(capacity),
+                   gpu::MemoryKind::kDevice),
+      digit_counts(device, "digits of pairs", uint64_t{4} * kSortDigits * kSortPlaces, gpu::MemoryKind::kDevice) {
     check_limits(device, capacity);
 }
 
-PairSorter::PairSorter(const Device& device, const SortPairs& pairs)
+PairSorter::PairSorter(const gpu::Device& device, const SortPairs& pairs)
     : pairs_(pairs),
       count_(device, "pair sort count", pair_sort_count_comp),
       scan_(device, "pair sort scan", pair_sort_scan_comp),
@@ -51,33 +52,33 @@ PairSorter::PairSorter(const Device& device, const SortPairs& pairs)
                         {kSortBlockCounts, &pairs.block_counts},
                         {kSortDigitCounts, &pairs.digit_counts}}) {
     for (uint32_t from = 0; from < 2; from++) {
-        count_sets_[from] = BindingSet(count_, {{kSortKeys, &pairs.keys[from]},
-                                                {kSortCount, &pairs.count},
-                                                {kSortBlockCounts, &pairs.block_counts},
-                                                {kSortDigitCounts, &pairs.digit_counts}});
-        scatter_sets_[from] = BindingSet(scatter_, {{kSortKeys, &pairs.keys[from]},
-                                                    {kSortValues, &pairs.values[from]},
-                                                    {kSortCount, &pairs.count},
-                                                    {kSortBlockCounts, &pairs.block_counts},
-                                                    {kSortKeysOut, &pairs.keys[1 - from]},
-                                                    {kSortValuesOut, &pairs.values[1 - from]}});
+        count_sets_[from] = gpu::BindingSet(count_, {{kSortKeys, &pairs.keys[from]},
+                                                     {kSortCount, &pairs.count},
+                                                     {kSortBlockCounts, &pairs.block_counts},
+                                                     {kSortDigitCounts, &pairs.digit_counts}});
+        scatter_sets_[from] = gpu::BindingSet(scatter_, {{kSortKeys, &pairs.keys[from]},
+                                                         {kSortValues, &pairs.values[from]},
+                                                         {kSortCount, &pairs.count},
+                                                         {kSortBlockCounts, &pairs.block_counts},
+                                                         {kSortKeysOut, &pairs.keys[1 - from]},
+                                                         {kSortValuesOut, &pairs.values[1 - from]}});
     }
 }
 
-void record_pair_sort(Commands& commands, const PairSorter& sorter, uint32_t key_bits) {
+void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_t key_bits) {
     const SortPairs& pairs = sorter.pairs_;
-    fill(commands, pairs.digit_counts, 0);
-    compute_barrier(commands);
+    gpu::fill(commands, pairs.digit_counts, 0);
+    gpu::compute_barrier(commands);
     for (uint32_t place = 0; place * kSortDigitBits < key_bits; place++) {
         const uint32_t from = place % 2;
         const PairSortPush push{place, pairs.capacity, blocks_of(pairs.capacity)};
-        dispatch_indirect(commands, sorter.count_, sorter.count_sets_[from], pairs.count, 0, push);
-        compute_barrier(commands);
-        dispatch(commands, sorter.scan_, sorter.scan_set_, kSortDigits, push);
-        compute_barrier(commands);
-        dispatch_indirect(commands, sorter.scatter_, sorter.scatter_sets_[from], pairs.count, 0, push);
-        compute_barrier(commands);
+        gpu::dispatch_indirect(commands, sorter.count_, sorter.count_sets_[from], pairs.count, 0, push);
+        gpu::compute_barrier(commands);
+        gpu::dispatch(commands, sorter.scan_, sorter.scan_set_, kSortDigits, push);
+        gpu::compute_barrier(commands);
+        gpu::dispatch_indirect(commands, sorter.scatter_, sorter.scatter_sets_[from], pairs.count, 0, push);
+        gpu::compute_barrier(commands);
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

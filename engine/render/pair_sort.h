@@ -7,38 +7,38 @@
 #include "shared/field.h"
 #include "shared/pair_sort.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Pairs on the device, twice: the sort goes to and fro.
 struct SortPairs {
     // Throws RuntimeFailure where the device cannot hold or dispatch so many.
-    SortPairs(const Device& device, uint32_t pair_capacity);
+    SortPairs(const gpu::Device& device, uint32_t pair_capacity);
 
     uint32_t capacity;
-    std::array<Buffer, 2> keys;    // (low, high) words
-    std::array<Buffer, 2> values;  // the pairs to sort are the first of each
-    Buffer count;                  // LiveCount: slots are the pairs, groups_x their blocks of kSortBlock
-    Buffer block_counts, digit_counts;
+    std::array<gpu::Buffer, 2> keys;    // (low, high) words
+    std::array<gpu::Buffer, 2> values;  // the pairs to sort are the first of each
+    gpu::Buffer count;                  // LiveCount: slots are the pairs, groups_x their blocks of kSortBlock
+    gpu::Buffer block_counts, digit_counts;
 };
 
 class PairSorter {
   public:
-    PairSorter(const Device& device, const SortPairs& pairs);
+    PairSorter(const gpu::Device& device, const SortPairs& pairs);
 
   private:
-    friend void record_pair_sort(Commands& commands, const PairSorter& sorter, uint32_t key_bits);
+    friend void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_t key_bits);
     const SortPairs& pairs_;
-    ComputePass count_, scan_, scatter_;
-    std::array<BindingSet, 2> count_sets_, scatter_sets_;  // from the first buffers, from the second
-    BindingSet scan_set_;
+    gpu::ComputePass count_, scan_, scatter_;
+    std::array<gpu::BindingSet, 2> count_sets_, scatter_sets_;  // from the first buffers, from the second
+    gpu::BindingSet scan_set_;
 };
 
 // Sorts by the lowest `key_bits` bits. Pairs of equal keys stay in their order.
-void record_pair_sort(Commands& commands, const PairSorter& sorter, uint32_t key_bits);
+void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_t key_bits);
 
 // Which of the buffers holds the sorted pairs then.
 constexpr uint32_t sorted_buffer(uint32_t key_bits) {
     return (key_bits + kSortDigitBits - 1) / kSortDigitBits % 2;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -24,11 +24,11 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
-TargetPasses::TargetPasses(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
-                           const RayTarget& target, uint32_t views)
+TargetPasses::TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live,
+                           const SliceTrees* trees, const RayTarget& target, uint32_t views)
     : device_(device), field_(field), live_(live), trees_(trees), target_(target), views_(views) {}
 
-TargetPasses::Shaded::Shaded(const Device& device, const Field& field, const SliceTrees& trees, uint32_t views)
+TargetPasses::Shaded::Shaded(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t views)
     : entries(shaded_entries(device, trees.capacity, views)), shader(device, field, trees, entries) {}
 
 size_t TargetPasses::place_of(Shading shading, Into into) {
@@ -64,7 +64,7 @@ void TargetPasses::forget_segments() {
     direct_into_[static_cast<size_t>(Into::kSegments)].reset();
 }
 
-Performer::Performer(const Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
+Performer::Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
     : device_(device),
       field_(field),
       paints_(paints),
@@ -78,7 +78,8 @@ void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
     slices_.reset();  // before there are others
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
-    counts_readback_ = Buffer(device_, "entries readback", slices_->trees().counts.bytes, MemoryKind::kReadback);
+    counts_readback_ =
+        gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
     for (const auto& [target, views] : targets_)
         passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
     paints_sliced_ = paints_.count();
@@ -156,19 +157,19 @@ bool Performer::enlarge_slices() {
     return true;
 }
 
-void record_slices(Commands& commands, Performer& performer) {
+void record_slices(gpu::Commands& commands, Performer& performer) {
     if (SliceCache* cache = performer.slices()) record_slices(commands, *cache);
 }
 
-void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts) {
+void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts) {
     SliceCache* cache = performer.slices();
     if (!cache) return;
     record_ahead(commands, *cache, parts);
-    copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
+    gpu::copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
 }
 
 // Where the instance may be seen. Its slice; none: it is drawn without, and its rows are there.
-std::optional<uint32_t> record_ranges(Commands& commands, Performer& performer, uint32_t target,
+std::optional<uint32_t> record_ranges(gpu::Commands& commands, Performer& performer, uint32_t target,
                                       const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
     const TargetPasses& passes = *performer.passes_[target];
     SliceCache* cache = performer.slices();
@@ -182,12 +183,12 @@ std::optional<uint32_t> record_ranges(Commands& commands, Performer& performer, 
     return slice;
 }
 
-void record_sharing(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                     const ViewLayout& layout) {
     record_ranges(commands, performer, target, instance, layout, true);
 }
 
-void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+void record_instance(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout) {
     const TargetPasses& passes = *performer.passes_[target];
     const std::optional<uint32_t> slice = record_ranges(commands, performer, target, instance, layout, false);
@@ -204,4 +205,4 @@ void record_instance(Commands& commands, Performer& performer, uint32_t target, 
                       instance.rays);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -9,7 +9,7 @@
 #include "render/slice_cache.h"
 #include "render/trace_tree.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // A performer's place on stage and in its clip.
 struct Instance {
@@ -40,7 +40,7 @@ struct DrawnInstance {
 // The passes of one performer into one target, each made when first needed. All must outlive it.
 class TargetPasses {
   public:
-    TargetPasses(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
+    TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
     // Before a picture. `segments`: bound where rays become those; null else.
@@ -50,19 +50,19 @@ class TargetPasses {
     // The segments have other buffers now.
     void forget_segments();
 
-    const Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
+    const gpu::Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
 
   private:
-    friend std::optional<uint32_t> record_ranges(Commands&, class Performer&, uint32_t, const DrawnInstance&,
+    friend std::optional<uint32_t> record_ranges(gpu::Commands&, class Performer&, uint32_t, const DrawnInstance&,
                                                  const ViewLayout&, bool);
-    friend void record_instance(Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    friend void record_instance(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     static size_t place_of(Shading shading, Into into);
     struct Shaded {
-        Buffer entries;
+        gpu::Buffer entries;
         Shader shader;
-        Shaded(const Device& device, const Field& field, const SliceTrees& trees, uint32_t views);
+        Shaded(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t views);
     };
-    const Device& device_;
+    const gpu::Device& device_;
     const Field& field_;
     const LiveLeaves& live_;
     const SliceTrees* trees_;  // null: it has no slices
@@ -83,7 +83,7 @@ class Performer {
   public:
     // A budget of 0 bytes: no slice at all, but one once a painted instance is drawn, as without a slice none shows its
     // paint; else one at least. All must outlive it.
-    Performer(const Device& device, const Field& field, const Paints& paints, uint64_t slice_budget);
+    Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget);
 
     // Where its instances are drawn, of so many views at most; returns the target's number.
     uint32_t add_target(const RayTarget& target, uint32_t views);
@@ -108,37 +108,37 @@ class Performer {
     const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
 
   private:
-    friend void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
-    friend std::optional<uint32_t> record_ranges(Commands&, Performer&, uint32_t, const DrawnInstance&,
+    friend void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
+    friend std::optional<uint32_t> record_ranges(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&,
                                                  const ViewLayout&, bool);
-    friend void record_instance(Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
+    friend void record_instance(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     void make_slices(uint32_t entries);
     void make_room(bool any_painted);
-    const Device& device_;
+    const gpu::Device& device_;
     const Field& field_;
     const Paints& paints_;
     uint64_t slice_budget_;
     LiveLeaves live_;
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
-    Buffer counts_readback_;  // LiveCount of each slice as of the last picture
+    gpu::Buffer counts_readback_;  // LiveCount of each slice as of the last picture
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
     size_t paints_sliced_ = 0;                           // how many paints the slices were made for
 };
 
 // The slices of prepared instances.
-void record_slices(Commands& commands, Performer& performer);
+void record_slices(gpu::Commands& commands, Performer& performer);
 // After the picture: so many parts (kSliceParts a slice) of those of the next frames.
-void record_slices_ahead(Commands& commands, Performer& performer, uint32_t parts);
+void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
 
 // One prepared instance of a group: counts it among those that share the tiles where it may be seen (record_unshared).
-void record_sharing(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                     const ViewLayout& layout);
 
 // One prepared instance, into what earlier ones left in the target. Its slice is built now where it has no place of its
 // own.
-void record_instance(Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
+void record_instance(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

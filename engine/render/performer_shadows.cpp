@@ -5,7 +5,7 @@
 #include "shared/shadow_blur.h"
 #include "spirv/shadow_blur.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -28,10 +28,10 @@ std::optional<WorldBox> box_of_casting(std::span<const Field* const> fields, std
 
 }  // namespace
 
-PerformerShadows::PerformerShadows(const Device& device, SetRaster& set, uint32_t instances)
+PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& set, uint32_t instances)
     : set_(set),
       target_(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
-      rows_(device, "shadow rows", uint64_t{8} * kSide * kSide, MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
+      rows_(device, "shadow rows", uint64_t{8} * kSide * kSide, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
       along_rows_(device, "shadow blur", shadow_blur_comp, {0}),
       along_columns_(device, "shadow blur", shadow_blur_comp, {1}),
       rows_set_(along_rows_, {{kBlurRadiance, &target_.rays.radiance},
@@ -76,22 +76,22 @@ void PerformerShadows::place(std::span<const Field* const> fields, std::span<con
     }
 }
 
-void record_performer_shadows(Commands& commands, PerformerShadows& shadows,
+void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows,
                               std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
     if (shadows.cameras_.empty()) return;
     record_clear(commands, shadows.target_.rays, shadows.layout_.ray_tiles());
     record_unseen(commands, shadows.target_.ranges);
     for (const DrawnInstance& instance : shadows.drawn_)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout_);
-    const PassScope scope(commands, "shadow blur");
+    const gpu::PassScope scope(commands, "shadow blur");
     constexpr uint32_t kGroups = (kSide * kSide + kTilePixels - 1) / kTilePixels;
     for (uint32_t view = 0; view < shadows.maps_.size(); view++) {
-        dispatch(commands, shadows.along_rows_, shadows.rows_set_, kGroups, ShadowBlurPush{view, 0});
-        compute_barrier(commands);
-        dispatch(commands, shadows.along_columns_, shadows.columns_set_, kGroups,
-                 ShadowBlurPush{view, shadows.maps_[view] * kSide * kSide});
-        compute_barrier(commands);
+        gpu::dispatch(commands, shadows.along_rows_, shadows.rows_set_, kGroups, ShadowBlurPush{view, 0});
+        gpu::compute_barrier(commands);
+        gpu::dispatch(commands, shadows.along_columns_, shadows.columns_set_, kGroups,
+                      ShadowBlurPush{view, shadows.maps_[view] * kSide * kSide});
+        gpu::compute_barrier(commands);
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -7,7 +7,7 @@
 
 #include "spirv/pick.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -15,21 +15,22 @@ constexpr uint32_t kRaysAtOnce = 1u << 18;
 
 }  // namespace
 
-PickRay pick_ray(const Camera& camera, glm::dvec2 at) {
+PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at) {
     const glm::dvec3 line((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
     const glm::dvec3 direction = glm::normalize(glm::dmat3(camera.world_from_camera) * line);
     return {glm::vec4(glm::vec3(camera.world_from_camera[3]), 0), glm::vec4(glm::vec3(direction), 0)};
 }
 
-Picker::Picker(const Device& device, const Field& field)
+Picker::Picker(const gpu::Device& device, const Field& field)
     : device_(device),
       field_(field),
       live_(device, field, field.leaf_count),
       trees_(device, field, most_entries(field), 1),
       slicer_(device, field, live_, trees_),
       painter_(device, field, live_, trees_),
-      rays_(device, "pick rays", sizeof(PickRay) * kRaysAtOnce, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT),
-      picks_(device, "picks", sizeof(Pick) * kRaysAtOnce, MemoryKind::kReadback, VK_FORMAT_R32G32_UINT),
+      rays_(device, "pick rays", sizeof(PickRay) * kRaysAtOnce, gpu::MemoryKind::kUpload,
+            VK_FORMAT_R32G32B32A32_SFLOAT),
+      picks_(device, "picks", sizeof(Pick) * kRaysAtOnce, gpu::MemoryKind::kReadback, VK_FORMAT_R32G32_UINT),
       pass_(device, "pick", pick_comp, {field.hh_degree, field.node_levels, field.top_levels}),
       set_(pass_, {{kPickTop, &field.top},
                    {kPickNodes, &trees_.nodes},
@@ -41,18 +42,18 @@ Picker::Picker(const Device& device, const Field& field)
 void Picker::show(float frame, std::span<const PaintUse> uses) {
     const Paint paint(device_, field_.leaf_count, uses);
     const SlicePaint bound(painter_, paint);
-    run_once(device_, "slice to pick on",
-             [&](Commands& commands) { record_slice_tree(commands, slicer_, 0, frame, &bound); });
+    gpu::run_once(device_, "slice to pick on",
+                  [&](gpu::Commands& commands) { record_slice_tree(commands, slicer_, 0, frame, &bound); });
 }
 
 std::vector<Picked> Picker::pick_some(std::span<const PickRay> rays, float alpha) {
     std::copy(rays.begin(), rays.end(), rays_.as<PickRay>());
     const auto count = static_cast<uint32_t>(rays.size());
-    run_once(device_, "pick", [&](Commands& commands) {
+    gpu::run_once(device_, "pick", [&](gpu::Commands& commands) {
         const PickPush push{
             glm::vec4(field_.box_min, 1 - alpha), glm::vec4(field_.box_size, 0), field_.top_box, 0, 0, 0, count};
-        dispatch(commands, pass_, set_, (count + kPickGroup - 1) / kPickGroup, push);
-        host_barrier(commands);
+        gpu::dispatch(commands, pass_, set_, (count + kPickGroup - 1) / kPickGroup, push);
+        gpu::host_barrier(commands);
     });
     std::vector<Picked> picked(rays.size());
     const Pick* from = picks_.as<Pick>();
@@ -72,4 +73,4 @@ std::vector<Picked> Picker::pick(std::span<const PickRay> rays, float alpha) {
     return picked;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

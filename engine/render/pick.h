@@ -6,7 +6,7 @@
 #include "shared/pick.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 constexpr float kPickAlpha = 0.99f;  // a ray meets the surface where it has gathered so much (errata 14)
 
@@ -18,13 +18,13 @@ struct Picked {
 
 // The ray of a place in a picture, as pixels count: centres at +0.5. The camera in the performer's space
 // (in_performer).
-PickRay pick_ray(const Camera& camera, glm::dvec2 at);
+PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at);
 
 // For set-up and editing, not for frames: it has a slice of its own, and waits for the device.
 class Picker {
   public:
     // The field must outlive it.
-    Picker(const Device& device, const Field& field);
+    Picker(const gpu::Device& device, const Field& field);
 
     // The instant that is picked on, and the paint at it, which is not needed afterwards.
     void show(float frame, std::span<const PaintUse> paint = {});
@@ -33,15 +33,15 @@ class Picker {
 
   private:
     std::vector<Picked> pick_some(std::span<const PickRay> rays, float alpha);
-    const Device& device_;
+    const gpu::Device& device_;
     const Field& field_;
     LiveLeaves live_;
     SliceTrees trees_;
     TreeSlicer slicer_;
     Painter painter_;
-    Buffer rays_, picks_;  // host-mapped
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::Buffer rays_, picks_;  // host-mapped
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::render

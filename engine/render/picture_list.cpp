@@ -4,9 +4,9 @@
 #include "shared/resolve.h"
 #include "spirv/picture_list.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-PictureLister::PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges)
+PictureLister::PictureLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& ranges)
     : ranges_(ranges),
       pass_(device, "picture list", picture_list_comp),
       set_(pass_, {{kListSeen, &ranges.seen},
@@ -14,8 +14,8 @@ PictureLister::PictureLister(const Device& device, const RayBatch& rays, const T
                    {kListPictures, &ranges.picture_list},
                    {kListCount, &ranges.picture_count}}) {}
 
-void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
-    const PassScope scope(commands, "picture list");
+void record_picture_list(gpu::Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
+    const gpu::PassScope scope(commands, "picture list");
     const PictureListPush push{layout.views,
                                layout.tiles_across(),
                                layout.tiles_down(),
@@ -23,8 +23,8 @@ void record_picture_list(Commands& commands, const PictureLister& lister, const 
                                layout.pictures_down(),
                                layout.samples,
                                layout.upscaled() ? kUpscaleReach : 0};
-    dispatch(commands, lister.pass_, lister.set_, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
-    compute_barrier(commands);
+    gpu::dispatch(commands, lister.pass_, lister.set_, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

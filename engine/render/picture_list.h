@@ -3,20 +3,20 @@
 
 #include "render/tile_range.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class PictureLister {
   public:
-    PictureLister(const Device& device, const RayBatch& rays, const TileRanges& ranges);
+    PictureLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& ranges);
 
   private:
-    friend void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
+    friend void record_picture_list(gpu::Commands& commands, const PictureLister& lister, const ViewLayout& layout);
     const TileRanges& ranges_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // After a frame's last instance: which tiles of the pictures are to be resolved or upscaled.
-void record_picture_list(Commands& commands, const PictureLister& lister, const ViewLayout& layout);
+void record_picture_list(gpu::Commands& commands, const PictureLister& lister, const ViewLayout& layout);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

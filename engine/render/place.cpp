@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::render {
 
-ShaderCamera shader_camera_of(const TargetViews& views, const Camera& camera, uint32_t view) {
+ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& camera, uint32_t view) {
     const uint32_t samples = views.layout.samples;
     return views.layout.upscaled() ? shader_camera(camera, views.grids[view])
-                                   : shader_camera(enlarged(camera, samples), samples);
+                                   : shader_camera(stage::enlarged(camera, samples), samples);
 }
 
 void place_cameras(const TargetViews& views) {
@@ -36,7 +36,7 @@ std::optional<DrawnInstance> place_instance(const TargetViews& views, const Fiel
     const double pixel_rays = layout.samples * views.scale;  // along each side
     bool seen_at_all = false;
     for (uint32_t view = 0; view < layout.views; view++) {
-        const Camera camera = in_performer(views.cameras[view], instance.world_from_performer);
+        const stage::Camera camera = in_performer(views.cameras[view], instance.world_from_performer);
         const glm::vec3 eye(camera.world_from_camera[3]);
         const ShaderCamera seen = shader_camera_of(views, camera, view);
         const RangeView range = range_view(seen);
@@ -54,4 +54,4 @@ std::optional<DrawnInstance> place_instance(const TargetViews& views, const Fiel
     return drawn;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -6,19 +6,19 @@
 #include "render/performer.h"
 #include "render/ray_grid.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // The views of a target in one frame.
 struct TargetViews {
     const RayTarget& target;
     const ViewLayout& layout;
-    std::span<const Camera> cameras;   // world; one a view
-    std::span<const RayGrid> grids{};  // one a view where layout.upscaled()
-    double scale = 1;                  // rays a pixel, along each side, where that is so
+    std::span<const stage::Camera> cameras;  // world; one a view
+    std::span<const RayGrid> grids{};        // one a view where layout.upscaled()
+    double scale = 1;                        // rays a pixel, along each side, where that is so
 };
 
 // Of the world, or of a camera in a performer's space.
-ShaderCamera shader_camera_of(const TargetViews& views, const Camera& camera, uint32_t view);
+ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& camera, uint32_t view);
 
 // The cameras of the world, one a view; and, as ray tiles of the layout, their tiles.
 void place_cameras(const TargetViews& views);
@@ -29,4 +29,4 @@ void place_tiles(const TargetViews& views);
 std::optional<DrawnInstance> place_instance(const TargetViews& views, const Field& field, const Instance& instance,
                                             uint32_t place);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -7,7 +7,7 @@
 #include "spirv/raster.frag.h"
 #include "spirv/raster.vert.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -15,8 +15,8 @@ constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;
 constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT, kDepth = VK_FORMAT_D32_SFLOAT;
 constexpr float kSkyShare = 0.4f;  // soft enough that all sides of a lit material stay readable
 
-GraphicsShape pass_shape() {
-    GraphicsShape shape;
+gpu::GraphicsShape pass_shape() {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = raster_vert;
     shape.fragment_spirv = raster_frag;
     describe_streams(SceneDetail::kBase, shape);
@@ -28,7 +28,7 @@ GraphicsShape pass_shape() {
 
 }  // namespace
 
-Rasterizer::Rasterizer(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height)
+Rasterizer::Rasterizer(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height)
     : device_(device),
       scene_(scene),
       width_(width * kSupersample),
@@ -37,14 +37,15 @@ Rasterizer::Rasterizer(const Device& device, const GltfScene& scene, uint32_t wi
       geometry_(device, scene, SceneDetail::kBase),
       commands_(device, "raster") {
     constexpr VkImageUsageFlags kTransient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-    samples_ = DeviceImage(device, "raster samples",
-                           {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
-    depth_ = DeviceImage(device, "raster depth",
+    samples_ = gpu::DeviceImage(device, "raster samples",
+                                {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
+    depth_ =
+        gpu::DeviceImage(device, "raster depth",
                          {width_, height_, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient, kSamples});
-    target_ =
-        DeviceImage(device, "raster target",
-                    {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
-    readback_ = Buffer(device, "raster readback", uint64_t{8} * width_ * height_, MemoryKind::kReadback);
+    target_ = gpu::DeviceImage(
+        device, "raster target",
+        {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    readback_ = gpu::Buffer(device, "raster readback", uint64_t{8} * width_ * height_, gpu::MemoryKind::kReadback);
     upload_textures();
 }
 
@@ -54,16 +55,16 @@ void Rasterizer::upload_textures() {
         texture_of_draw_.push_back(
             add_texture(device_, scene_, textures_, material_at(scene_, draw.material).texture, true));
     for (const SceneTextures::Entry& entry : textures_.entries) {
-        const std::pair<const DeviceImage*, const Sampler*> texture{&entry.image, &entry.sampler};
+        const std::pair<const gpu::DeviceImage*, const gpu::Sampler*> texture{&entry.image, &entry.sampler};
         sets_.emplace_back(pass_, std::span(&texture, 1));
     }
 }
 
-void Rasterizer::pose(const PosedScene& pose) {
+void Rasterizer::pose(const stage::PosedScene& pose) {
     pose_geometry(geometry_, pose);
 }
 
-RasterPicture Rasterizer::draw(const Camera& camera, double near_m) {
+RasterPicture Rasterizer::draw(const stage::Camera& camera, double near_m) {
     assert(camera.width * kSupersample == width_ && camera.height * kSupersample == height_ && "the picture size");
     const glm::dmat4 projection = clip_from_world(camera, near_m);
     const VkRect2D part = visible_part(projection);
@@ -101,18 +102,19 @@ VkRect2D Rasterizer::visible_part(const glm::dmat4& clip_from_world) const {
 void Rasterizer::record(const glm::mat4& clip_from_world, const VkRect2D& part) {
     commands_.begin();
     {
-        const PassScope scope(commands_, "raster");
-        for (const DeviceImage* colour : {&samples_, &target_})
-            move_layout(commands_, *colour, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        move_layout(commands_, depth_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        const gpu::PassScope scope(commands_, "raster");
+        for (const gpu::DeviceImage* colour : {&samples_, &target_})
+            gpu::move_layout(commands_, *colour, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        gpu::move_layout(commands_, depth_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
         begin_rendering(part);
         record_draws(clip_from_world, false);
         record_draws(clip_from_world, true);
         vkCmdEndRendering(commands_.handle());
     }
-    move_layout(commands_, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    copy(commands_, target_, part, readback_);
-    host_barrier(commands_);
+    gpu::move_layout(commands_, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::copy(commands_, target_, part, readback_);
+    gpu::host_barrier(commands_);
 }
 
 void Rasterizer::begin_rendering(const VkRect2D& part) {
@@ -148,17 +150,17 @@ void Rasterizer::record_draws(const glm::mat4& clip_from_world, bool blended) {
     VkCommandBuffer to = commands_.handle();
     for (size_t i = 0; i < geometry_.draws.size(); i++) {
         const SceneDraw& draw = geometry_.draws[i];
-        const GltfMaterial& material = material_at(scene_, draw.material);
-        if ((material.alpha == GltfAlpha::kBlend) != blended) continue;
+        const stage::GltfMaterial& material = material_at(scene_, draw.material);
+        if ((material.alpha == stage::GltfAlpha::kBlend) != blended) continue;
         RasterPush push{};
         push.clip_from_world = clip_from_world;
         push.base_colour = material.base_color;
-        push.alpha_cutoff = material.alpha == GltfAlpha::kMask ? material.alpha_cutoff : -1;
+        push.alpha_cutoff = material.alpha == stage::GltfAlpha::kMask ? material.alpha_cutoff : -1;
         push.opaque = blended ? 0 : 1;
         push.sky = material.unlit ? 0 : kSkyShare;
         const VkDescriptorSet set = sets_[texture_of_draw_[i]].handle();
         vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.layout(), 0, 1, &set, 0, nullptr);
-        vkCmdPushConstants(to, pass_.layout(), kDrawStages, 0, sizeof(push), &push);
+        vkCmdPushConstants(to, pass_.layout(), gpu::kDrawStages, 0, sizeof(push), &push);
         vkCmdSetCullMode(to, material.double_sided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
         vkCmdSetFrontFace(to, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
         vkCmdSetDepthWriteEnable(to, !blended);
@@ -167,7 +169,7 @@ void Rasterizer::record_draws(const glm::mat4& clip_from_world, bool blended) {
     }
 }
 
-glm::dmat4 clip_from_world(const Camera& camera, double near_m) {
+glm::dmat4 clip_from_world(const stage::Camera& camera, double near_m) {
     // x_px = cx − fx·x/z and y_px = cy + fy·y/z with z < 0 in front; clip w = −z, and NDC = 2·px/size − 1.
     const double w = camera.width, h = camera.height;
     glm::dmat4 clip(0);
@@ -180,4 +182,4 @@ glm::dmat4 clip_from_world(const Camera& camera, double near_m) {
     return clip * glm::inverse(camera.world_from_camera);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

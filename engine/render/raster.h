@@ -10,7 +10,7 @@
 #include "shared/raster.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Pictures are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
 constexpr uint32_t kSupersample = 2;
@@ -26,16 +26,16 @@ struct RasterPicture {
 class Rasterizer {
   public:
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
-    Rasterizer(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height);
+    Rasterizer(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height);
     Rasterizer(const Rasterizer&) = delete;
     Rasterizer& operator=(const Rasterizer&) = delete;
 
     // The instant that draw() shows.
-    void pose(const PosedScene& pose);
+    void pose(const stage::PosedScene& pose);
 
     // Draws and waits; the result is valid until the next call. The camera has the rasterizer's picture size. `near_m`:
     // what is nearer to the camera's plane is cut off.
-    RasterPicture draw(const Camera& camera, double near_m);
+    RasterPicture draw(const stage::Camera& camera, double near_m);
 
   private:
     void upload_textures();
@@ -44,31 +44,31 @@ class Rasterizer {
     void record_draws(const glm::mat4& clip_from_world, bool blended);
     void begin_rendering(const VkRect2D& part);
 
-    const Device& device_;
-    const GltfScene& scene_;
+    const gpu::Device& device_;
+    const stage::GltfScene& scene_;
     uint32_t width_, height_;  // of the targets
-    GraphicsPass pass_;
+    gpu::GraphicsPass pass_;
     SceneGeometry geometry_;
-    Buffer readback_;
-    DeviceImage samples_, depth_, target_;
+    gpu::Buffer readback_;
+    gpu::DeviceImage samples_, depth_, target_;
     SceneTextures textures_;
     std::vector<size_t> texture_of_draw_;
-    std::vector<TextureSet> sets_;  // by texture
-    Commands commands_;
+    std::vector<gpu::TextureSet> sets_;  // by texture
+    gpu::Commands commands_;
 };
 
 // Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
-glm::dmat4 clip_from_world(const Camera& camera, double near_m);
+glm::dmat4 clip_from_world(const stage::Camera& camera, double near_m);
 
 // Averages kSupersample² pixels into a whole picture: width × height of linear premultiplied RGBA.
 std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height);
 
 // Straight alpha, sRGB, 8 bits.
-Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);
+media::Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);
 
 // The mip levels of a picture as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
-std::vector<std::vector<uint8_t>> mip_levels(const Image& image);
+std::vector<std::vector<uint8_t>> mip_levels(const media::Image& image);
 // The same of a map whose bytes are numbers (normals, roughness): plain averages.
-std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const Image& image);
+std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const media::Image& image);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -7,7 +7,7 @@
 #include "render/raster.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -16,21 +16,21 @@ uint8_t byte_of(float value) {
 }
 
 uint8_t srgb_byte(float linear) {
-    return byte_of(static_cast<float>(srgb_from_linear(static_cast<double>(std::clamp(linear, 0.0f, 1.0f)))));
+    return byte_of(static_cast<float>(media::srgb_from_linear(static_cast<double>(std::clamp(linear, 0.0f, 1.0f)))));
 }
 
 const std::array<float, 256>& linear_of_byte() {
     static const std::array<float, 256> table = [] {
         std::array<float, 256> values{};
         for (size_t i = 0; i < values.size(); i++)
-            values[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+            values[i] = static_cast<float>(media::linear_from_srgb(static_cast<double>(i) / 255));
         return values;
     }();
     return table;
 }
 
 // The mean of a 2×2 block whose second row or column may fall outside of the picture.
-void shrink_pixel(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
+void shrink_pixel(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     const auto& linear = linear_of_byte();
     glm::vec4 sum(0);
     glm::vec3 unweighted(0);
@@ -48,7 +48,7 @@ void shrink_pixel(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
 }
 
 // The same of numbers, each channel alone.
-void shrink_numbers(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
+void shrink_numbers(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     for (int c = 0; c < 4; c++) {
         int sum = 2;
         for (uint32_t i = 0; i < 4; i++)
@@ -57,13 +57,13 @@ void shrink_numbers(const Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     }
 }
 
-using ShrinkPixel = void (*)(const Image& from, uint32_t x, uint32_t y, uint8_t* to);
+using ShrinkPixel = void (*)(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to);
 
-std::vector<std::vector<uint8_t>> levels_by(const Image& image, ShrinkPixel shrink) {
+std::vector<std::vector<uint8_t>> levels_by(const media::Image& image, ShrinkPixel shrink) {
     std::vector<std::vector<uint8_t>> levels{{image.rgba.begin(), image.rgba.end()}};
-    Image level = image;
+    media::Image level = image;
     while (level.width > 1 || level.height > 1) {
-        Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
+        media::Image next(std::max(1u, level.width / 2), std::max(1u, level.height / 2));
         for (uint32_t y = 0; y < next.height; y++)
             for (uint32_t x = 0; x < next.width; x++) shrink(level, x, y, next.at(x, y));
         level = std::move(next);
@@ -87,14 +87,14 @@ std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, ui
             std::memcpy(&bits, pixel, sizeof(bits));
             if (bits == 0) continue;  // most of a picture
             glm::vec4& sum = out[size_t{picture.y + y / kSupersample} * width + picture.x + x / kSupersample];
-            for (int c = 0; c < 4; c++) sum[c] += kShare * float_from_half(pixel[c]);
+            for (int c = 0; c < 4; c++) sum[c] += kShare * voctree::float_from_half(pixel[c]);
         }
     return out;
 }
 
-Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height) {
+media::Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height) {
     assert(premultiplied.size() == size_t{width} * height && "a pixel each");
-    Image image(width, height);
+    media::Image image(width, height);
     for (size_t i = 0; i < premultiplied.size(); i++) {
         const glm::vec4& light = premultiplied[i];
         uint8_t* pixel = &image.rgba[4 * i];
@@ -105,12 +105,12 @@ Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, 
     return image;
 }
 
-std::vector<std::vector<uint8_t>> mip_levels(const Image& image) {
+std::vector<std::vector<uint8_t>> mip_levels(const media::Image& image) {
     return levels_by(image, shrink_pixel);
 }
 
-std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const Image& image) {
+std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const media::Image& image) {
     return levels_by(image, shrink_numbers);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -51,7 +51,7 @@ double ray_of_pixel(const GridAxis& axis, double pixel) {
     return pixel <= k.w ? k.x + (pixel - k.z) / slopes.y : k.y + (pixel - k.w) / slopes.z;
 }
 
-ShaderCamera shader_camera(const Camera& camera, const RayGrid& grid) {
+ShaderCamera shader_camera(const stage::Camera& camera, const RayGrid& grid) {
     ShaderCamera shader = shader_camera(camera);
     shader.right.w = static_cast<float>(grid.rays.x);
     shader.down.w = static_cast<float>(grid.rays.y);
@@ -60,4 +60,4 @@ ShaderCamera shader_camera(const Camera& camera, const RayGrid& grid) {
     return shader;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

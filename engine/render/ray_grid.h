@@ -4,7 +4,7 @@
 
 #include "render/trace.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // The part of a picture that is looked at, in shares of its width and height from the top left, and how many rays along
 // each side stand beside it for one inside it.
@@ -28,6 +28,6 @@ double pixel_of_ray(const GridAxis& axis, double ray);
 double ray_of_pixel(const GridAxis& axis, double pixel);
 
 // `camera` is that of the picture; its rays stand where the grid says.
-ShaderCamera shader_camera(const Camera& camera, const RayGrid& grid);
+ShaderCamera shader_camera(const stage::Camera& camera, const RayGrid& grid);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -1,12 +1,12 @@
 #include "render/ray_target.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-RayTarget::RayTarget(const Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
+RayTarget::RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
                      const Surroundings& given)
     : rays(device, cameras, ray_tiles),
       ranges(device, rays.tile_capacity, picture_tiles, rays.camera_capacity),
-      no_lights(device, "no lights", sizeof(ShaderLights), MemoryKind::kDevice),
+      no_lights(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
       around(given),
       has_set(given.set_depth != nullptr) {
     if (!around.set_depth) around.set_depth = &rays.depth;
@@ -15,4 +15,4 @@ RayTarget::RayTarget(const Device& device, uint32_t cameras, uint32_t ray_tiles,
     if (!around.performer_shadows) around.performer_shadows = &rays.depth;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -4,26 +4,26 @@
 #include "render/tile_range.h"
 #include "shared/lights.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // What a stage does to performers' rays. Null: nothing.
 struct Surroundings {
     // Of the opaque set: metres along the camera's axis (R32_SFLOAT), infinity where there is none, in rows of samples
     // · width texels, views behind each other.
-    const Buffer* set_depth = nullptr;
+    const gpu::Buffer* set_depth = nullptr;
     // As shadow.glsl reads them; all or none.
-    const Buffer *lights = nullptr, *set_shadows = nullptr, *performer_shadows = nullptr;
+    const gpu::Buffer *lights = nullptr, *set_shadows = nullptr, *performer_shadows = nullptr;
 };
 
 struct RayTarget {
-    RayTarget(const Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
+    RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
               const Surroundings& around = {});
 
     RayBatch rays;
     TileRanges ranges;
-    Buffer no_lights;
+    gpu::Buffer no_lights;
     Surroundings around;  // where there is nothing, what may be bound in its place
     bool has_set;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -5,11 +5,11 @@
 #include "spirv/resolve.comp.h"
 #include "spirv/upscale.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // What is not there is bound to buffers of the same kinds.
-Resolver::Resolver(const Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const Buffer& picture,
-                   const TileRanges* only, const SetRaster* set)
+Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
+                   const gpu::Buffer& picture, const TileRanges* only, const SetRaster* set)
     : only_(only),
       pass_(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
             rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
@@ -23,19 +23,19 @@ Resolver::Resolver(const Device& device, RaysPerPixel rays_per_pixel, const RayB
                    {kResolveSetFront, set ? &set->front : &rays.radiance},
                    {kResolveSetDepth, set ? &set->depth : &rays.depth}}) {}
 
-void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
+void record_resolve(gpu::Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings) {
     assert(!is_inspection(settings.show));
-    const PassScope scope(commands, resolver.pass_.name());
+    const gpu::PassScope scope(commands, resolver.pass_.name());
     const ResolvePush push{
         settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),
         settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
         layout.tiles_down(),   layout.views};
     if (resolver.only_)
-        dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
+        gpu::dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
     else
-        dispatch(commands, resolver.pass_, resolver.set_, layout.picture_tiles(), push);
-    compute_barrier(commands);
+        gpu::dispatch(commands, resolver.pass_, resolver.set_, layout.picture_tiles(), push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

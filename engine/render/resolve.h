@@ -6,7 +6,7 @@
 #include "render/set_raster.h"
 #include "shared/resolve.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 enum class Show : uint32_t {
     kColour = kShowColour,
@@ -35,19 +35,19 @@ class Resolver {
   public:
     // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     // `set`: behind and before the rays.
-    Resolver(const Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const Buffer& picture,
+    Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& picture,
              const TileRanges* only = nullptr, const SetRaster* set = nullptr);
 
   private:
-    friend void record_resolve(Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);
+    friend void record_resolve(gpu::Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);
     const TileRanges* only_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Whole: the rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of
 // samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view. No inspection.
-void record_resolve(Commands& commands, const Resolver& resolver, const ViewLayout& layout,
+void record_resolve(gpu::Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

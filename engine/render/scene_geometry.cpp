@@ -11,7 +11,7 @@
 #include "render/raster.h"
 #include "shared/raster.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -23,23 +23,23 @@ struct FixedVertex {
     glm::vec4 colour;
 };
 struct MapUvs {
-    glm::vec2 uv[kGltfMaps];
+    glm::vec2 uv[stage::kGltfMaps];
 };
 
 // Calls visit(node, primitive) for all that is drawn, in the order of draws.
 template <typename Visit>
-void for_each_drawn(const GltfScene& scene, const Visit& visit) {
+void for_each_drawn(const stage::GltfScene& scene, const Visit& visit) {
     for (uint32_t n = 0; n < scene.nodes.size(); n++) {
-        const GltfNode& node = scene.nodes[n];
+        const stage::GltfNode& node = scene.nodes[n];
         if (!node.draws_mesh()) continue;
-        for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(node.mesh)].primitives)
+        for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(node.mesh)].primitives)
             visit(n, primitive);
     }
 }
 
 void list_draws(SceneGeometry& to) {
     uint64_t vertices = 0, indices = 0;
-    for_each_drawn(*to.scene, [&](uint32_t node, const GltfPrimitive& primitive) {
+    for_each_drawn(*to.scene, [&](uint32_t node, const stage::GltfPrimitive& primitive) {
         SceneDraw& draw = to.draws.emplace_back();
         draw.node = node;
         draw.primitive = &primitive;
@@ -56,19 +56,19 @@ void list_draws(SceneGeometry& to) {
 }
 
 template <typename T>
-Buffer filled(const Device& device, const std::string& name, const std::vector<T>& values) {
-    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kUpload);
+gpu::Buffer filled(const gpu::Device& device, const std::string& name, const std::vector<T>& values) {
+    gpu::Buffer buffer(device, name, values.size() * sizeof(T), gpu::MemoryKind::kUpload);
     if (!values.empty()) std::memcpy(buffer.mapped, values.data(), values.size() * sizeof(T));
     return buffer;
 }
 
-void upload_fixed(const Device& device, SceneGeometry& to) {
+void upload_fixed(const gpu::Device& device, SceneGeometry& to) {
     std::vector<FixedVertex> fixed;
     std::vector<uint32_t> indices;
     fixed.reserve(to.vertex_count);
     indices.reserve(to.index_count);
     for (const SceneDraw& draw : to.draws) {
-        const GltfPrimitive& from = *draw.primitive;
+        const stage::GltfPrimitive& from = *draw.primitive;
         for (size_t v = 0; v < from.positions.size(); v++)
             fixed.push_back(
                 {from.uvs.empty() ? glm::vec2(0) : from.uvs[v], from.colors.empty() ? glm::vec4(1) : from.colors[v]});
@@ -78,10 +78,10 @@ void upload_fixed(const Device& device, SceneGeometry& to) {
     to.indices = filled(device, "raster indices", indices);
 }
 
-void upload_map_uvs(const Device& device, SceneGeometry& to) {
+void upload_map_uvs(const gpu::Device& device, SceneGeometry& to) {
     std::vector<MapUvs> uvs(to.vertex_count);
     for (const SceneDraw& draw : to.draws)
-        for (size_t map = 0; map < kGltfMaps; map++) {
+        for (size_t map = 0; map < stage::kGltfMaps; map++) {
             const std::vector<glm::vec2>& from = draw.primitive->map_uvs[map];
             for (size_t v = 0; v < from.size(); v++) uvs[draw.first_vertex + v].uv[map] = from[v];
         }
@@ -96,11 +96,11 @@ bool same(const Values& a, const Values& b) {
 }
 
 // All that is uploaded or posed.
-bool same_vertices(const GltfPrimitive& a, const GltfPrimitive& b) {
+bool same_vertices(const stage::GltfPrimitive& a, const stage::GltfPrimitive& b) {
     bool equal = same(a.positions, b.positions) && same(a.normals, b.normals) && same(a.uvs, b.uvs) &&
                  same(a.tangents, b.tangents) && same(a.colors, b.colors) && same(a.joints, b.joints) &&
                  same(a.weights, b.weights) && same(a.indices, b.indices) && a.targets.size() == b.targets.size();
-    for (size_t map = 0; equal && map < kGltfMaps; map++) equal = same(a.map_uvs[map], b.map_uvs[map]);
+    for (size_t map = 0; equal && map < stage::kGltfMaps; map++) equal = same(a.map_uvs[map], b.map_uvs[map]);
     for (size_t i = 0; equal && i < a.targets.size(); i++)
         equal =
             same(a.targets[i].positions, b.targets[i].positions) && same(a.targets[i].normals, b.targets[i].normals);
@@ -108,17 +108,17 @@ bool same_vertices(const GltfPrimitive& a, const GltfPrimitive& b) {
 }
 
 // Whether the draw's vertices stand elsewhere than in the pose before.
-bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const PosedScene& to) {
-    const PosedScene& from = geometry.pose;
+bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const stage::PosedScene& to) {
+    const stage::PosedScene& from = geometry.pose;
     const int32_t skin = geometry.scene->nodes[draw.node].skin;
     if (from.world_from_node.empty() || from.morph_weights[draw.node] != to.morph_weights[draw.node]) return true;
     if (skin < 0) return from.world_from_node[draw.node] != to.world_from_node[draw.node];
     return from.joint_matrices[static_cast<size_t>(skin)] != to.joint_matrices[static_cast<size_t>(skin)];
 }
 
-void pose_draw(SceneGeometry& geometry, const PosedScene& pose, SceneDraw& draw) {
-    PosedVertices& posed = geometry.scratch;
-    pose_vertices(*geometry.scene, pose, draw.node, *draw.primitive, posed);
+void pose_draw(SceneGeometry& geometry, const stage::PosedScene& pose, SceneDraw& draw) {
+    stage::PosedVertices& posed = geometry.scratch;
+    stage::pose_vertices(*geometry.scene, pose, draw.node, *draw.primitive, posed);
     draw.mirrored = posed.mirrored;
     draw.low = glm::vec3(INFINITY);
     draw.high = -draw.low;
@@ -135,7 +135,8 @@ void pose_draw(SceneGeometry& geometry, const PosedScene& pose, SceneDraw& draw)
 
 }  // namespace
 
-SceneGeometry::SceneGeometry(const Device& device, const GltfScene& from, SceneDetail how) : scene(&from), detail(how) {
+SceneGeometry::SceneGeometry(const gpu::Device& device, const stage::GltfScene& from, SceneDetail how)
+    : scene(&from), detail(how) {
     list_draws(*this);
     moving = filled(device, "raster moving vertices", std::vector<MovingVertex>(vertex_count));
     upload_fixed(device, *this);
@@ -144,20 +145,20 @@ SceneGeometry::SceneGeometry(const Device& device, const GltfScene& from, SceneD
     upload_map_uvs(device, *this);
 }
 
-bool has_vertices_of(const SceneGeometry& geometry, const GltfScene& scene) {
+bool has_vertices_of(const SceneGeometry& geometry, const stage::GltfScene& scene) {
     size_t drawn = 0;
     bool equal = true;
-    for_each_drawn(scene, [&](uint32_t, const GltfPrimitive& primitive) {
+    for_each_drawn(scene, [&](uint32_t, const stage::GltfPrimitive& primitive) {
         equal = equal && drawn < geometry.draws.size() && same_vertices(*geometry.draws[drawn].primitive, primitive);
         drawn++;
     });
     return equal && drawn == geometry.draws.size();
 }
 
-void repoint_geometry(SceneGeometry& geometry, const GltfScene& scene) {
+void repoint_geometry(SceneGeometry& geometry, const stage::GltfScene& scene) {
     bool same_nodes = true;
     size_t drawn = 0;
-    for_each_drawn(scene, [&](uint32_t node, const GltfPrimitive& primitive) {
+    for_each_drawn(scene, [&](uint32_t node, const stage::GltfPrimitive& primitive) {
         SceneDraw& draw = geometry.draws[drawn++];
         same_nodes = same_nodes && draw.node == node && geometry.scene->nodes[node].skin == scene.nodes[node].skin;
         draw.node = node;
@@ -168,7 +169,7 @@ void repoint_geometry(SceneGeometry& geometry, const GltfScene& scene) {
     if (!same_nodes) geometry.pose = {};  // it is by node
 }
 
-bool pose_geometry(SceneGeometry& geometry, const PosedScene& pose) {
+bool pose_geometry(SceneGeometry& geometry, const stage::PosedScene& pose) {
     bool any = false;
     for (SceneDraw& draw : geometry.draws) {
         if (!moved(geometry, draw, pose)) continue;
@@ -186,7 +187,7 @@ bool pose_geometry(SceneGeometry& geometry, const PosedScene& pose) {
     return true;
 }
 
-void describe_streams(SceneDetail detail, GraphicsShape& shape) {
+void describe_streams(SceneDetail detail, gpu::GraphicsShape& shape) {
     constexpr VkVertexInputRate kVertex = VK_VERTEX_INPUT_RATE_VERTEX;
     shape.streams = {{0, sizeof(MovingVertex), kVertex}, {1, sizeof(FixedVertex), kVertex}};
     shape.attributes = {{kRasterPosition, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(MovingVertex, position)},
@@ -201,7 +202,7 @@ void describe_streams(SceneDetail detail, GraphicsShape& shape) {
     shape.attributes.push_back({kRasterMapUvs + 1, 3, VK_FORMAT_R32G32B32A32_SFLOAT, 2 * sizeof(glm::vec2)});
 }
 
-void bind_streams(Commands& commands, const SceneGeometry& geometry) {
+void bind_streams(gpu::Commands& commands, const SceneGeometry& geometry) {
     const VkBuffer streams[] = {geometry.moving.buffer, geometry.fixed.buffer, geometry.tangents.buffer,
                                 geometry.map_uvs.buffer};
     const VkDeviceSize offsets[] = {0, 0, 0, 0};
@@ -209,27 +210,27 @@ void bind_streams(Commands& commands, const SceneGeometry& geometry) {
     vkCmdBindIndexBuffer(commands.handle(), geometry.indices.buffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
-const GltfMaterial& material_at(const GltfScene& scene, int32_t index) {
-    static const GltfMaterial kDefault;
+const stage::GltfMaterial& material_at(const stage::GltfScene& scene, int32_t index) {
+    static const stage::GltfMaterial kDefault;
     return index < 0 ? kDefault : scene.materials[static_cast<size_t>(index)];
 }
 
 namespace {
 
-VkSamplerAddressMode address_mode(GltfWrap wrap) {
+VkSamplerAddressMode address_mode(stage::GltfWrap wrap) {
     switch (wrap) {
-        case GltfWrap::kRepeat:
+        case stage::GltfWrap::kRepeat:
             return VK_SAMPLER_ADDRESS_MODE_REPEAT;
-        case GltfWrap::kMirroredRepeat:
+        case stage::GltfWrap::kMirroredRepeat:
             return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-        case GltfWrap::kClampToEdge:
+        case stage::GltfWrap::kClampToEdge:
             return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     }
     return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
-SamplerShape sampler_shape(const GltfTexture& texture) {
-    SamplerShape shape;
+gpu::SamplerShape sampler_shape(const stage::GltfTexture& texture) {
+    gpu::SamplerShape shape;
     shape.wrap_u = address_mode(texture.wrap_u);
     shape.wrap_v = address_mode(texture.wrap_v);
     shape.magnification = texture.nearest_magnification ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
@@ -238,20 +239,21 @@ SamplerShape sampler_shape(const GltfTexture& texture) {
     return shape;
 }
 
-DeviceImage make_texture(const Device& device, const std::string& name, const Image& image, bool srgb) {
+gpu::DeviceImage make_texture(const gpu::Device& device, const std::string& name, const media::Image& image,
+                              bool srgb) {
     const std::vector<std::vector<uint8_t>> levels = srgb ? mip_levels(image) : mip_levels_of_numbers(image);
-    DeviceImage texture(device, name,
-                        {image.width, image.height, srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_SAMPLE_COUNT_1_BIT,
-                         static_cast<uint32_t>(levels.size())});
-    upload_levels(device, texture, levels);
+    gpu::DeviceImage texture(device, name,
+                             {image.width, image.height, srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_SAMPLE_COUNT_1_BIT,
+                              static_cast<uint32_t>(levels.size())});
+    gpu::upload_levels(device, texture, levels);
     return texture;
 }
 
 }  // namespace
 
-bool same_textures(const GltfScene& a, const GltfScene& b) {
-    const auto same_texture = [](const GltfTexture& one, const GltfTexture& other) {
+bool same_textures(const stage::GltfScene& a, const stage::GltfScene& b) {
+    const auto same_texture = [](const stage::GltfTexture& one, const stage::GltfTexture& other) {
         return one.image == other.image && one.wrap_u == other.wrap_u && one.wrap_v == other.wrap_v &&
                one.nearest_magnification == other.nearest_magnification &&
                one.nearest_minification == other.nearest_minification && one.mipmaps == other.mipmaps;
@@ -263,25 +265,26 @@ bool same_textures(const GltfScene& a, const GltfScene& b) {
            std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(), same_image);
 }
 
-SceneTextures make_textures(const Device& device) {
-    Image white(1, 1);
+SceneTextures make_textures(const gpu::Device& device) {
+    media::Image white(1, 1);
     white.rgba.assign(4, 255);
     SceneTextures textures;
     const std::string name = "texture white";
     textures.entries.push_back(
-        {-1, true, make_texture(device, name, white, true), Sampler(device, name, SamplerShape{})});
+        {-1, true, make_texture(device, name, white, true), gpu::Sampler(device, name, gpu::SamplerShape{})});
     return textures;
 }
 
-size_t add_texture(const Device& device, const GltfScene& scene, SceneTextures& textures, int32_t texture, bool srgb) {
+size_t add_texture(const gpu::Device& device, const stage::GltfScene& scene, SceneTextures& textures, int32_t texture,
+                   bool srgb) {
     if (texture < 0) return 0;
     for (size_t i = 1; i < textures.entries.size(); i++)
         if (textures.entries[i].texture == texture && textures.entries[i].srgb == srgb) return i;
-    const GltfTexture& from = scene.textures[static_cast<size_t>(texture)];
+    const stage::GltfTexture& from = scene.textures[static_cast<size_t>(texture)];
     const std::string name = fmt::format("texture {}{}", texture, srgb ? "" : " as numbers");
     textures.entries.push_back({texture, srgb, make_texture(device, name, scene.images[from.image]->pixels, srgb),
-                                Sampler(device, name, sampler_shape(from))});
+                                gpu::Sampler(device, name, sampler_shape(from))});
     return textures.entries.size() - 1;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -7,14 +7,14 @@
 #include "base/error.h"
 #include "spirv/merge.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
 constexpr uint64_t kPageBytes = 16 * kPageWords;
 constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
 
-uint64_t most_pages(const Device& device, uint64_t budget) {
+uint64_t most_pages(const gpu::Device& device, uint64_t budget) {
     const uint64_t bytes =
         std::min({uint64_t{device.limits().maxStorageBufferRange}, device.max_allocation_bytes(), budget});
     return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 is none
@@ -22,28 +22,28 @@ uint64_t most_pages(const Device& device, uint64_t budget) {
 
 }  // namespace
 
-Segments::Segments(const Device& device, const RayTarget& target, uint32_t merges, uint64_t budget)
+Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget)
     : device_(device),
       target_(target),
       merges_(merges),
       most_pages_(most_pages(device, budget)),
       heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
-             MemoryKind::kDevice),
-      taken_(device, "pages that were taken", uint64_t{4} * merges, MemoryKind::kReadback),
+             gpu::MemoryKind::kDevice),
+      taken_(device, "pages that were taken", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
       pass_(device, "merge", merge_comp) {
     make_pages(std::min(kFirstPages, most_pages_));
-    run_once(device, "heads of segments", [this](Commands& commands) { fill(commands, heads_, 0); });
+    gpu::run_once(device, "heads of segments", [this](gpu::Commands& commands) { gpu::fill(commands, heads_, 0); });
 }
 
 void Segments::make_pages(uint64_t pages) {
-    pages_ = Buffer();  // before there is another
-    pages_ = Buffer(device_, "segments", kPageBytes * pages, MemoryKind::kDevice);
+    pages_ = gpu::Buffer();  // before there is another
+    pages_ = gpu::Buffer(device_, "segments", kPageBytes * pages, gpu::MemoryKind::kDevice);
     page_count_ = pages;
-    set_ = BindingSet(pass_, {{kMergePages, &pages_},
-                              {kMergeHeads, &heads_},
-                              {kMergeSeen, &target_.ranges.seen},
-                              {kMergeRadiance, &target_.rays.radiance},
-                              {kMergeDepth, &target_.rays.depth}});
+    set_ = gpu::BindingSet(pass_, {{kMergePages, &pages_},
+                                   {kMergeHeads, &heads_},
+                                   {kMergeSeen, &target_.ranges.seen},
+                                   {kMergeRadiance, &target_.rays.radiance},
+                                   {kMergeDepth, &target_.rays.depth}});
 }
 
 // Twice as many as there are; false: there were not so many, and will not be.
@@ -75,20 +75,20 @@ void Segments::enlarge() {
     bands_ *= 2;
 }
 
-void record_merge_begin(Commands& commands, const Segments& segments) {
-    update(commands, segments.heads_, uint32_t{0});
-    compute_barrier(commands);
+void record_merge_begin(gpu::Commands& commands, const Segments& segments) {
+    gpu::update(commands, segments.heads_, uint32_t{0});
+    gpu::compute_barrier(commands);
 }
 
-void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
-    const PassScope scope(commands, "merge");
+void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
+    const gpu::PassScope scope(commands, "merge");
     assert(segments.recorded_ < segments.merges_);
-    copy(commands, segments.heads_, segments.taken_, 4, 0, uint64_t{4} * segments.recorded_++);
-    compute_barrier(commands);
+    gpu::copy(commands, segments.heads_, segments.taken_, 4, 0, uint64_t{4} * segments.recorded_++);
+    gpu::compute_barrier(commands);
     if (tiles.end > tiles.first)
-        dispatch(commands, segments.pass_, segments.set_, tiles.end - tiles.first,
-                 MergePush{stop, tiles.first, tiles.end});
-    compute_barrier(commands);
+        gpu::dispatch(commands, segments.pass_, segments.set_, tiles.end - tiles.first,
+                      MergePush{stop, tiles.first, tiles.end});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

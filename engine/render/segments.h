@@ -6,14 +6,14 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Room for segments, and the merge of one frame's groups of instances, each after the other. How many there are is
 // known only after the frame, so its rays go in bands where a device cannot hold all at once.
 class Segments {
   public:
     // At most so many merges a frame, and bytes of segments in each, or as many as the device has.
-    Segments(const Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
+    Segments(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
     // After a frame was waited for, whether there was less room than segments. Then enlarge() makes more room, or more
     // bands, and the frame must be recorded anew, by passes that are bound to the new buffers. It throws RuntimeFailure
@@ -24,31 +24,31 @@ class Segments {
     // Before a frame is recorded.
     void begin_frame() { recorded_ = 0; }
 
-    const Buffer& pages() const { return pages_; }
-    const Buffer& heads() const { return heads_; }
+    const gpu::Buffer& pages() const { return pages_; }
+    const gpu::Buffer& heads() const { return heads_; }
 
     // Parts of the tiles that each of so many merged groups of a frame goes over.
     uint32_t bands(uint32_t groups) const { return std::min(bands_, std::max(1u, merges_ / std::max(groups, 1u))); }
 
   private:
-    friend void record_merge_begin(Commands& commands, const Segments& segments);
-    friend void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
+    friend void record_merge_begin(gpu::Commands& commands, const Segments& segments);
+    friend void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
     void make_pages(uint64_t pages);
     bool make_more_pages();
-    const Device& device_;
+    const gpu::Device& device_;
     const RayTarget& target_;
     uint32_t merges_, bands_ = 1;
     uint64_t page_count_ = 0, most_pages_;
-    Buffer pages_, heads_;
-    Buffer taken_;  // pages of each merge of the frame, readback
+    gpu::Buffer pages_, heads_;
+    gpu::Buffer taken_;  // pages of each merge of the frame, readback
     uint32_t recorded_ = 0;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Before the first instance of a group: no page is taken.
-void record_merge_begin(Commands& commands, const Segments& segments);
+void record_merge_begin(gpu::Commands& commands, const Segments& segments);
 // After the last: the group goes under what nearer ones left in the target.
-void record_merge(Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
+void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -6,7 +6,7 @@
 
 #include "render/raster.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -75,8 +75,8 @@ Irradiance turned(const Irradiance& irradiance, double rotation) {
     return out;
 }
 
-Camera shadow_camera(const SetLight& light, uint32_t side) {
-    Camera camera;
+stage::Camera shadow_camera(const SetLight& light, uint32_t side) {
+    stage::Camera camera;
     camera.world_from_camera = looking_along(light.direction, light.position);
     const double half_angle = std::clamp(std::acos(std::clamp(light.outer_cos, -1.0, 1.0)), 1e-3, kWidestHalfAngle);
     camera.width = camera.height = side;
@@ -85,12 +85,12 @@ Camera shadow_camera(const SetLight& light, uint32_t side) {
     return camera;
 }
 
-Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side) {
+stage::Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side) {
     if (light.kind == SetLightKind::kSpot) return shadow_camera(light, side);
     constexpr double kFar = 100;  // radii
     const double radius = std::max(0.5 * glm::distance(performers.first, performers.second), 1e-3);
     const glm::dvec3 middle = 0.5 * (performers.first + performers.second);
-    Camera camera;
+    stage::Camera camera;
     camera.world_from_camera = looking_along(light.direction, middle - kFar * radius * glm::normalize(light.direction));
     camera.width = camera.height = side;
     camera.cx = camera.cy = side / 2.0;
@@ -115,7 +115,7 @@ ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& amb
         to.shadow = maps++;
         to.clip_from_world = glm::mat4(shadow_matrix(light, set));
         if (!performers) continue;
-        const Camera seen = performer_shadow_camera(light, *performers, kPerformerShadowSide);
+        const stage::Camera seen = performer_shadow_camera(light, *performers, kPerformerShadowSide);
         to.performer_clip_from_world = glm::mat4(clip_from_world(seen, static_cast<double>(kShadowNear)));
         to.performer_eye = seen.world_from_camera[3];
     }
@@ -131,4 +131,4 @@ ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& amb
     return out;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -9,7 +9,7 @@
 #include "shared/lights.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 enum class SetLightKind : uint32_t { kDirectional = kLightDirectional, kPoint = kLightPoint, kSpot = kLightSpot };
 
@@ -49,10 +49,10 @@ using WorldBox = std::pair<glm::dvec3, glm::dvec3>;  // low, high; metres
 
 // The camera that sees what a spot lights, `side` pixels each way: set and performers are seen from it for their
 // shadows. Cones wider than 160° are cut to that.
-Camera shadow_camera(const SetLight& light, uint32_t side);
+stage::Camera shadow_camera(const SetLight& light, uint32_t side);
 // The camera of a light's map of performers' shadows: of a spot shadow_camera; a directional light's looks at the box
 // from so far away that its lines are parallel within 0.6°.
-Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side);
+stage::Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side);
 // The matrix of ShaderLight: of a spot that camera's; of a directional light parallel, just around a box (world: low,
 // high), so a texel of its map is the box's width / kSetShadowSide: where the set is wide, shadows are coarse.
 glm::dmat4 shadow_matrix(const SetLight& light, const WorldBox& box);
@@ -62,4 +62,4 @@ glm::dmat4 shadow_matrix(const SetLight& light, const WorldBox& box);
 ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows,
                          const Irradiance& environment, const WorldBox& set, const std::optional<WorldBox>& performers);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -17,7 +17,7 @@
 #include "spirv/set_shadow.vert.h"
 #include "spirv/set_transparent.frag.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -25,8 +25,8 @@ constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT, kMetres = VK_FORMAT_
 constexpr VkImageUsageFlags kDepthUse = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 constexpr uint32_t kInfinityBits = 0x7f800000u;
 
-GraphicsShape surface_shape(std::span<const uint32_t> fragment, std::vector<VkFormat> colours, bool blend) {
-    GraphicsShape shape;
+gpu::GraphicsShape surface_shape(std::span<const uint32_t> fragment, std::vector<VkFormat> colours, bool blend) {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = set_vert;
     shape.fragment_spirv = fragment;
     describe_streams(SceneDetail::kSurface, shape);
@@ -35,8 +35,8 @@ GraphicsShape surface_shape(std::span<const uint32_t> fragment, std::vector<VkFo
     return shape;
 }
 
-GraphicsShape shadow_shape() {
-    GraphicsShape shape;
+gpu::GraphicsShape shadow_shape() {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = set_shadow_vert;
     shape.fragment_spirv = set_shadow_frag;
     describe_streams(SceneDetail::kBase, shape);
@@ -45,8 +45,8 @@ GraphicsShape shadow_shape() {
     return shape;
 }
 
-GraphicsShape background_shape() {
-    GraphicsShape shape;
+gpu::GraphicsShape background_shape() {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = set_background_vert;
     shape.fragment_spirv = set_background_frag;
     shape.colours = {kColour, kMetres};
@@ -55,8 +55,8 @@ GraphicsShape background_shape() {
     return shape;
 }
 
-GraphicsShape hidden_shape() {
-    GraphicsShape shape;
+gpu::GraphicsShape hidden_shape() {
+    gpu::GraphicsShape shape;
     shape.vertex_spirv = set_hidden_vert;
     shape.fragment_spirv = set_hidden_frag;
     shape.streams = {{0, sizeof(glm::vec2), VK_VERTEX_INPUT_RATE_VERTEX}};
@@ -66,24 +66,24 @@ GraphicsShape hidden_shape() {
     return shape;
 }
 
-SetMaterial packed_material(const GltfMaterial& material) {
+SetMaterial packed_material(const stage::GltfMaterial& material) {
     SetMaterial out{};
     out.base_colour = material.base_color;
     out.emissive = glm::vec4(material.emissive, material.unlit ? 1 : 0);
     out.surface = {material.metallic, material.roughness, material.normal_scale,
-                   material.map(GltfMap::kOcclusion) >= 0 ? material.occlusion_strength : 0};
-    out.alpha.x = material.alpha == GltfAlpha::kMask ? material.alpha_cutoff : -1;
-    out.alpha.y = material.alpha == GltfAlpha::kBlend ? 0 : 1;
+                   material.map(stage::GltfMap::kOcclusion) >= 0 ? material.occlusion_strength : 0};
+    out.alpha.x = material.alpha == stage::GltfAlpha::kMask ? material.alpha_cutoff : -1;
+    out.alpha.y = material.alpha == stage::GltfAlpha::kBlend ? 0 : 1;
     return out;
 }
 
 bool is_srgb(size_t map) {
-    return map == static_cast<size_t>(GltfMap::kEmissive);
+    return map == static_cast<size_t>(stage::GltfMap::kEmissive);
 }
 
 // Whether materials, by index, are drawn alike with textures that are alike.
-bool same_materials(const GltfScene& a, const GltfScene& b) {
-    const auto same = [](const GltfMaterial& one, const GltfMaterial& other) {
+bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
+    const auto same = [](const stage::GltfMaterial& one, const stage::GltfMaterial& other) {
         const SetMaterial packed = packed_material(one), other_packed = packed_material(other);
         return std::memcmp(&packed, &other_packed, sizeof(packed)) == 0 && one.texture == other.texture &&
                one.maps == other.maps && one.alpha == other.alpha && one.double_sided == other.double_sided;
@@ -93,31 +93,32 @@ bool same_materials(const GltfScene& a, const GltfScene& b) {
 
 }  // namespace
 
-SetEnvironment::SetEnvironment(const Device& device, const Image* picture) : has_picture(picture != nullptr) {
+SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* picture)
+    : has_picture(picture != nullptr) {
     const Environment environment = picture ? make_environment(*picture) : dark_environment();
     std::vector<std::vector<uint8_t>> levels;
     for (const std::vector<uint16_t>& level : environment.levels) {
         levels.emplace_back(level.size() * sizeof(uint16_t));
         std::memcpy(levels.back().data(), level.data(), levels.back().size());
     }
-    image = DeviceImage(
+    image = gpu::DeviceImage(
         device, "environment",
         {environment.width, environment.height, kColour, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
          VK_SAMPLE_COUNT_1_BIT, static_cast<uint32_t>(levels.size())});
-    upload_levels(device, image, levels);
-    SamplerShape shape;
+    gpu::upload_levels(device, image, levels);
+    gpu::SamplerShape shape;
     shape.wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    sampler = Sampler(device, "environment", shape);
+    sampler = gpu::Sampler(device, "environment", shape);
     irradiance = environment.irradiance;
     last_level = static_cast<float>(levels.size() - 1);
 }
 
-SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
-                     const Image* environment)
+SetRaster::SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height,
+                     uint32_t views, const media::Image* environment)
     : SetRaster(device, scene, width, height, views, std::make_shared<SetEnvironment>(device, environment)) {}
 
-SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
-                     std::shared_ptr<const SetEnvironment> environment)
+SetRaster::SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height,
+                     uint32_t views, std::shared_ptr<const SetEnvironment> environment)
     : device_(device),
       scene_(&scene),
       width_(width),
@@ -137,7 +138,7 @@ SetRaster::SetRaster(const Device& device, const GltfScene& scene, uint32_t widt
     pack();
 }
 
-void SetRaster::change(const GltfScene& scene, std::shared_ptr<const SetEnvironment> environment) {
+void SetRaster::change(const stage::GltfScene& scene, std::shared_ptr<const SetEnvironment> environment) {
     const bool same_maps = same_textures(*scene_, scene), same_shapes = has_vertices_of(geometry_, scene);
     const bool same_surfaces = same_maps && same_materials(*scene_, scene) && environment == environment_;
     std::optional<SceneGeometry> geometry;
@@ -169,14 +170,14 @@ void SetRaster::resize(uint32_t width, uint32_t height) {
 // All that is of the pictures' size.
 void SetRaster::make_targets(uint32_t views) {
     const uint64_t texels = uint64_t{views} * width_ * height_;
-    colour = Buffer(device_, "set colour", 8 * texels, MemoryKind::kDevice, kColour);
-    front = Buffer(device_, "set front", 8 * texels, MemoryKind::kDevice, kColour);
-    depth = Buffer(device_, "set depth", 4 * texels, MemoryKind::kDevice, kMetres);
-    volume_depth = Buffer(device_, "set volume depth", 4 * texels, MemoryKind::kDevice, kMetres);
+    colour = gpu::Buffer(device_, "set colour", 8 * texels, gpu::MemoryKind::kDevice, kColour);
+    front = gpu::Buffer(device_, "set front", 8 * texels, gpu::MemoryKind::kDevice, kColour);
+    depth = gpu::Buffer(device_, "set depth", 4 * texels, gpu::MemoryKind::kDevice, kMetres);
+    volume_depth = gpu::Buffer(device_, "set volume depth", 4 * texels, gpu::MemoryKind::kDevice, kMetres);
     make_images(views);
-    run_once(device_, "set buffers", [&](Commands& commands) {
-        for (const Buffer* nothing : {&colour, &front}) fill(commands, *nothing, 0);
-        for (const Buffer* far : {&depth, &volume_depth}) fill(commands, *far, kInfinityBits);
+    gpu::run_once(device_, "set buffers", [&](gpu::Commands& commands) {
+        for (const gpu::Buffer* nothing : {&colour, &front}) gpu::fill(commands, *nothing, 0);
+        for (const gpu::Buffer* far : {&depth, &volume_depth}) gpu::fill(commands, *far, kInfinityBits);
     });
 }
 
@@ -186,45 +187,47 @@ void SetRaster::make_images(uint32_t views) {
     depths_.resize(views);
     for (uint32_t view = 0; view < views; view++) {
         const std::string of_view = " " + std::to_string(view);
-        colours_[view] = DeviceImage(device_, "set colour" + of_view, {width_, height_, kColour, kColourUse});
-        depths_[view] = DeviceImage(device_, "set depth" + of_view, {width_, height_, VK_FORMAT_D32_SFLOAT, kDepthUse});
+        colours_[view] = gpu::DeviceImage(device_, "set colour" + of_view, {width_, height_, kColour, kColourUse});
+        depths_[view] =
+            gpu::DeviceImage(device_, "set depth" + of_view, {width_, height_, VK_FORMAT_D32_SFLOAT, kDepthUse});
     }
-    metres_ = DeviceImage(device_, "set metres", {width_, height_, kMetres, kColourUse});
-    front_ = DeviceImage(device_, "set front", {width_, height_, kColour, kColourUse});
+    metres_ = gpu::DeviceImage(device_, "set metres", {width_, height_, kMetres, kColourUse});
+    front_ = gpu::DeviceImage(device_, "set front", {width_, height_, kColour, kColourUse});
 }
 
 void SetRaster::make_light_buffers() {
     constexpr uint64_t kSetMap = uint64_t{kSetShadowSide} * kSetShadowSide,
                        kPerformerMap = uint64_t{kPerformerShadowSide} * kPerformerShadowSide;
-    lights_buffer = Buffer(device_, "set lights", sizeof(ShaderLights), MemoryKind::kUpload);
-    set_shadow_maps = Buffer(device_, "set shadow maps", 4 * kMaxShadows * kSetMap, MemoryKind::kDevice, kMetres);
-    performer_shadows = Buffer(device_, "performer shadows", 8 * kMaxShadows * kPerformerMap, MemoryKind::kDevice,
-                               VK_FORMAT_R32G32_SFLOAT);
-    shadow_depth_ = DeviceImage(
+    lights_buffer = gpu::Buffer(device_, "set lights", sizeof(ShaderLights), gpu::MemoryKind::kUpload);
+    set_shadow_maps =
+        gpu::Buffer(device_, "set shadow maps", 4 * kMaxShadows * kSetMap, gpu::MemoryKind::kDevice, kMetres);
+    performer_shadows = gpu::Buffer(device_, "performer shadows", 8 * kMaxShadows * kPerformerMap,
+                                    gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT);
+    shadow_depth_ = gpu::DeviceImage(
         device_, "set shadow depth",
         {kSetShadowSide, kSetShadowSide, VK_FORMAT_D32_SFLOAT, kDepthUse | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
-    run_once(device_, "shadow maps", [&](Commands& commands) {
-        for (const Buffer* nothing : {&set_shadow_maps, &performer_shadows}) fill(commands, *nothing, 0);
+    gpu::run_once(device_, "shadow maps", [&](gpu::Commands& commands) {
+        for (const gpu::Buffer* nothing : {&set_shadow_maps, &performer_shadows}) gpu::fill(commands, *nothing, 0);
     });
 }
 
 // `textures` of this scene, which may lack some. Material 0 is glTF's default one.
-SetRaster::Surfaces SetRaster::make_surfaces(const GltfScene& scene, const SetEnvironment& environment,
+SetRaster::Surfaces SetRaster::make_surfaces(const stage::GltfScene& scene, const SetEnvironment& environment,
                                              std::shared_ptr<SceneTextures> textures) const {
     Surfaces made;
     made.textures = std::move(textures);
     std::vector<SetMaterial> packed;
     for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++)
         packed.push_back(packed_material(material_at(scene, m)));
-    made.materials = Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial), MemoryKind::kUpload,
-                            VK_FORMAT_R32G32B32A32_SFLOAT);
+    made.materials = gpu::Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial),
+                                 gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
     std::memcpy(made.materials.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
-    using Texture = std::pair<const DeviceImage*, const Sampler*>;
+    using Texture = std::pair<const gpu::DeviceImage*, const gpu::Sampler*>;
     const Texture around{&environment.image, &environment.sampler};
     for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++) {
-        const GltfMaterial& material = material_at(scene, m);
+        const stage::GltfMaterial& material = material_at(scene, m);
         std::vector<size_t> entries{add_texture(device_, scene, *made.textures, material.texture, true)};
-        for (size_t map = 0; map < kGltfMaps; map++)
+        for (size_t map = 0; map < stage::kGltfMaps; map++)
             entries.push_back(add_texture(device_, scene, *made.textures, material.maps[map], is_srgb(map)));
         std::vector<Texture> bound;  // of entries that do not move any more
         for (const size_t entry : entries)
@@ -232,25 +235,25 @@ SetRaster::Surfaces SetRaster::make_surfaces(const GltfScene& scene, const SetEn
         bound.push_back(around);
         for (const auto& [pass, sets] :
              {std::pair{&solid_, &made.solid}, std::pair{&masked_, &made.masked}, std::pair{&blended_, &made.blended}})
-            sets->emplace_back(
-                *pass, bound,
-                std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &made.materials},
-                                                                          {kSetLights, &lights_buffer},
-                                                                          {kSetShadowMaps, &set_shadow_maps},
-                                                                          {kSetPerformerShadows, &performer_shadows},
-                                                                          {kSetVolumeDepth, &volume_depth}});
+            sets->emplace_back(*pass, bound,
+                               std::initializer_list<std::pair<uint32_t, const gpu::Buffer*>>{
+                                   {kSetMaterials, &made.materials},
+                                   {kSetLights, &lights_buffer},
+                                   {kSetShadowMaps, &set_shadow_maps},
+                                   {kSetPerformerShadows, &performer_shadows},
+                                   {kSetVolumeDepth, &volume_depth}});
         made.shadow.emplace_back(
             shadow_, std::span(bound).first(1),
-            std::initializer_list<std::pair<uint32_t, const Buffer*>>{{kSetMaterials, &made.materials}});
+            std::initializer_list<std::pair<uint32_t, const gpu::Buffer*>>{{kSetMaterials, &made.materials}});
     }
-    made.background = TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
+    made.background = gpu::TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
     return made;
 }
 
 void SetRaster::find_transparent() {
     has_transparent_ = false;
     for (const SceneDraw& draw : geometry_.draws)
-        has_transparent_ |= material_at(*scene_, draw.material).alpha == GltfAlpha::kBlend;
+        has_transparent_ |= material_at(*scene_, draw.material).alpha == stage::GltfAlpha::kBlend;
     order_.reserve(geometry_.draws.size());
 }
 
@@ -258,7 +261,7 @@ WorldBox SetRaster::box() const {
     return {geometry_.low, geometry_.high};
 }
 
-void SetRaster::pose(const PosedScene& pose) {
+void SetRaster::pose(const stage::PosedScene& pose) {
     if (!pose_geometry(geometry_, pose)) return;
     shadows_old_ = true;
     pack();
@@ -303,8 +306,8 @@ void SetRaster::hide(std::span<const std::vector<glm::vec2>> corners) {
     hidden_->of_view = std::move(of_view);
     const uint64_t bytes = all.size() * sizeof(glm::vec2);
     if (bytes > hidden_->corners.bytes)
-        hidden_->corners = Buffer(device_, "hidden corners", bytes, MemoryKind::kUpload);
+        hidden_->corners = gpu::Buffer(device_, "hidden corners", bytes, gpu::MemoryKind::kUpload);
     if (bytes > 0) std::memcpy(hidden_->corners.mapped, all.data(), bytes);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -17,17 +17,17 @@
 #include "render/set_lights.h"
 #include "shared/set.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
 
 // The picture around a set, on the device.
 struct SetEnvironment {
     // environment.h says what the picture is; null: no light. It is not needed afterwards.
-    SetEnvironment(const Device& device, const Image* picture);
+    SetEnvironment(const gpu::Device& device, const media::Image* picture);
 
-    DeviceImage image;
-    Sampler sampler;
+    gpu::DeviceImage image;
+    gpu::Sampler sampler;
     Irradiance irradiance{};
     float last_level = 0;
     bool has_picture = false;
@@ -40,9 +40,9 @@ class SetRaster {
   public:
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the picture around it need
     // not (environment.h says what it is).
-    SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
-              const Image* environment = nullptr);
-    SetRaster(const Device& device, const GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
+    SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
+              const media::Image* environment = nullptr);
+    SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
               std::shared_ptr<const SetEnvironment> environment);
     SetRaster(const SetRaster&) = delete;
     SetRaster& operator=(const SetRaster&) = delete;
@@ -51,13 +51,13 @@ class SetRaster {
     // and pictures stay, and so does what is equal on the device: comparing takes as long as reading both. Must be
     // posed and lit anew. Throws RuntimeFailure where the scene exceeds the device, and then still draws the one
     // before.
-    void change(const GltfScene& scene, std::shared_ptr<const SetEnvironment> environment);
+    void change(const stage::GltfScene& scene, std::shared_ptr<const SetEnvironment> environment);
     // Other buffers `colour`, `front`, `depth` and `volume_depth`: who is bound to them must be made anew. Where it
     // throws (RuntimeFailure: no room) it must be called again before anything is drawn.
     void resize(uint32_t width, uint32_t height);
 
     // The instant that is drawn; vertices that did not move are left alone.
-    void pose(const PosedScene& pose);
+    void pose(const stage::PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
     // What of each view's picture nobody sees (a headset's lens): triangles, by their corners in shares of its width
@@ -81,54 +81,54 @@ class SetRaster {
     uint32_t views() const { return static_cast<uint32_t>(colours_.size()); }
 
     // Texel view · width · height + y · width + x, with the size of the cameras that were drawn:
-    Buffer colour;  // rgba16f, linear premultiplied light; alpha 0 where there is no set
-    Buffer front;   // the same of the blended pieces before the volumes
-    Buffer depth;   // r32f, metres along the camera's axis; infinity where there is no opaque or masked set
+    gpu::Buffer colour;  // rgba16f, linear premultiplied light; alpha 0 where there is no set
+    gpu::Buffer front;   // the same of the blended pieces before the volumes
+    gpu::Buffer depth;   // r32f, metres along the camera's axis; infinity where there is no opaque or masked set
     // r32f, metres along the axis at which a texel's volume is; infinity: none, and until somebody writes it.
-    Buffer volume_depth;
+    gpu::Buffer volume_depth;
 
-    Buffer lights_buffer;      // a uniform ShaderLights
-    Buffer set_shadow_maps;    // r32f, kMaxShadows maps: shadow.glsl reads them
-    Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from its eye; 0 until somebody writes it
+    gpu::Buffer lights_buffer;      // a uniform ShaderLights
+    gpu::Buffer set_shadow_maps;    // r32f, kMaxShadows maps: shadow.glsl reads them
+    gpu::Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from its eye; 0 until somebody writes it
 
   private:
-    friend void record_set_shadows(Commands&, SetRaster&);
-    friend void record_set(Commands&, SetRaster&, std::span<const Camera>);
-    friend void record_set_transparent(Commands&, SetRaster&, std::span<const Camera>);
+    friend void record_set_shadows(gpu::Commands&, SetRaster&);
+    friend void record_set(gpu::Commands&, SetRaster&, std::span<const stage::Camera>);
+    friend void record_set_transparent(gpu::Commands&, SetRaster&, std::span<const stage::Camera>);
     // Materials and what they read, by material, the default one first.
     struct Surfaces {
         std::shared_ptr<SceneTextures> textures;
-        Buffer materials;
-        std::vector<TextureSet> solid, masked, blended, shadow;
-        TextureSet background;
+        gpu::Buffer materials;
+        std::vector<gpu::TextureSet> solid, masked, blended, shadow;
+        gpu::TextureSet background;
     };
     void make_targets(uint32_t views);
     void make_images(uint32_t views);
     void make_light_buffers();
-    Surfaces make_surfaces(const GltfScene& scene, const SetEnvironment& environment,
+    Surfaces make_surfaces(const stage::GltfScene& scene, const SetEnvironment& environment,
                            std::shared_ptr<SceneTextures> textures) const;
     void find_transparent();
     void pack();
-    SetPush push_of(const Camera& camera, uint32_t view) const;
-    void record_view(Commands& commands, const Camera& camera, uint32_t view);
-    void record_blended_view(Commands& commands, const Camera& camera, uint32_t view);
-    void record_shadow(Commands& commands, const ShaderLight& light);
-    void draw_hidden(Commands& commands, uint32_t view) const;
-    void draw_background(Commands& commands, const Camera& camera) const;
+    SetPush push_of(const stage::Camera& camera, uint32_t view) const;
+    void record_view(gpu::Commands& commands, const stage::Camera& camera, uint32_t view);
+    void record_blended_view(gpu::Commands& commands, const stage::Camera& camera, uint32_t view);
+    void record_shadow(gpu::Commands& commands, const ShaderLight& light);
+    void draw_hidden(gpu::Commands& commands, uint32_t view) const;
+    void draw_background(gpu::Commands& commands, const stage::Camera& camera) const;
     void sort_far_to_near(const glm::vec3& eye);
-    void draw_solid(Commands& commands, const SetPush& push);
-    void draw_blended(Commands& commands, const SetPush& push);
-    void draw_shadowing(Commands& commands, const SetPush& push) const;
-    void draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets, const SceneDraw& draw,
-              SetPush push) const;
+    void draw_solid(gpu::Commands& commands, const SetPush& push);
+    void draw_blended(gpu::Commands& commands, const SetPush& push);
+    void draw_shadowing(gpu::Commands& commands, const SetPush& push) const;
+    void draw(gpu::Commands& commands, const gpu::GraphicsPass& pass, const std::vector<gpu::TextureSet>& sets,
+              const SceneDraw& draw, SetPush push) const;
 
-    const Device& device_;
-    const GltfScene* scene_;
+    const gpu::Device& device_;
+    const stage::GltfScene* scene_;
     uint32_t width_, height_;
     SceneGeometry geometry_;
-    GraphicsPass solid_, masked_, blended_, shadow_, background_;
-    std::vector<DeviceImage> colours_, depths_;  // by view
-    DeviceImage metres_, front_, shadow_depth_;
+    gpu::GraphicsPass solid_, masked_, blended_, shadow_, background_;
+    std::vector<gpu::DeviceImage> colours_, depths_;  // by view
+    gpu::DeviceImage metres_, front_, shadow_depth_;
     std::shared_ptr<const SetEnvironment> environment_;
     Surfaces surfaces_;
     std::vector<SetLight> given_lights_;
@@ -140,22 +140,22 @@ class SetRaster {
     bool has_transparent_ = false;
     bool shadows_old_ = true;
     struct Hidden {
-        GraphicsPass pass;
-        Buffer corners;                                      // of all views
+        gpu::GraphicsPass pass;
+        gpu::Buffer corners;                                 // of all views
         std::vector<std::pair<uint32_t, uint32_t>> of_view;  // first corner, how many; none: all is seen
     };
     std::unique_ptr<Hidden> hidden_;  // null until something was hidden
 };
 
 // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
-void record_set_shadows(Commands& commands, SetRaster& set);
+void record_set_shadows(gpu::Commands& commands, SetRaster& set);
 
 // Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view,
 // all of the same size.
-void record_set(Commands& commands, SetRaster& set, std::span<const Camera> cameras);
+void record_set(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras);
 
 // Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the
 // others → front. After record_set with the same cameras.
-void record_set_transparent(Commands& commands, SetRaster& set, std::span<const Camera> cameras);
+void record_set_transparent(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

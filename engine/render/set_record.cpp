@@ -8,11 +8,11 @@
 #include "render/raster.h"
 #include "render/set_raster.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
-VkRenderingAttachmentInfo attachment(const DeviceImage& image, VkImageLayout layout, bool keep,
+VkRenderingAttachmentInfo attachment(const gpu::DeviceImage& image, VkImageLayout layout, bool keep,
                                      const VkClearValue& clear = {}) {
     VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     info.imageView = image.view;
@@ -23,22 +23,22 @@ VkRenderingAttachmentInfo attachment(const DeviceImage& image, VkImageLayout lay
     return info;
 }
 
-VkRenderingAttachmentInfo colour_attachment(const DeviceImage& image, bool keep, float red = 0) {
+VkRenderingAttachmentInfo colour_attachment(const gpu::DeviceImage& image, bool keep, float red = 0) {
     VkClearValue clear{};
     clear.color.float32[0] = red;
     return attachment(image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, keep, clear);
 }
 
 // Depth is cleared to 0: infinitely far.
-VkRenderingAttachmentInfo depth_attachment(const DeviceImage& image, bool keep) {
+VkRenderingAttachmentInfo depth_attachment(const gpu::DeviceImage& image, bool keep) {
     return attachment(image, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, keep);
 }
 
-VkRect2D area_of(const Camera& camera) {
+VkRect2D area_of(const stage::Camera& camera) {
     return {{0, 0}, {camera.width, camera.height}};
 }
 
-void begin(Commands& commands, std::span<const VkRenderingAttachmentInfo> colours,
+void begin(gpu::Commands& commands, std::span<const VkRenderingAttachmentInfo> colours,
            const VkRenderingAttachmentInfo& depth, const VkRect2D& area) {
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
     info.renderArea = area;
@@ -53,51 +53,53 @@ void begin(Commands& commands, std::span<const VkRenderingAttachmentInfo> colour
     vkCmdSetScissor(commands.handle(), 0, 1, &area);
 }
 
-void to_attachment(Commands& commands, const DeviceImage& image, VkImageLayout from = VK_IMAGE_LAYOUT_UNDEFINED) {
-    move_layout(commands, image, from,
-                image.shape.format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL
-                                                           : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+void to_attachment(gpu::Commands& commands, const gpu::DeviceImage& image,
+                   VkImageLayout from = VK_IMAGE_LAYOUT_UNDEFINED) {
+    gpu::move_layout(commands, image, from,
+                     image.shape.format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL
+                                                                : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
 // A part of an attachment that was drawn to → the `slot`th picture of that size in the buffer. The image is left in
 // layout TRANSFER_SRC.
-void store(Commands& commands, const DeviceImage& image, const VkRect2D& area, const Buffer& to, uint32_t slot) {
+void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2D& area, const gpu::Buffer& to,
+           uint32_t slot) {
     const bool depth = image.shape.format == VK_FORMAT_D32_SFLOAT;
-    move_layout(commands, image,
-                depth ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands, image,
+                     depth ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const uint64_t bytes = image.shape.format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4;
-    copy(commands, image, area, to, bytes * slot * area.extent.width * area.extent.height);
+    gpu::copy(commands, image, area, to, bytes * slot * area.extent.width * area.extent.height);
 }
 
 }  // namespace
 
-void record_set_shadows(Commands& commands, SetRaster& set) {
+void record_set_shadows(gpu::Commands& commands, SetRaster& set) {
     if (!set.shadows_old_) return;
     set.shadows_old_ = false;
     for (uint32_t i = 0; i < set.packed_.count; i++)
         if (set.packed_.light[i].shadow != kNoShadow) set.record_shadow(commands, set.packed_.light[i]);
-    compute_barrier(commands);
+    gpu::compute_barrier(commands);
 }
 
-void record_set(Commands& commands, SetRaster& set, std::span<const Camera> cameras) {
+void record_set(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras) {
     assert(cameras.size() <= set.views() && "one camera a view");
-    draw_barrier(commands);
+    gpu::draw_barrier(commands);
     for (uint32_t view = 0; view < cameras.size(); view++) set.record_view(commands, cameras[view], view);
-    compute_barrier(commands);
+    gpu::compute_barrier(commands);
 }
 
-void record_set_transparent(Commands& commands, SetRaster& set, std::span<const Camera> cameras) {
+void record_set_transparent(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras) {
     if (!set.has_transparent_) return;
     assert(cameras.size() <= set.views() && "one camera a view");
-    draw_barrier(commands);
+    gpu::draw_barrier(commands);
     for (uint32_t view = 0; view < cameras.size(); view++) set.record_blended_view(commands, cameras[view], view);
-    compute_barrier(commands);
+    gpu::compute_barrier(commands);
 }
 
-void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t view) {
-    const PassScope scope(commands, "set");
-    for (const DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
+void SetRaster::record_view(gpu::Commands& commands, const stage::Camera& camera, uint32_t view) {
+    const gpu::PassScope scope(commands, "set");
+    for (const gpu::DeviceImage* image : {&colours_[view], &metres_, &depths_[view]}) to_attachment(commands, *image);
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
     if (hidden_ && !hidden_->of_view.empty()) draw_hidden(commands, view);
@@ -108,8 +110,8 @@ void SetRaster::record_view(Commands& commands, const Camera& camera, uint32_t v
     store(commands, metres_, area_of(camera), depth, view);
 }
 
-void SetRaster::record_blended_view(Commands& commands, const Camera& camera, uint32_t view) {
-    const PassScope scope(commands, "set transparent");
+void SetRaster::record_blended_view(gpu::Commands& commands, const stage::Camera& camera, uint32_t view) {
+    const gpu::PassScope scope(commands, "set transparent");
     to_attachment(commands, colours_[view], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     to_attachment(commands, front_);
     to_attachment(commands, depths_[view], VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
@@ -121,8 +123,8 @@ void SetRaster::record_blended_view(Commands& commands, const Camera& camera, ui
     store(commands, front_, area_of(camera), front, view);
 }
 
-void SetRaster::record_shadow(Commands& commands, const ShaderLight& light) {
-    const PassScope scope(commands, "set shadow");
+void SetRaster::record_shadow(gpu::Commands& commands, const ShaderLight& light) {
+    const gpu::PassScope scope(commands, "set shadow");
     to_attachment(commands, shadow_depth_);
     constexpr VkRect2D kWhole{{0, 0}, {kSetShadowSide, kSetShadowSide}};
     begin(commands, {}, depth_attachment(shadow_depth_, false), kWhole);
@@ -133,7 +135,7 @@ void SetRaster::record_shadow(Commands& commands, const ShaderLight& light) {
     store(commands, shadow_depth_, kWhole, set_shadow_maps, light.shadow);
 }
 
-SetPush SetRaster::push_of(const Camera& camera, uint32_t view) const {
+SetPush SetRaster::push_of(const stage::Camera& camera, uint32_t view) const {
     assert(camera.width <= width_ && camera.height <= height_ && "the size of the set's pictures");
     SetPush push{};
     push.clip_from_world = glm::mat4(clip_from_world(camera, kSetNear_m));
@@ -143,14 +145,14 @@ SetPush SetRaster::push_of(const Camera& camera, uint32_t view) const {
     return push;
 }
 
-void SetRaster::draw_background(Commands& commands, const Camera& camera) const {
+void SetRaster::draw_background(gpu::Commands& commands, const stage::Camera& camera) const {
     SetPush push{};
     push.clip_from_world = glm::mat4(glm::inverse(clip_from_world(camera, kSetNear_m)));
     VkCommandBuffer to = commands.handle();
     const VkDescriptorSet set = surfaces_.background.handle();
     vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.pipeline());
     vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, background_.layout(), 0, 1, &set, 0, nullptr);
-    vkCmdPushConstants(to, background_.layout(), kDrawStages, 0, background_.interface().push_bytes, &push);
+    vkCmdPushConstants(to, background_.layout(), gpu::kDrawStages, 0, background_.interface().push_bytes, &push);
     vkCmdSetCullMode(to, VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdSetDepthWriteEnable(to, VK_FALSE);
@@ -158,7 +160,7 @@ void SetRaster::draw_background(Commands& commands, const Camera& camera) const 
 }
 
 // Nearer than all else, so that nothing is drawn there.
-void SetRaster::draw_hidden(Commands& commands, uint32_t view) const {
+void SetRaster::draw_hidden(gpu::Commands& commands, uint32_t view) const {
     const auto [first, count] = hidden_->of_view[view];
     if (count == 0) return;
     VkCommandBuffer to = commands.handle();
@@ -183,12 +185,12 @@ void SetRaster::sort_far_to_near(const glm::vec3& eye) {
 }
 
 // Near to far, so that little is shaded that is hidden in the end; masked pieces last.
-void SetRaster::draw_solid(Commands& commands, const SetPush& push) {
+void SetRaster::draw_solid(gpu::Commands& commands, const SetPush& push) {
     sort_far_to_near(glm::vec3(push.eye));
     bind_streams(commands, geometry_);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
-    for (const auto& [alpha, pass, sets] : {std::tuple{GltfAlpha::kOpaque, &solid_, &surfaces_.solid},
-                                            std::tuple{GltfAlpha::kMask, &masked_, &surfaces_.masked}}) {
+    for (const auto& [alpha, pass, sets] : {std::tuple{stage::GltfAlpha::kOpaque, &solid_, &surfaces_.solid},
+                                            std::tuple{stage::GltfAlpha::kMask, &masked_, &surfaces_.masked}}) {
         vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline());
         for (auto next = order_.rbegin(); next != order_.rend(); ++next) {
             const SceneDraw& one = geometry_.draws[next->second];
@@ -197,39 +199,39 @@ void SetRaster::draw_solid(Commands& commands, const SetPush& push) {
     }
 }
 
-void SetRaster::draw_blended(Commands& commands, const SetPush& push) {
+void SetRaster::draw_blended(gpu::Commands& commands, const SetPush& push) {
     sort_far_to_near(glm::vec3(push.eye));
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, blended_.pipeline());
     bind_streams(commands, geometry_);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
     for (const auto& [nearness, i] : order_) {
         const SceneDraw& one = geometry_.draws[i];
-        if (material_at(*scene_, one.material).alpha == GltfAlpha::kBlend)
+        if (material_at(*scene_, one.material).alpha == stage::GltfAlpha::kBlend)
             draw(commands, blended_, surfaces_.blended, one, push);
     }
 }
 
-void SetRaster::draw_shadowing(Commands& commands, const SetPush& push) const {
+void SetRaster::draw_shadowing(gpu::Commands& commands, const SetPush& push) const {
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, shadow_.pipeline());
     bind_streams(commands, geometry_);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
     for (const SceneDraw& one : geometry_.draws)
-        if (material_at(*scene_, one.material).alpha != GltfAlpha::kBlend)
+        if (material_at(*scene_, one.material).alpha != stage::GltfAlpha::kBlend)
             draw(commands, shadow_, surfaces_.shadow, one, push);
 }
 
-void SetRaster::draw(Commands& commands, const GraphicsPass& pass, const std::vector<TextureSet>& sets,
+void SetRaster::draw(gpu::Commands& commands, const gpu::GraphicsPass& pass, const std::vector<gpu::TextureSet>& sets,
                      const SceneDraw& draw, SetPush push) const {
     VkCommandBuffer to = commands.handle();
     const bool both_sides = material_at(*scene_, draw.material).double_sided || &pass == &shadow_;
     push.material = static_cast<uint32_t>(draw.material + 1);
     const VkDescriptorSet set = sets[push.material].handle();
     vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout(), 0, 1, &set, 0, nullptr);
-    vkCmdPushConstants(to, pass.layout(), kDrawStages, 0, pass.interface().push_bytes, &push);
+    vkCmdPushConstants(to, pass.layout(), gpu::kDrawStages, 0, pass.interface().push_bytes, &push);
     vkCmdSetCullMode(to, both_sides ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     vkCmdSetFrontFace(to, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdDrawIndexed(to, static_cast<uint32_t>(draw.primitive->indices.size()), 1, draw.first_index,
                      static_cast<int32_t>(draw.first_vertex), 0);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -2,14 +2,14 @@
 
 #include "spirv/shade.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-Buffer shaded_entries(const Device& device, uint32_t capacity, uint32_t views) {
-    return Buffer(device, "shaded entries", uint64_t{4} * kEntryWords * capacity * views, MemoryKind::kDevice,
-                  VK_FORMAT_R32G32_UINT);
+gpu::Buffer shaded_entries(const gpu::Device& device, uint32_t capacity, uint32_t views) {
+    return gpu::Buffer(device, "shaded entries", uint64_t{4} * kEntryWords * capacity * views, gpu::MemoryKind::kDevice,
+                       VK_FORMAT_R32G32_UINT);
 }
 
-Shader::Shader(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded)
+Shader::Shader(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded)
     : field_(field),
       trees_(trees),
       pass_(device, "shade", shade_comp, {field.hh_degree}),
@@ -19,13 +19,13 @@ Shader::Shader(const Device& device, const Field& field, const SliceTrees& trees
                    {kShadeCount, &trees.counts},
                    {kShadeOut, &shaded}}) {}
 
-void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye) {
-    const PassScope scope(commands, "shade");
+void record_shade(gpu::Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye) {
+    const gpu::PassScope scope(commands, "shade");
     const Field& field = shader.field_;
-    dispatch_indirect(commands, shader.pass_, shader.set_, shader.trees_.counts, slice * sizeof(LiveCount),
-                      ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0), slice,
-                                shader.trees_.capacity, view});
-    compute_barrier(commands);
+    gpu::dispatch_indirect(commands, shader.pass_, shader.set_, shader.trees_.counts, slice * sizeof(LiveCount),
+                           ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0),
+                                     slice, shader.trees_.capacity, view});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -3,25 +3,26 @@
 
 #include "render/slice_tree.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class Shader {
   public:
     // All must outlive it. `shaded` has room for the entries of one slice from each view (shaded_entries).
-    Shader(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& shaded);
+    Shader(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded);
 
   private:
-    friend void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye);
+    friend void record_shade(gpu::Commands& commands, const Shader& shader, uint32_t slice, uint32_t view,
+                             glm::vec3 eye);
     const Field& field_;
     const SliceTrees& trees_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // A buffer for the shaded entries of a slice with room for so many, from each view.
-Buffer shaded_entries(const Device& device, uint32_t capacity, uint32_t views = 1);
+gpu::Buffer shaded_entries(const gpu::Device& device, uint32_t capacity, uint32_t views = 1);
 
 // `eye`: the view's, in the performer's space, metres.
-void record_shade(Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye);
+void record_shade(gpu::Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -5,64 +5,64 @@
 #include "render/field.h"
 #include "shared/slice.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // The leaves that live at one frame. `capacity` slots; a leaf that finds none renders as empty and is counted in
 // LiveCount::overflow.
 struct LiveLeaves {
-    LiveLeaves(const Device& device, const Field& field, uint32_t slots);
+    LiveLeaves(const gpu::Device& device, const Field& field, uint32_t slots);
 
     uint32_t capacity;
-    Buffer rows;       // BasisRows of the frame
-    Buffer node_live;  // per node: cells with live leaves or nodes
-    Buffer head;       // per leaf (σ bits, slot)
-    Buffer slot_leaf;  // per slot its leaf
-    Buffer live;       // LiveCount
+    gpu::Buffer rows;       // BasisRows of the frame
+    gpu::Buffer node_live;  // per node: cells with live leaves or nodes
+    gpu::Buffer head;       // per leaf (σ bits, slot)
+    gpu::Buffer slot_leaf;  // per slot its leaf
+    gpu::Buffer live;       // LiveCount
 };
 
 // What a slice leaves for the passes after it.
 struct Slice : LiveLeaves {
-    Slice(const Device& device, const Field& field, uint32_t slots);
+    Slice(const gpu::Device& device, const Field& field, uint32_t slots);
 
-    Buffer sh;  // per slot (n_max+1)² texels
+    gpu::Buffer sh;  // per slot (n_max+1)² texels
 };
 
 class LiveFinder {
   public:
     // Field and live leaves must outlive it.
-    LiveFinder(const Device& device, const Field& field, const LiveLeaves& live);
+    LiveFinder(const gpu::Device& device, const Field& field, const LiveLeaves& live);
 
   private:
-    friend void record_rows(Commands& commands, const LiveFinder& finder, float frame);
-    friend void record_density(Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
+    friend void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame);
+    friend void record_density(gpu::Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
     const Field& field_;
     const LiveLeaves& live_;
-    ComputePass rows_, density_;
-    BindingSet rows_set_, density_set_;
+    gpu::ComputePass rows_, density_;
+    gpu::BindingSet rows_set_, density_set_;
 };
 
 class Slicer {
   public:
     // Field and slice must outlive it.
-    Slicer(const Device& device, const Field& field, const Slice& slice);
+    Slicer(const gpu::Device& device, const Field& field, const Slice& slice);
 
   private:
-    friend void record_slice(Commands& commands, const Slicer& slicer, float frame);
+    friend void record_slice(gpu::Commands& commands, const Slicer& slicer, float frame);
     const Field& field_;
     const Slice& slice_;
     LiveFinder finder_;
-    ComputePass colour_;
-    BindingSet colour_set_;
+    gpu::ComputePass colour_;
+    gpu::BindingSet colour_set_;
 };
 
 // The rows A_t and B_t alone, which is all that the direct passes need.
-void record_rows(Commands& commands, const LiveFinder& finder, float frame);
+void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame);
 
 // After the rows: σ of the leaves first..end−1, slots of the live ones, and their cells, which are added to what
 // node_live holds.
-void record_density(Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
+void record_density(gpu::Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
 
 // Frame 0..frames−1, fractions interpolate (errata 9). Ends with a barrier: passes after it may read the slice.
-void record_slice(Commands& commands, const Slicer& slicer, float frame);
+void record_slice(gpu::Commands& commands, const Slicer& slicer, float frame);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -6,12 +6,13 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
 // As many slices as budget, clip and device have room for, one at least.
-uint32_t slice_count(const Device& device, const Field& field, size_t paints, uint32_t entries, uint64_t budget_bytes) {
+uint32_t slice_count(const gpu::Device& device, const Field& field, size_t paints, uint32_t entries,
+                     uint64_t budget_bytes) {
     const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
     const uint64_t bytes = std::max<uint64_t>(4 * kEntryWords * texels, field.nodes.bytes);
     const uint64_t addressed = device.limits().maxTexelBufferElements / std::max<uint64_t>(texels, field.node_count());
@@ -23,7 +24,7 @@ uint32_t slice_count(const Device& device, const Field& field, size_t paints, ui
 
 }  // namespace
 
-SliceCache::SliceCache(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
+SliceCache::SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                        uint32_t entries, uint64_t budget_bytes)
     : device_(device),
       field_(field),
@@ -113,7 +114,7 @@ const SlicePaint* SliceCache::paint_of(SliceKey key) const {
     return key.paint == 0 ? nullptr : &bound_.at(key.paint);
 }
 
-void SliceCache::build(Commands& commands, uint32_t slice, uint32_t parts) {
+void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) {
     Kept& kept = kept_[slice];
     const SliceKey key = *kept.key;
     for (uint32_t i = 0; i < kept_.size(); i++)  // who else has a part gives up the live leaves
@@ -126,7 +127,7 @@ void SliceCache::build(Commands& commands, uint32_t slice, uint32_t parts) {
         record_slice_part(commands, slicer_, slice, key.frame, kept.parts++, paint_of(key));
 }
 
-void record_slices(Commands& commands, SliceCache& cache) {
+void record_slices(gpu::Commands& commands, SliceCache& cache) {
     const auto is_wanted = [&cache](const SliceCache::Kept& kept) {
         return kept.key && kept.shown == cache.pictures_ && kept.parts < kSliceParts;
     };
@@ -135,7 +136,7 @@ void record_slices(Commands& commands, SliceCache& cache) {
             if (is_wanted(cache.kept_[i]) && (cache.kept_[i].parts > 0) == begun) cache.build(commands, i, kSliceParts);
 }
 
-std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key) {
+std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key) {
     const std::optional<uint32_t> there = cache.find(key);
     if (there || key.paint == 0 || !cache.lent_) return there;
     cache.kept_[*cache.lent_] = {key, 0, cache.pictures_, cache.pictures_};
@@ -143,7 +144,7 @@ std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, S
     return cache.lent_;
 }
 
-void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts) {
+void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts) {
     for (const SliceKey& key : cache.ahead_) {
         SliceCache::Kept* kept = cache.kept_of(key);
         if (!kept) {
@@ -158,4 +159,4 @@ void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

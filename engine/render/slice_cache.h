@@ -8,7 +8,7 @@
 
 #include "render/slice_tree.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Bytes that the slices of a performer may take on the device, however many instances and frames are shown.
 constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
@@ -24,8 +24,8 @@ class SliceCache {
   public:
     // Room for as many slices of `entries` entries as the budget allows, one at least. `live` is scratch. All must
     // outlive it; the paints may become more and fewer.
-    SliceCache(const Device& device, const Field& field, const LiveLeaves& live, const Paints& paints, uint32_t entries,
-               uint64_t budget_bytes);
+    SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
+               uint32_t entries, uint64_t budget_bytes);
 
     // Before a picture: it needs these slices. Those that are kept stay; the others take the places of those that were
     // not asked for for longest, the painted first, the first of them first, until all places are this picture's. Where
@@ -45,9 +45,9 @@ class SliceCache {
     const SliceTrees& trees() const { return trees_; }
 
   private:
-    friend void record_slices(Commands& commands, SliceCache& cache);
-    friend std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key);
-    friend void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);
+    friend void record_slices(gpu::Commands& commands, SliceCache& cache);
+    friend std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key);
+    friend void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts);
     struct Kept {
         std::optional<SliceKey> key;
         uint32_t parts = 0;  // of kSliceParts that are built
@@ -60,8 +60,8 @@ class SliceCache {
     void lend_place();
     void bind(std::span<const SliceKey> keys);
     const SlicePaint* paint_of(SliceKey key) const;
-    void build(Commands& commands, uint32_t slice, uint32_t parts);
-    const Device& device_;
+    void build(gpu::Commands& commands, uint32_t slice, uint32_t parts);
+    const gpu::Device& device_;
     const Field& field_;
     const LiveLeaves& live_;
     const Paints& paints_;
@@ -76,13 +76,13 @@ class SliceCache {
 };
 
 // Builds the slices that were asked for and are not there, but for those that share a place.
-void record_slices(Commands& commands, SliceCache& cache);
+void record_slices(gpu::Commands& commands, SliceCache& cache);
 
 // Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them is.
 // None where there was no room for one without paint.
-std::optional<uint32_t> record_slice_of(Commands& commands, SliceCache& cache, SliceKey key);
+std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key);
 
 // Builds so many parts of those that were asked for ahead.
-void record_ahead(Commands& commands, SliceCache& cache, uint32_t parts);
+void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

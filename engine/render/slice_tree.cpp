@@ -10,7 +10,7 @@
 #include "spirv/slice_entries.comp.h"
 #include "spirv/slice_nodes.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 uint32_t most_entries(const Field& field) {
     return field.leaf_count + field.node_count() - 1;
@@ -21,27 +21,29 @@ uint64_t slice_bytes(const Field& field, uint32_t entries) {
     return entry * entries + field.nodes.bytes + sizeof(LiveCount);
 }
 
-SliceTrees::SliceTrees(const Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count)
+SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count)
     : capacity(std::max(entry_capacity, 1u)),
       slices(slice_count),
       node_count(field.node_count()),
-      nodes(device, "slice nodes", field.nodes.bytes * slices, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_UINT),
+      nodes(device, "slice nodes", field.nodes.bytes * slices, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_UINT),
       entries(device, "slice entries", uint64_t{4} * kEntryWords * sh_count(field.hh_degree) * capacity * slices,
-              MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
-      entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      counts(device, "counts of entries", sizeof(LiveCount) * slices, MemoryKind::kDevice) {
+              gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+      entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, gpu::MemoryKind::kDevice,
+                 VK_FORMAT_R32_UINT),
+      counts(device, "counts of entries", sizeof(LiveCount) * slices, gpu::MemoryKind::kDevice) {
     if ((capacity + kSliceGroup - 1) / kSliceGroup > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
             fmt::format("{} live leaves and nodes at once are more than this device dispatches; it may "
                         "show the scene without slices (--slice-budget 0)",
                         capacity));
     const std::vector<LiveCount> none(slices);
-    upload(device, counts, none.data(), none.size() * sizeof(LiveCount));
+    gpu::upload(device, counts, none.data(), none.size() * sizeof(LiveCount));
     // A node that finds no room leaves entries behind that no one writes.
-    run_once(device, "leaves of entries", [this](Commands& commands) { fill(commands, entry_leaf, kNoLeaf); });
+    gpu::run_once(device, "leaves of entries",
+                  [this](gpu::Commands& commands) { gpu::fill(commands, entry_leaf, kNoLeaf); });
 }
 
-TreeSlicer::TreeSlicer(const Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
+TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
     : field_(field),
       live_(live),
       trees_(trees),
@@ -67,37 +69,37 @@ TreeSlicer::TreeSlicer(const Device& device, const Field& field, const LiveLeave
                               {kEntriesOut, &trees.entries},
                               {kEntriesLeaves, &trees.entry_leaf}}) {}
 
-void record_nodes(Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
-    const PassScope scope(commands, "slice nodes");
+void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
+    const gpu::PassScope scope(commands, "slice nodes");
     const SliceTrees& trees = slicer.trees_;
     const std::vector<uint32_t>& begin = slicer.field_.level_begin;
     for (size_t level = begin.size() - 1; level-- > 0;) {
         const SliceNodesPush push{begin[level], begin[level + 1] - begin[level], slice, trees.capacity,
                                   trees.node_base(slice)};
-        dispatch(commands, slicer.nodes_, slicer.nodes_set_, (push.nodes + kSliceGroup - 1) / kSliceGroup, push);
-        compute_barrier(commands);
+        gpu::dispatch(commands, slicer.nodes_, slicer.nodes_set_, (push.nodes + kSliceGroup - 1) / kSliceGroup, push);
+        gpu::compute_barrier(commands);
     }
 }
 
-void record_slice_begin(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
-    fill(commands, slicer.live_.node_live, 0);
+void record_slice_begin(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
+    gpu::fill(commands, slicer.live_.node_live, 0);
     const LiveCount none{0, 1, 1, 0, 0};  // the overflow stays: trees with any are replaced (Performer::enlarge_slices)
-    update(commands, slicer.trees_.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
+    gpu::update(commands, slicer.trees_.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
     record_rows(commands, slicer.finder_, frame);
 }
 
-void record_entries(Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
-    const PassScope scope(commands, "slice entries");
-    dispatch_indirect(
+void record_entries(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
+    const gpu::PassScope scope(commands, "slice entries");
+    gpu::dispatch_indirect(
         commands, slicer.entries_, slicer.entries_set_, slicer.live_.live, 0,
         SliceEntriesPush{slicer.field_.leaf_count, slicer.live_.capacity, slicer.trees_.node_base(slice), 0});
-    compute_barrier(commands);
+    gpu::compute_barrier(commands);
 }
 
-void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
+void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
                        const SlicePaint* paint) {
     {
-        const PassScope scope(commands, "slice density");
+        const gpu::PassScope scope(commands, "slice density");
         record_slice_begin(commands, slicer, slice, frame);
         record_density(commands, slicer.finder_, 0, slicer.field_.leaf_count);
     }
@@ -107,12 +109,12 @@ void record_slice_tree(Commands& commands, const TreeSlicer& slicer, uint32_t sl
     if (paint) record_paint_colour(commands, *paint, slice, frame);
 }
 
-void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
+void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
                        const SlicePaint* paint) {
     constexpr uint32_t kDensityParts = 3, kEntryParts = kSliceParts - kDensityParts - 1;
     const uint32_t leaves = slicer.field_.leaf_count, slots = slicer.trees_.capacity;
     if (part < kDensityParts) {
-        const PassScope scope(commands, "slice density");
+        const gpu::PassScope scope(commands, "slice density");
         if (part == 0) record_slice_begin(commands, slicer, slice, frame);
         const auto share = [leaves](uint64_t i) { return static_cast<uint32_t>(leaves * i / kDensityParts); };
         record_density(commands, slicer.finder_, share(part), share(part + 1));
@@ -126,14 +128,14 @@ void record_slice_part(Commands& commands, const TreeSlicer& slicer, uint32_t sl
         const bool last = part + 1 == kSliceParts;
         const uint32_t end = last && paint ? slicer.live_.capacity : share(part - kDensityParts);
         {
-            const PassScope scope(commands, "slice entries");
-            dispatch(
+            const gpu::PassScope scope(commands, "slice entries");
+            gpu::dispatch(
                 commands, slicer.entries_, slicer.entries_set_, (end - first + kSliceGroup - 1) / kSliceGroup,
                 SliceEntriesPush{leaves, std::min(end, slicer.live_.capacity), slicer.trees_.node_base(slice), first});
-            compute_barrier(commands);
+            gpu::compute_barrier(commands);
         }
         if (last && paint) record_paint_colour(commands, *paint, slice, frame);
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

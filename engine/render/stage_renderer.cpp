@@ -9,27 +9,28 @@
 #include "voctree/clip.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
-SetLightKind kind_of(GltfLightKind kind) {
+SetLightKind kind_of(stage::GltfLightKind kind) {
     switch (kind) {
-        case GltfLightKind::kDirectional:
+        case stage::GltfLightKind::kDirectional:
             return SetLightKind::kDirectional;
-        case GltfLightKind::kPoint:
+        case stage::GltfLightKind::kPoint:
             return SetLightKind::kPoint;
-        case GltfLightKind::kSpot:
+        case stage::GltfLightKind::kSpot:
             return SetLightKind::kSpot;
     }
     return SetLightKind::kPoint;
 }
 
-std::vector<glm::vec4> download_halves(const Device& device, const Buffer& from) {
+std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buffer& from) {
     std::vector<uint16_t> halves(from.bytes / 2);
-    download(device, from, halves.data(), from.bytes);
+    gpu::download(device, from, halves.data(), from.bytes);
     std::vector<glm::vec4> colours(halves.size() / 4);
-    for (size_t i = 0; i < halves.size(); i++) colours[i / 4][static_cast<int>(i % 4)] = float_from_half(halves[i]);
+    for (size_t i = 0; i < halves.size(); i++)
+        colours[i / 4][static_cast<int>(i % 4)] = voctree::float_from_half(halves[i]);
     return colours;
 }
 
@@ -42,7 +43,7 @@ std::vector<const Field*> fields_of(const Clips& clips) {
 
 }  // namespace
 
-SetLight set_light(const InstantLight& light) {
+SetLight set_light(const stage::InstantLight& light) {
     SetLight out;
     out.kind = kind_of(light.kind);
     out.position = light.position;
@@ -55,7 +56,7 @@ SetLight set_light(const InstantLight& light) {
     return out;
 }
 
-StageRenderer::StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity,
+StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, const FrameCapacity& capacity,
                              const Loaded& loaded, PaintSource paint)
     : device_(device), stage_(&stage), capacity_(capacity), paint_source_(std::move(paint)) {
     clips_ = load_clips(stage, loaded);
@@ -66,7 +67,7 @@ StageRenderer::StageRenderer(const Device& device, const Stage& stage, const Fra
     take(stage, make_paints(stage, clips_));
 }
 
-void StageRenderer::change(const Stage& stage, const Loaded& loaded) {
+void StageRenderer::change(const stage::Stage& stage, const Loaded& loaded) {
     Clips clips = load_clips(stage, loaded);
     Around around = load_around(stage);
     NextPaints paints = make_paints(stage, clips);
@@ -87,10 +88,10 @@ std::shared_ptr<const StageRenderer::Clip> StageRenderer::find_clip(const std::f
     return nullptr;
 }
 
-StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded& loaded) {
+StageRenderer::Clips StageRenderer::load_clips(const stage::Stage& stage, const Loaded& loaded) {
     Clips clips;
     size_t read = 0, missing = 0;
-    for (const StageClip& wanted : stage.clips) {
+    for (const stage::StageClip& wanted : stage.clips) {
         clips.push_back(find_clip(wanted.path, stamp_of(wanted.path)));
         missing += clips.back() ? 0 : 1;
     }
@@ -98,39 +99,40 @@ StageRenderer::Clips StageRenderer::load_clips(const Stage& stage, const Loaded&
     for (size_t i = 0; i < clips.size(); i++) {
         if (clips[i]) continue;
         const FileStamp stamp = stamp_of(stage.clips[i].path);
-        const VOctree tree = read_clip(stage.clips[i].path);
+        const voctree::VOctree tree = voctree::read_clip(stage.clips[i].path);
         clips[i] = std::make_shared<const Clip>(Clip{stage.clips[i].path, stamp,
                                                      upload_field(device_, tree, WeightPrecision::kHalf),
-                                                     neuvv::painted_field(tree)});
+                                                     neuvv::voctree::painted_field(tree)});
         read_.push_back(clips[i]);
         if (loaded) loaded(++read, missing);
     }
     return clips;
 }
 
-StageRenderer::Around StageRenderer::load_around(const Stage& stage) const {
+StageRenderer::Around StageRenderer::load_around(const stage::Stage& stage) const {
     Around around;
-    std::optional<Image> picture;
+    std::optional<media::Image> picture;
     if (stage.settings.environment) {
-        around.path = file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri");
+        around.path = stage::file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri");
         around.stamp = stamp_of(around.path);
     }
     if (around_.map && around.path == around_.path && around.stamp == around_.stamp) return around_;
-    if (stage.settings.environment) picture = read_png(around.path);
+    if (stage.settings.environment) picture = media::read_png(around.path);
     around.map = std::make_shared<const SetEnvironment>(device_, picture ? &*picture : nullptr);
     return around;
 }
 
-StageRenderer::PaintKey StageRenderer::paint_key(const Stage& stage, const StagePerformer& performer,
+StageRenderer::PaintKey StageRenderer::paint_key(const stage::Stage& stage, const stage::StagePerformer& performer,
                                                  const std::shared_ptr<const Clip>& clip) {
     PaintKey key{clip, {}};
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
-        const PaintLayer& layer = performer.settings.paint[i];
+        const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
         try {
-            const std::filesystem::path path = file_of_uri(stage.file, layer.uri, place);
-            std::shared_ptr<const EditLayer> edits = paint_source_ ? paint_source_(path, clip->painted) : nullptr;
+            const std::filesystem::path path = stage::file_of_uri(stage.file, layer.uri, place);
+            std::shared_ptr<const voctree::EditLayer> edits =
+                paint_source_ ? paint_source_(path, clip->painted) : nullptr;
             if (!edits) edits = paint_files_.read(path, clip->painted);
             if (edits->field != clip->painted)
                 throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
@@ -142,9 +144,9 @@ StageRenderer::PaintKey StageRenderer::paint_key(const Stage& stage, const Stage
     return key;
 }
 
-StageRenderer::NextPaints StageRenderer::make_paints(const Stage& stage, const Clips& clips) {
+StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const Clips& clips) {
     NextPaints next;
-    for (const StagePerformer& performer : stage.performers) {
+    for (const stage::StagePerformer& performer : stage.performers) {
         next.of_performer.push_back(paint_key(stage, performer, clips[performer.clip]));
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.made.contains(key)) continue;
@@ -156,7 +158,7 @@ StageRenderer::NextPaints StageRenderer::make_paints(const Stage& stage, const C
 }
 
 // The renderer has the fields of this stage already.
-void StageRenderer::take(const Stage& stage, NextPaints next) {
+void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
     std::map<PaintKey, uint32_t> numbers;
     paints_.clear();
     for (size_t i = 0; i < stage.performers.size(); i++) {
@@ -202,9 +204,9 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
     frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
-void StageRenderer::show(const StageInstant& instant, bool show_environment) {
+void StageRenderer::show(const stage::StageInstant& instant, bool show_environment) {
     std::vector<SetLight> lights;
-    for (const InstantLight& light : instant.lights) lights.push_back(set_light(light));
+    for (const stage::InstantLight& light : instant.lights) lights.push_back(set_light(light));
     SetAmbient ambient;
     ambient.light = stage_->ambient;
     if (stage_->settings.environment) {
@@ -217,14 +219,14 @@ void StageRenderer::show(const StageInstant& instant, bool show_environment) {
 }
 
 // As show.glsl's with_set.
-LinearImage StageRenderer::linear_picture_of(const Camera& camera, const glm::vec4& background) const {
+media::LinearImage StageRenderer::linear_picture_of(const stage::Camera& camera, const glm::vec4& background) const {
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();
     const std::vector<glm::vec4> behind = download_halves(device_, set_->colour);
     const std::vector<glm::vec4> front = download_halves(device_, set_->front);
     std::vector<float> axis_metres(behind.size());
-    download(device_, set_->depth, axis_metres.data(), axis_metres.size() * sizeof(float));
-    const Camera texels = enlarged(camera, capacity_.samples);
+    gpu::download(device_, set_->depth, axis_metres.data(), axis_metres.size() * sizeof(float));
+    const stage::Camera texels = stage::enlarged(camera, capacity_.samples);
     for (size_t i = 0; i < light.size(); i++) {
         const glm::dvec2 at(static_cast<double>(i % texels.width) + 0.5, static_cast<double>(i / texels.width) + 0.5);
         const glm::dvec2 line = (at - glm::dvec2(texels.cx, texels.cy)) / glm::dvec2(texels.fx, texels.fy);
@@ -238,17 +240,17 @@ LinearImage StageRenderer::linear_picture_of(const Camera& camera, const glm::ve
     return linear_picture(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
-FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {
+FrameSettings StageRenderer::settings_at(const stage::StageInstant& instant) const {
     FrameSettings settings;
     settings.width = capacity_.width;
     settings.height = capacity_.height;
     settings.samples = capacity_.samples;
     settings.mode = TraceMode::kPlay;
-    settings.blend = stage_->settings.blend == StageBlend::kExact ? Blend::kExact : Blend::kPaper;
+    settings.blend = stage_->settings.blend == stage::StageBlend::kExact ? Blend::kExact : Blend::kPaper;
     settings.lit = stage_->settings.falloff;
     settings.resolve.background = glm::vec4(stage_->settings.background, 1);
     settings.instances.clear();
-    for (const InstantPerformer& performer : instant.performers) {
+    for (const stage::InstantPerformer& performer : instant.performers) {
         if (!performer.visible) continue;
         settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer),
                                       paints_[performer.performer], performer.clip, performer.opacity,
@@ -257,4 +259,4 @@ FrameSettings StageRenderer::settings_at(const StageInstant& instant) const {
     return settings;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -13,7 +13,7 @@
 #include "render/paint_files.h"
 #include "stage/stage_instant.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class StageRenderer {
   public:
@@ -22,8 +22,8 @@ class StageRenderer {
 
     // Reads the clips, their paint and the environment. The stage must outlive it, or be replaced by change(). Throws
     // InputError for files that cannot be read and RuntimeFailure where the device has no room.
-    StageRenderer(const Device& device, const Stage& stage, const FrameCapacity& capacity, const Loaded& loaded = {},
-                  PaintSource paint = {});
+    StageRenderer(const gpu::Device& device, const stage::Stage& stage, const FrameCapacity& capacity,
+                  const Loaded& loaded = {}, PaintSource paint = {});
 
     // From now on it draws this stage, another object than the one before, which may go after the call. Then show() an
     // instant of it. Only what differs is read and uploaded: clips, environment and layers by path whose file is not as
@@ -31,7 +31,7 @@ class StageRenderer {
     // vertices, textures and materials. Clips that nobody plays any more are dropped; one that somebody still has
     // (shared_field) is not read again when it comes back. `loaded` counts clips that are read. Throws as the
     // constructor does, and then draws the stage before as if nothing had been asked.
-    void change(const Stage& stage, const Loaded& loaded = {});
+    void change(const stage::Stage& stage, const Loaded& loaded = {});
 
     // What settings_at asks for. Larger pictures than ever before need other targets (frames() is another then, which
     // has drawn nothing yet); fields, slices, paint and set stay. Throws RuntimeFailure where the device has no room,
@@ -39,18 +39,18 @@ class StageRenderer {
     void resize(uint32_t width, uint32_t height);
 
     // Puts set and lights to an instant of the stage. Its environment shines even where it is not shown, behind all.
-    void show(const StageInstant& instant, bool show_environment = true);
+    void show(const stage::StageInstant& instant, bool show_environment = true);
     // What a frame of that instant draws: visible performers, blending, lights and background as the stage has them.
     // A part of the picture is a picture of its own: a smaller width and height, and a camera whose principal point is
     // moved as far. It may have more samples than the capacity while samples · width and samples · height do not exceed
     // the capacity's. Parts make the whole within a step of 255, but for pixels at edges of the set.
-    FrameSettings settings_at(const StageInstant& instant) const;
+    FrameSettings settings_at(const stage::StageInstant& instant) const;
 
     // What of each view's picture nobody sees (SetRaster::hide), until it is called again.
     void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
 
     // The last picture of one view, of settings_at's size and samples, as linear light and depth, set included.
-    LinearImage linear_picture_of(const Camera& camera, const glm::vec4& background) const;
+    media::LinearImage linear_picture_of(const stage::Camera& camera, const glm::vec4& background) const;
 
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }
@@ -59,7 +59,7 @@ class StageRenderer {
     const Field& field(uint32_t clip) const { return clips_[clip]->field; }
     // The same, which stays for as long as somebody has it.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {clips_[clip], &clips_[clip]->field}; }
-    const PaintedField& painted_field(uint32_t clip) const { return clips_[clip]->painted; }
+    const voctree::PaintedField& painted_field(uint32_t clip) const { return clips_[clip]->painted; }
     // What a performer of the stage is painted with, of its clip's frames().paints(); 0: nothing.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
@@ -68,7 +68,7 @@ class StageRenderer {
         std::filesystem::path path;
         FileStamp stamp;
         Field field;
-        PaintedField painted;
+        voctree::PaintedField painted;
     };
     struct Around {
         std::filesystem::path path;  // empty: none
@@ -78,7 +78,7 @@ class StageRenderer {
     // The layers of a performer that show, the lowest first; performers for whom all is equal share a paint.
     struct PaintKey {
         std::shared_ptr<const Clip> clip;
-        std::vector<std::tuple<std::shared_ptr<const EditLayer>, PaintBlend, float>> layers;
+        std::vector<std::tuple<std::shared_ptr<const voctree::EditLayer>, stage::PaintBlend, float>> layers;
         auto operator<=>(const PaintKey&) const = default;
     };
     struct NextPaints {
@@ -86,15 +86,16 @@ class StageRenderer {
         std::map<PaintKey, Paint> made;  // those that are not on the device yet
     };
     using Clips = std::vector<std::shared_ptr<const Clip>>;
-    Clips load_clips(const Stage& stage, const Loaded& loaded);
+    Clips load_clips(const stage::Stage& stage, const Loaded& loaded);
     std::shared_ptr<const Clip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
-    Around load_around(const Stage& stage) const;
-    PaintKey paint_key(const Stage& stage, const StagePerformer& performer, const std::shared_ptr<const Clip>& clip);
-    NextPaints make_paints(const Stage& stage, const Clips& clips);
-    void take(const Stage& stage, NextPaints next);
+    Around load_around(const stage::Stage& stage) const;
+    PaintKey paint_key(const stage::Stage& stage, const stage::StagePerformer& performer,
+                       const std::shared_ptr<const Clip>& clip);
+    NextPaints make_paints(const stage::Stage& stage, const Clips& clips);
+    void take(const stage::Stage& stage, NextPaints next);
     void make_targets(uint32_t width, uint32_t height);
-    const Device& device_;
-    const Stage* stage_;
+    const gpu::Device& device_;
+    const stage::Stage* stage_;
     FrameCapacity capacity_;  // of what is asked for; the set's size says for how much there is room
     PaintSource paint_source_;
     PaintFiles paint_files_;
@@ -108,6 +109,6 @@ class StageRenderer {
 };
 
 // The stage's light as raster and rays take it.
-SetLight set_light(const InstantLight& light);
+SetLight set_light(const stage::InstantLight& light);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

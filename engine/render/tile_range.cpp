@@ -7,7 +7,7 @@
 #include "spirv/tile_list.comp.h"
 #include "spirv/tile_range.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -65,19 +65,20 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
     return level;
 }
 
-TileRanges::TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras)
+TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras)
     : picture_tile_capacity(picture_tiles),
-      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, MemoryKind::kUpload,
+      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, gpu::MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_SFLOAT),
-      ranges(device, "tile ranges", uint64_t{8} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
-      list(device, "tile list", list_bytes(ray_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      count(device, "count of tiles", sizeof(LiveCount), MemoryKind::kDevice),
-      seen(device, "tiles seen", uint64_t{4} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      sharing(device, "tiles shared", uint64_t{4} * ray_tiles, MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      picture_list(device, "pictures' tile list", list_bytes(picture_tiles), MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), MemoryKind::kDevice) {}
+      ranges(device, "tile ranges", uint64_t{8} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+      list(device, "tile list", list_bytes(ray_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      count(device, "count of tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),
+      seen(device, "tiles seen", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      sharing(device, "tiles shared", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      picture_list(device, "pictures' tile list", list_bytes(picture_tiles), gpu::MemoryKind::kDevice,
+                   VK_FORMAT_R32_UINT),
+      picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
 
-TileRanger::TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
+TileRanger::TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
                        const TileRanges& ranges)
     : field_(field),
       trees_(trees),
@@ -96,21 +97,21 @@ TileRanger::TileRanger(const Device& device, const Field& field, const SliceTree
                         {kRangeSeen, &ranges.seen},
                         {kRangeSharing, &ranges.sharing}}) {}
 
-void record_unseen(Commands& commands, const TileRanges& ranges) {
-    fill(commands, ranges.seen, 0);
-    fill(commands, ranges.picture_list, kNoTile);
-    update(commands, ranges.picture_count, LiveCount{0, 1, 1, 0, 0});
-    compute_barrier(commands);
+void record_unseen(gpu::Commands& commands, const TileRanges& ranges) {
+    gpu::fill(commands, ranges.seen, 0);
+    gpu::fill(commands, ranges.picture_list, kNoTile);
+    gpu::update(commands, ranges.picture_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
 }
 
-void record_unshared(Commands& commands, const TileRanges& ranges) {
-    fill(commands, ranges.sharing, 0);
-    compute_barrier(commands);
+void record_unshared(gpu::Commands& commands, const TileRanges& ranges) {
+    gpu::fill(commands, ranges.sharing, 0);
+    gpu::compute_barrier(commands);
 }
 
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
+void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
                         uint32_t level, const ViewLayout& layout, bool counted) {
-    const PassScope scope(commands, "tile ranges");
+    const gpu::PassScope scope(commands, "tile ranges");
     const Field& field = ranger.field_;
     const TileRangePush push{glm::vec4(field.box_min, 0),
                              glm::vec4(field.box_size, 0),
@@ -122,14 +123,14 @@ void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t s
                              layout.tiles_across(),
                              layout.tiles_down(),
                              counted ? 1u : 0u};
-    fill(commands, ranger.ranges_.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
-    fill(commands, ranger.ranges_.list, kNoTile, list_bytes(layout.ray_tiles()));
-    update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
-    compute_barrier(commands);
-    dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);
-    compute_barrier(commands);
-    dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.ray_tiles()), push);
-    compute_barrier(commands);
+    gpu::fill(commands, ranger.ranges_.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
+    gpu::fill(commands, ranger.ranges_.list, kNoTile, list_bytes(layout.ray_tiles()));
+    gpu::update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
+    gpu::dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);
+    gpu::compute_barrier(commands);
+    gpu::dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.ray_tiles()), push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

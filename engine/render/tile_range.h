@@ -5,21 +5,21 @@
 #include "render/trace.h"
 #include "render/view_layout.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 struct TileRanges {
     // At most so many tiles of rays and of pictures, and cameras of instances.
-    TileRanges(const Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras);
+    TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras);
 
     uint32_t picture_tile_capacity;
 
-    Buffer views;                        // RangeView of each camera of the ray batch, host-mapped
-    Buffer ranges;                       // per tile (bits of the least distance, complement of those of the largest)
-    Buffer list;                         // tiles of rays where an instance may be seen, then kNoTile
-    Buffer count;                        // LiveCount of these
-    Buffer seen;                         // per tile of rays: whether any instance of the frame may be seen there
-    Buffer sharing;                      // and how many of a group
-    Buffer picture_list, picture_count;  // tiles of the pictures that such rays add to, as list and count
+    gpu::Buffer views;    // RangeView of each camera of the ray batch, host-mapped
+    gpu::Buffer ranges;   // per tile (bits of the least distance, complement of those of the largest)
+    gpu::Buffer list;     // tiles of rays where an instance may be seen, then kNoTile
+    gpu::Buffer count;    // LiveCount of these
+    gpu::Buffer seen;     // per tile of rays: whether any instance of the frame may be seen there
+    gpu::Buffer sharing;  // and how many of a group
+    gpu::Buffer picture_list, picture_count;  // tiles of the pictures that such rays add to, as list and count
 };
 
 // A camera in its performer's space (shared/slice_tree.h).
@@ -36,28 +36,29 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels);
 class TileRanger {
   public:
     // Nodes: those of `trees`, or without it of the whole field, as if every leaf lived.
-    TileRanger(const Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
+    TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
                const TileRanges& ranges);
 
   private:
-    friend void record_tile_ranges(Commands&, const TileRanger&, uint32_t, uint32_t, uint32_t, const ViewLayout&, bool);
+    friend void record_tile_ranges(gpu::Commands&, const TileRanger&, uint32_t, uint32_t, uint32_t, const ViewLayout&,
+                                   bool);
     const Field& field_;
     const SliceTrees* trees_;
     const TileRanges& ranges_;
-    ComputePass range_, list_;
-    BindingSet range_set_, list_set_;
+    gpu::ComputePass range_, list_;
+    gpu::BindingSet range_set_, list_set_;
 };
 
 // Before the first instance of a frame: no tile has seen anything.
-void record_unseen(Commands& commands, const TileRanges& ranges);
+void record_unseen(gpu::Commands& commands, const TileRanges& ranges);
 
 // `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
 // not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.
 // `counted`: the instance is added to those that share its tiles.
-void record_tile_ranges(Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
+void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
                         uint32_t level, const ViewLayout& layout, bool counted = false);
 
 // Before the first instance of a group is counted: none shares any tile.
-void record_unshared(Commands& commands, const TileRanges& ranges);
+void record_unshared(gpu::Commands& commands, const TileRanges& ranges);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

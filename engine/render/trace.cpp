@@ -8,19 +8,21 @@
 #include "spirv/direct.comp.h"
 #include "spirv/trace.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-RayBatch::RayBatch(const Device& device, uint32_t camera_count, uint32_t tile_count)
+RayBatch::RayBatch(const gpu::Device& device, uint32_t camera_count, uint32_t tile_count)
     : camera_capacity(std::max(camera_count, 1u)),
       tile_capacity(std::max(tile_count, 1u)),
-      cameras(device, "cameras", sizeof(ShaderCamera) * uint64_t{camera_capacity}, MemoryKind::kUpload,
+      cameras(device, "cameras", sizeof(ShaderCamera) * uint64_t{camera_capacity}, gpu::MemoryKind::kUpload,
               VK_FORMAT_R32G32B32A32_SFLOAT),
-      tiles(device, "tiles", sizeof(Tile) * uint64_t{tile_capacity}, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_UINT),
-      radiance(device, "radiance", uint64_t{16} * kTilePixels * tile_capacity, MemoryKind::kDevice,
+      tiles(device, "tiles", sizeof(Tile) * uint64_t{tile_capacity}, gpu::MemoryKind::kUpload,
+            VK_FORMAT_R32G32B32A32_UINT),
+      radiance(device, "radiance", uint64_t{16} * kTilePixels * tile_capacity, gpu::MemoryKind::kDevice,
                VK_FORMAT_R32G32B32A32_SFLOAT),
-      depth(device, "depth", uint64_t{4} * kTilePixels * tile_capacity, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT) {}
+      depth(device, "depth", uint64_t{4} * kTilePixels * tile_capacity, gpu::MemoryKind::kDevice,
+            VK_FORMAT_R32_SFLOAT) {}
 
-ShaderCamera shader_camera(const Camera& camera, uint32_t samples) {
+ShaderCamera shader_camera(const stage::Camera& camera, uint32_t samples) {
     const glm::dmat3 rotation(camera.world_from_camera);
     ShaderCamera shader;
     shader.origin = glm::vec4(glm::vec3(camera.world_from_camera[3]), 0);
@@ -37,7 +39,7 @@ ShaderCamera shader_camera(const Camera& camera, uint32_t samples) {
     return shader;
 }
 
-Camera in_performer(Camera camera, const glm::mat4& world_from_performer) {
+stage::Camera in_performer(stage::Camera camera, const glm::mat4& world_from_performer) {
     camera.world_from_camera = glm::inverse(glm::dmat4(world_from_performer)) * camera.world_from_camera;
     return camera;
 }
@@ -72,80 +74,83 @@ TracePush instance_push(const Field& field, const InstanceRays& rays) {
     return push;
 }
 
-Bindings trace_bindings(const Field& field, const RayBatch& rays) {
+gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays) {
     return {{kTraceTop, &field.top},        {kTraceNodes, &field.nodes}, {kTraceChildren, &field.children},
             {kTraceCameras, &rays.cameras}, {kTraceTiles, &rays.tiles},  {kTraceRadiance, &rays.radiance},
             {kTraceDepth, &rays.depth}};
 }
 
 // What is not there is bound to a buffer of the same format, and not read.
-Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments) {
+gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments) {
     assert(into != Into::kSegments || segments);
     const bool bound = into == Into::kSegments;
-    return joined(trace_bindings(field, target.rays), {{kTraceTileList, &target.ranges.list},
-                                                       {kTraceTileRanges, &target.ranges.ranges},
-                                                       {kTraceSharing, &target.ranges.sharing},
-                                                       {kTracePages, bound ? &segments->pages() : &target.no_lights},
-                                                       {kTraceHeads, bound ? &segments->heads() : &target.no_lights},
-                                                       {kTraceSetDepth, target.around.set_depth},
-                                                       {kTraceLights, target.around.lights},
-                                                       {kTraceSetShadows, target.around.set_shadows},
-                                                       {kTracePerformerShadows, target.around.performer_shadows}});
+    return gpu::joined(trace_bindings(field, target.rays),
+                       {{kTraceTileList, &target.ranges.list},
+                        {kTraceTileRanges, &target.ranges.ranges},
+                        {kTraceSharing, &target.ranges.sharing},
+                        {kTracePages, bound ? &segments->pages() : &target.no_lights},
+                        {kTraceHeads, bound ? &segments->heads() : &target.no_lights},
+                        {kTraceSetDepth, target.around.set_depth},
+                        {kTraceLights, target.around.lights},
+                        {kTraceSetShadows, target.around.set_shadows},
+                        {kTracePerformerShadows, target.around.performer_shadows}});
 }
 
-Tracer::Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
+Tracer::Tracer(const gpu::Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
     : field_(field),
       pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
-      set_(pass_, joined(trace_bindings(field, rays),
-                         {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {}
+      set_(pass_, gpu::joined(trace_bindings(field, rays),
+                              {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {
+}
 
-void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
-    const PassScope scope(commands, "trace");
-    dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
-    compute_barrier(commands);
+void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
+    const gpu::PassScope scope(commands, "trace");
+    gpu::dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    gpu::compute_barrier(commands);
 }
 
 // What a field alone does not read is bound to buffers of the same formats.
-DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+DirectTracer::DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                            Walk walk)
     : field_(field),
-      no_lights_(device, "no lights", sizeof(ShaderLights), MemoryKind::kDevice),
+      no_lights_(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
       pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
              walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
              kIntoRay}),
-      set_(pass_, joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
-                                                       {kTraceRows, &live.rows},
-                                                       {kTraceTileList, &rays.tiles},
-                                                       {kTraceTileRanges, &rays.tiles},
-                                                       {kTraceSharing, &rays.tiles},
-                                                       {kTracePages, &no_lights_},
-                                                       {kTraceHeads, &no_lights_},
-                                                       {kTraceSetDepth, &rays.depth},
-                                                       {kTraceLights, &no_lights_},
-                                                       {kTraceSetShadows, &rays.depth},
-                                                       {kTracePerformerShadows, &rays.depth}})) {}
+      set_(pass_, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
+                                                            {kTraceRows, &live.rows},
+                                                            {kTraceTileList, &rays.tiles},
+                                                            {kTraceTileRanges, &rays.tiles},
+                                                            {kTraceSharing, &rays.tiles},
+                                                            {kTracePages, &no_lights_},
+                                                            {kTraceHeads, &no_lights_},
+                                                            {kTraceSetDepth, &rays.depth},
+                                                            {kTraceLights, &no_lights_},
+                                                            {kTraceSetShadows, &rays.depth},
+                                                            {kTracePerformerShadows, &rays.depth}})) {}
 
-DirectTracer::DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
-                           Into into, const Segments* segments)
+DirectTracer::DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live,
+                           const RayTarget& target, Into into, const Segments* segments)
     : field_(field),
       tile_count_(&target.ranges.count),
       pass_(device, "direct", direct_comp,
             {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
              static_cast<uint32_t>(into)}),
-      set_(pass_, joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
-                         instance_bindings(field, target, into, segments))) {}
+      set_(pass_, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
+                              instance_bindings(field, target, into, segments))) {}
 
-void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
-    const PassScope scope(commands, tracer.pass_.name());
-    dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
-    compute_barrier(commands);
+void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
+    const gpu::PassScope scope(commands, tracer.pass_.name());
+    gpu::dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    gpu::compute_barrier(commands);
 }
 
-void record_direct_instance(Commands& commands, const DirectTracer& tracer, const InstanceRays& rays) {
-    const PassScope scope(commands, tracer.pass_.name());
-    dispatch_indirect(commands, tracer.pass_, tracer.set_, *tracer.tile_count_, 0, instance_push(tracer.field_, rays));
-    compute_barrier(commands);
+void record_direct_instance(gpu::Commands& commands, const DirectTracer& tracer, const InstanceRays& rays) {
+    const gpu::PassScope scope(commands, tracer.pass_.name());
+    gpu::dispatch_indirect(commands, tracer.pass_, tracer.set_, *tracer.tile_count_, 0,
+                           instance_push(tracer.field_, rays));
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

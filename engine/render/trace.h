@@ -9,26 +9,26 @@
 #include "shared/trace.h"
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Rays on the device: tiles of 8×8 pixels of some cameras, and what tracing them gave, in tile order.
 struct RayBatch {
     // At most `cameras` cameras and `tiles` tiles.
-    RayBatch(const Device& device, uint32_t cameras, uint32_t tiles);
+    RayBatch(const gpu::Device& device, uint32_t cameras, uint32_t tiles);
 
     uint32_t camera_capacity, tile_capacity;
-    Buffer cameras;   // ShaderCamera, host-mapped
-    Buffer tiles;     // Tile, host-mapped
-    Buffer radiance;  // per ray premultiplied linear RGB and alpha
-    Buffer depth;     // per ray metres (errata 12)
+    gpu::Buffer cameras;   // ShaderCamera, host-mapped
+    gpu::Buffer tiles;     // Tile, host-mapped
+    gpu::Buffer radiance;  // per ray premultiplied linear RGB and alpha
+    gpu::Buffer depth;     // per ray metres (errata 12)
 };
 
 // `camera` is enlarged so that its pixels are the samples × samples rays of a picture's pixel (ray.glsl spreads them);
 // 1 where rays leave pixels' centres, or tiles say where.
-ShaderCamera shader_camera(const Camera& camera, uint32_t samples = 1);
+ShaderCamera shader_camera(const stage::Camera& camera, uint32_t samples = 1);
 
 // The camera in the space of a performer that stands at `world_from_performer`, which must be invertible (errata 13).
-Camera in_performer(Camera camera, const glm::mat4& world_from_performer);
+stage::Camera in_performer(stage::Camera camera, const glm::mat4& world_from_performer);
 
 // Every tile of one picture, row by row.
 std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);
@@ -37,17 +37,17 @@ constexpr float kStopTransmittance = 1.0f / 4096;  // changes no 8-bit sRGB valu
 
 class Tracer {
   public:
-    Tracer(const Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
+    Tracer(const gpu::Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
 
   private:
-    friend void record_trace(Commands&, const Tracer&, uint32_t, float);
+    friend void record_trace(gpu::Commands&, const Tracer&, uint32_t, float);
     const Field& field_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Traces the first `tiles` tiles of the batch. `stop` is the transmittance below which rays end (0: never).
-void record_trace(Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
+void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
 enum class Walk {
     kDown,      // from the grid over the upper levels, and within a node in registers
@@ -84,32 +84,33 @@ class Segments;
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 class DirectTracer {
   public:
-    DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
+    DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                  Walk walk = Walk::kDown);
     // For instances. `segments`: not null where these are what rays become.
-    DirectTracer(const Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target, Into into,
-                 const Segments* segments);
+    DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
+                 Into into, const Segments* segments);
 
   private:
-    friend void record_direct(Commands&, const DirectTracer&, uint32_t, float);
-    friend void record_direct_instance(Commands&, const DirectTracer&, const InstanceRays&);
+    friend void record_direct(gpu::Commands&, const DirectTracer&, uint32_t, float);
+    friend void record_direct_instance(gpu::Commands&, const DirectTracer&, const InstanceRays&);
     const Field& field_;
-    const Buffer* tile_count_ = nullptr;
-    Buffer no_lights_;
-    ComputePass pass_;
-    BindingSet set_;
+    const gpu::Buffer* tile_count_ = nullptr;
+    gpu::Buffer no_lights_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
-void record_direct(Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
+void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles,
+                   float stop = kStopTransmittance);
 
 // As record_trace_tree, where an instance has no slice.
-void record_direct_instance(Commands& commands, const DirectTracer& tracer, const InstanceRays& rays);
+void record_direct_instance(gpu::Commands& commands, const DirectTracer& tracer, const InstanceRays& rays);
 
 // What they pass and bind to their shader: of a field alone, and of an instance.
 TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
-Bindings trace_bindings(const Field& field, const RayBatch& rays);
+gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays);
 // `segments` only where they are what rays become: they are made anew for more.
-Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments);
+gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

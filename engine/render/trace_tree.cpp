@@ -4,11 +4,11 @@
 
 #include "spirv/trace_tree.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
-                       const RayTarget& target, Shading shading, Into into, const Segments* segments,
-                       const WalkSteps& steps)
+TreeTracer::TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees,
+                       const gpu::Buffer& entries, const RayTarget& target, Shading shading, Into into,
+                       const Segments* segments, const WalkSteps& steps)
     : field_(field),
       trees_(trees),
       target_(target),
@@ -16,25 +16,25 @@ TreeTracer::TreeTracer(const Device& device, const Field& field, const SliceTree
             {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
              steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
              shading == Shading::kNone ? 1u : 0u}),
-      set_(pass_, joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
-                         instance_bindings(field, target, into, segments))) {}
+      set_(pass_, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
+                              instance_bindings(field, target, into, segments))) {}
 
-void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles) {
-    const PassScope scope(commands, "clear");
+void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles) {
+    const gpu::PassScope scope(commands, "clear");
     constexpr uint32_t kInfinity = 0x7f800000;
-    fill(commands, rays.radiance, 0, uint64_t{16} * kTilePixels * tiles);
-    fill(commands, rays.depth, kInfinity, uint64_t{4} * kTilePixels * tiles);
-    compute_barrier(commands);
+    gpu::fill(commands, rays.radiance, 0, uint64_t{16} * kTilePixels * tiles);
+    gpu::fill(commands, rays.depth, kInfinity, uint64_t{4} * kTilePixels * tiles);
+    gpu::compute_barrier(commands);
 }
 
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays) {
-    const PassScope scope(commands, "trace");
+void record_trace_tree(gpu::Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays) {
+    const gpu::PassScope scope(commands, "trace");
     TracePush push = instance_push(tracer.field_, rays);
     push.shaded_stride = tracer.trees_.capacity;
     push.node_base = tracer.trees_.node_base(slice);
     push.entry_base = tracer.trees_.entry_base(slice);
-    dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.target_.ranges.count, 0, push);
-    compute_barrier(commands);
+    gpu::dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.target_.ranges.count, 0, push);
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

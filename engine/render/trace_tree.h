@@ -3,7 +3,7 @@
 
 #include "render/segments.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // SH along each ray, the colours of record_shade, or black: for alpha and depth alone
 enum class Shading { kPerRay, kPerLeaf, kNone };
@@ -16,23 +16,23 @@ struct WalkSteps {
 class TreeTracer {
   public:
     // `entries`: those of the trees, or shaded ones. `segments`: not null where these are what rays become.
-    TreeTracer(const Device& device, const Field& field, const SliceTrees& trees, const Buffer& entries,
+    TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& entries,
                const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
                const WalkSteps& steps = {});
 
   private:
-    friend void record_trace_tree(Commands&, const TreeTracer&, uint32_t, const InstanceRays&);
+    friend void record_trace_tree(gpu::Commands&, const TreeTracer&, uint32_t, const InstanceRays&);
     const Field& field_;
     const SliceTrees& trees_;
     const RayTarget& target_;
-    ComputePass pass_;
-    BindingSet set_;
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // Makes the rays of the batch's first tiles such that see nothing: before the first instance of a frame.
-void record_clear(Commands& commands, const RayBatch& rays, uint32_t tiles);
+void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles);
 
 // Traces the tiles that record_tile_ranges listed, into what stands there.
-void record_trace_tree(Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays);
+void record_trace_tree(gpu::Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -3,7 +3,7 @@
 
 #include "shared/trace.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 // Several views of one frame: pictures of one size, whose tiles stand behind each other, all of one view's first.
 struct ViewLayout {
@@ -25,4 +25,4 @@ struct ViewLayout {
     bool operator==(const ViewLayout&) const = default;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -3,22 +3,22 @@
 #include "shared/volume_depth.h"
 #include "spirv/volume_depth.comp.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
-VolumeDepth::VolumeDepth(const Device& device, const RayBatch& rays, const SetRaster& set)
+VolumeDepth::VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set)
     : pass_(device, "volume depth", volume_depth_comp),
       set_(pass_, {{kVolumeRadiance, &rays.radiance},
                    {kVolumeDepth, &rays.depth},
                    {kVolumeCameras, &rays.cameras},
                    {kVolumeOut, &set.volume_depth}}) {}
 
-void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout) {
-    const PassScope scope(commands, "volume depth");
+void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout) {
+    const gpu::PassScope scope(commands, "volume depth");
     const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
     const uint64_t texels = uint64_t{layout.views} * width * height;
-    dispatch(commands, pass.pass_, pass.set_, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
-             VolumeDepthPush{width, height, layout.views, layout.tiles_across(), layout.tiles_down()});
-    compute_barrier(commands);
+    gpu::dispatch(commands, pass.pass_, pass.set_, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
+                  VolumeDepthPush{width, height, layout.views, layout.tiles_across(), layout.tiles_down()});
+    gpu::compute_barrier(commands);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -5,20 +5,20 @@
 #include "render/trace.h"
 #include "render/view_layout.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 class VolumeDepth {
   public:
     // Rays → set.volume_depth.
-    VolumeDepth(const Device& device, const RayBatch& rays, const SetRaster& set);
+    VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set);
 
   private:
-    friend void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
-    ComputePass pass_;
-    BindingSet set_;
+    friend void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
 };
 
 // After the last instance.
-void record_volume_depth(Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
+void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

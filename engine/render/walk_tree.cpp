@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace neuvv {
+namespace neuvv::render {
 
 namespace {
 
@@ -19,7 +19,7 @@ uint64_t mask_of(const TreeNode& node) {
 }
 
 // One leaf fills all of the octant, whose first child stands at `slot`.
-bool is_wide(const VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
+bool is_wide(const voctree::VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
     if ((mask >> (8 * octant) & kOctant) != kOctant || !(tree.children[slot] & kLeafBit)) return false;
     return std::all_of(&tree.children[slot], &tree.children[slot] + 8,
                        [&](uint32_t other) { return other == tree.children[slot]; });
@@ -36,7 +36,7 @@ glm::uvec3 unpacked(glm::uvec2 place) {
 // Takes the nodes level by level; child nodes get the next free number.
 class Walker {
   public:
-    explicit Walker(const VOctree& tree) : tree_(tree) {
+    explicit Walker(const voctree::VOctree& tree) : tree_(tree) {
         walk_.nodes.reserve(tree.nodes.size());
         walk_.children.reserve(tree.children.size());
         walk_.leaf_cells.resize(tree.leaf_count);
@@ -97,7 +97,7 @@ class Walker {
         walk_.leaf_places[entry & ~kLeafBit] = place;
     }
 
-    const VOctree& tree_;
+    const voctree::VOctree& tree_;
     WalkTree walk_;
 };
 
@@ -110,9 +110,9 @@ struct Bounds {
     }
 };
 
-Bounds bounds_of(const std::vector<LeafPlace>& places, uint32_t levels) {
+Bounds bounds_of(const std::vector<voctree::LeafPlace>& places, uint32_t levels) {
     Bounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
-    for (const LeafPlace& place : places) {
+    for (const voctree::LeafPlace& place : places) {
         const glm::uvec3 cell(place.x, place.y, place.z);
         const bool finer = place.depth > 2 * levels;
         const uint32_t shift = finer ? place.depth - 2 * levels : 2 * levels - place.depth;
@@ -168,19 +168,19 @@ class TopGrid {
 
 }  // namespace
 
-WalkTree walk_tree(const VOctree& tree) {
-    std::vector<LeafPlace> places = leaf_places(tree);
+WalkTree walk_tree(const voctree::VOctree& tree) {
+    std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     uint32_t finest = 1;
     size_t odd = 0;
-    for (const LeafPlace& place : places) {
+    for (const voctree::LeafPlace& place : places) {
         finest = std::max(finest, place.depth);
         odd += place.depth % 2;
     }
     const uint32_t above = odd > places.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
-    VOctree rooted;
+    voctree::VOctree rooted;
     rooted.node_levels = (finest + above + 1) / 2;
-    for (LeafPlace& place : places) place.depth += above;
-    build_nodes(rooted, places);
+    for (voctree::LeafPlace& place : places) place.depth += above;
+    voctree::build_nodes(rooted, places);
 
     WalkTree walk = Walker(rooted).take();
     walk.node_levels = rooted.node_levels;
@@ -198,4 +198,4 @@ WalkTree walk_tree(const VOctree& tree) {
     return walk;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::render

@@ -9,7 +9,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::render {
 
 struct WalkTree {
     uint32_t node_levels = 1;
@@ -28,6 +28,6 @@ struct WalkTree {
 };
 
 // The tree must be sound (defect_of_topology(tree) empty).
-WalkTree walk_tree(const VOctree& tree);
+WalkTree walk_tree(const voctree::VOctree& tree);
 
-}  // namespace neuvv
+}  // namespace neuvv::render

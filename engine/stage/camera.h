@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // A pinhole camera. Pixel centres are at +0.5; x to the right, y down, in pixels.
 struct Camera {
@@ -21,4 +21,4 @@ inline Camera enlarged(Camera camera, uint32_t factor) {
     return camera;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -264,4 +264,4 @@ std::optional<double> clip_time_at(const CameraPath& path, double time_s) {
     return number_at(timed, path.interpolation, times);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -9,7 +9,7 @@
 
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 struct CameraPathKey {
     double time_s = 0;
@@ -63,4 +63,4 @@ std::optional<double> clip_time_at(const CameraPath& path, double time_s);
 // looks straight up or down.
 double roll_of(const glm::dquat& world_from_camera);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -8,7 +8,7 @@
 #include "stage/json_members.h"
 #include "stage/stage_settings.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -87,4 +87,4 @@ ordered_json json_of(const CameraPath& path) {
     return json;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -6,7 +6,7 @@
 
 #include "stage/camera_path.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr const char* kInterpolationNames[] = {"smooth", "linear", "cut"};  // by Interpolation
 constexpr size_t kMaxPathKeys = 65536;
@@ -19,4 +19,4 @@ CameraPath camera_path_of(const nlohmann::ordered_json& json, const std::string&
 nlohmann::ordered_json json_of(const CameraPathKey& key);
 nlohmann::ordered_json json_of(const CameraPath& path);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "stage/gltf_parse.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -202,4 +202,4 @@ std::vector<uint32_t> read_integers(AccessorReader& reader, int index, int compo
     return out;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

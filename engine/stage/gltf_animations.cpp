@@ -7,7 +7,7 @@
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -109,4 +109,4 @@ void load_animations(GltfScene& scene, AccessorReader& reader) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -6,7 +6,7 @@
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 void load_cameras(GltfScene& scene, const tinygltf::Model& model) {
     for (size_t i = 0; i < model.cameras.size(); ++i) {
@@ -31,4 +31,4 @@ void load_cameras(GltfScene& scene, const tinygltf::Model& model) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "voctree/chunk_file.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset) {
     uint32_t word;
@@ -18,9 +18,11 @@ uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset) {
 
 // A header of 12 bytes, a JSON chunk, at most one BIN chunk that we look at; chunk headers are 8 bytes.
 GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::string& file) {
-    if (const FileContent ours = content_of(std::span(bytes).first(std::min<size_t>(bytes.size(), 16)));
-        ours != FileContent::kOther)
-        throw InputError(file, "", ours == FileContent::kClip ? "is a clip, not a glTF scene" : "is a layer of paint",
+    if (const voctree::FileContent ours =
+            voctree::content_of(std::span(bytes).first(std::min<size_t>(bytes.size(), 16)));
+        ours != voctree::FileContent::kOther)
+        throw InputError(file, "",
+                         ours == voctree::FileContent::kClip ? "is a clip, not a glTF scene" : "is a layer of paint",
                          "make a stage for it: `neuvv stage new`, then `neuvv stage add` or `paint`");
     GltfContainer container{false, 0, bytes.size()};
     container.binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
@@ -45,4 +47,4 @@ GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::strin
     return container;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

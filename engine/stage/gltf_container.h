@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 struct GltfContainer {
     bool binary = false;  // .glb, told by content
@@ -18,4 +18,4 @@ GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::strin
 // Little-endian; offset + 4 must lie inside.
 uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -7,7 +7,7 @@
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -86,4 +86,4 @@ void load_lights(GltfScene& scene, const tinygltf::Model& model) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -9,7 +9,7 @@
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -187,7 +187,7 @@ std::shared_ptr<const GltfImage> load_image(const GltfScene& scene, const tinygl
         return before->images[index];
     return std::make_shared<const GltfImage>(
         GltfImage{{bytes.begin(), bytes.end()},
-                  decode_image(bytes.data(), bytes.size(), fmt::format("{}: /images/{}", scene.file, index))});
+                  media::decode_image(bytes.data(), bytes.size(), fmt::format("{}: /images/{}", scene.file, index))});
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene
         const uint32_t index = scene.textures[static_cast<size_t>(texture)].image;
         if (scene.images[index]) return;
         scene.images[index] = load_image(scene, model, index, before);
-        const Image& image = scene.images[index]->pixels;
+        const media::Image& image = scene.images[index]->pixels;
         pixels += uint64_t{image.width} * image.height;
         if (pixels > kMaxImagePixels)
             throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
@@ -212,4 +212,4 @@ void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

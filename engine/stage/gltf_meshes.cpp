@@ -8,7 +8,7 @@
 #include "stage/gltf_scene.h"
 #include "stage/gltf_tangents.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -156,7 +156,7 @@ void PrimitiveLoader::read_indices() {
         fail("/mode", fmt::format("{} is not triangles, a strip or a fan", mode), "export triangles only");
     std::vector<uint32_t> indices;
     if (source.indices >= 0) {
-        indices = neuvv::read_integers(reader, source.indices, 1, place + "/indices");
+        indices = stage::read_integers(reader, source.indices, 1, place + "/indices");
         for (size_t i = 0; i < indices.size(); ++i)
             if (indices[i] >= out.positions.size())
                 fail("/indices",
@@ -284,4 +284,4 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

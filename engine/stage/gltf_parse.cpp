@@ -12,7 +12,7 @@
 #include "stage/json_splice.h"
 #include "stage/stage_file.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -342,4 +342,4 @@ tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_
     return model;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -18,7 +18,7 @@
 
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // Promises beyond tinygltf's: the container is whole, JSON nests at most kMaxJsonNesting (json_splice.h) deep, integers
 // and number lists that we read are of that type, every buffer view lies inside its buffer, URIs stay in the file's
@@ -64,4 +64,4 @@ void load_animations(GltfScene& scene, AccessorReader& reader);
 void load_cameras(GltfScene& scene, const tinygltf::Model& model);
 void load_lights(GltfScene& scene, const tinygltf::Model& model);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -10,7 +10,7 @@
 #include "stage/gltf_parse.h"
 #include "stage/stage_file.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -208,4 +208,4 @@ uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index
                      names.empty() ? "the model has none" : "choose from " + names);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -15,7 +15,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr const char* kVisibilityExtension = "KHR_node_visibility";
 
@@ -152,7 +152,7 @@ struct GltfAnimation {
 // A picture as its file has it, and its pixels.
 struct GltfImage {
     std::vector<uint8_t> encoded;
-    Image pixels;
+    media::Image pixels;
 };
 
 struct GltfScene {
@@ -181,4 +181,4 @@ GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> byte
 // The animation of this name, or of this index in decimal. Throws InputError listing what there is.
 uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

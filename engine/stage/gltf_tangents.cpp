@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -69,4 +69,4 @@ void add_tangents(GltfPrimitive& primitive) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

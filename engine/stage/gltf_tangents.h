@@ -3,7 +3,7 @@
 
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // A unit tangent at a right angle to the normal, as near to `along` as may be, and any where that says nothing.
 glm::vec4 tangent_across(const glm::vec3& normal, const glm::vec3& along, bool mirrored);
@@ -15,4 +15,4 @@ glm::vec4 tangent_across(const glm::vec3& normal, const glm::vec3& along, bool m
 // larger angle's side wins. Primitives whose file has no such UVs get no tangents: their normal map does nothing.
 void add_tangents(GltfPrimitive& primitive);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 constexpr double kMaxColor = 1e6;
@@ -71,4 +71,4 @@ size_t JsonMembers::choice_of(const char* name, std::span<const char* const> nam
     fail(name, "is none of " + all);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // Of one object. A missing member leaves `value` as it is; a wrong one throws InputError at its place.
 struct JsonMembers {
@@ -33,4 +33,4 @@ struct JsonMembers {
     [[noreturn]] void fail(const char* name, const std::string& problem) const;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -313,4 +313,4 @@ std::string spliced(std::string_view text, const ordered_json& original, const o
     return out += text.substr(value_end(text, root));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

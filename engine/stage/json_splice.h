@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // One value nests at most so deep, an object has at most so many members.
 constexpr int kMaxJsonNesting = 64;
@@ -28,4 +28,4 @@ nlohmann::ordered_json parse_document(std::string_view text, const std::string& 
 std::string spliced(std::string_view text, const nlohmann::ordered_json& original,
                     const nlohmann::ordered_json& edited);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

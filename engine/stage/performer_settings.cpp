@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "stage/json_members.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -73,4 +73,4 @@ ordered_json json_of(const PerformerSettings& settings) {
     return json;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

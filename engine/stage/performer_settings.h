@@ -7,7 +7,7 @@
 
 #include "stage/time_map.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr const char* kPerformerExtension = "NEUVV_performer";
 constexpr size_t kMaxPaintLayers = 64;
@@ -45,4 +45,4 @@ PaintLayer paint_layer_of(const nlohmann::ordered_json& json, const std::string&
 nlohmann::ordered_json json_of(const PerformerSettings& settings);
 nlohmann::ordered_json json_of(const PaintLayer& layer);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -209,4 +209,4 @@ std::pair<glm::dvec3, glm::dvec3> bounds_over(const GltfScene& scene, int32_t an
     return {low, high};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -8,7 +8,7 @@
 
 #include "stage/gltf_scene.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr int32_t kNoAnimation = -1;    // the scene as its nodes say
 constexpr int32_t kAllAnimations = -2;  // all of the file at once, as on a stage; of two on one node the later counts
@@ -38,4 +38,4 @@ void pose_vertices(const GltfScene& scene, const PosedScene& pose, uint32_t node
 std::pair<glm::dvec3, glm::dvec3> bounds_over(const GltfScene& scene, int32_t animation,
                                               const std::vector<double>& times_s);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

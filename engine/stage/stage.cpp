@@ -9,7 +9,7 @@
 #include "stage/pose.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -42,7 +42,7 @@ uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePer
     for (uint32_t i = 0; i < stage.clips.size(); ++i)
         if (stage.clips[i].path == path) return i;
     try {
-        const ClipHead head = read_clip_head(path);
+        const voctree::ClipHead head = voctree::read_clip_head(path);
         if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
         stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size});
     } catch (const InputError& problem) {
@@ -167,4 +167,4 @@ void expect_sound_document(const StageFile& file) {
     checked_stage(file, false);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

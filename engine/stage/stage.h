@@ -12,7 +12,7 @@
 #include "stage/stage_settings.h"
 #include "stage/time_map.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 // A volumetric video, once, however many performers play it.
 struct StageClip {
@@ -59,4 +59,4 @@ bool is_on_stage(const glm::dmat4& world_from_node);
 // Whether `world_from_node` can be a performer's: finite, and far enough from flat to be inverted in single precision.
 bool is_placeable(const glm::dmat4& world_from_node);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

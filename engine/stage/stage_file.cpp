@@ -10,7 +10,7 @@
 #include "stage/gltf_container.h"
 #include "stage/json_splice.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -220,4 +220,4 @@ std::string uri_of_file(const StageFile& file, const std::filesystem::path& name
     return encoded_uri(whole.lexically_relative(folder_of(file.path)).generic_string());
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

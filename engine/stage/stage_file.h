@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr uint64_t kMaxStageBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxStageJsonBytes = uint64_t{1} << 26;
@@ -60,4 +60,4 @@ std::filesystem::path file_of_uri(const StageFile& file, const std::string& uri,
 // The other way: a relative URI of the stage for any file.
 std::string uri_of_file(const StageFile& file, const std::filesystem::path& named);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -160,4 +160,4 @@ Camera camera_of(const Stage& stage, const std::string& name_or_index, const Sta
     return camera;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

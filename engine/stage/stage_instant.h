@@ -9,7 +9,7 @@
 #include "stage/pose.h"
 #include "stage/stage.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 struct InstantPerformer {
     uint32_t performer = 0;              // index into Stage::performers
@@ -62,4 +62,4 @@ bool has_camera(const StageInstant& instant);
 Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,
                  uint32_t height);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -4,7 +4,7 @@
 #include "stage/camera_path_json.h"
 #include "stage/json_members.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -64,4 +64,4 @@ ordered_json json_of(const StageSettings& settings) {
     return json;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

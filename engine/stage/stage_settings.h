@@ -8,7 +8,7 @@
 
 #include "stage/camera_path.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 constexpr const char* kStageExtension = "NEUVV_stage";
 constexpr double kMaxStageSeconds = 86400, kMinStageFps = 0.01, kMaxStageFps = 1000;
@@ -39,4 +39,4 @@ StageSettings stage_settings_of(const nlohmann::ordered_json& json, const std::s
 // Members that are not at their defaults.
 nlohmann::ordered_json json_of(const StageSettings& settings);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

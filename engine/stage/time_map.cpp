@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -159,4 +159,4 @@ double period_s(const Timeline& timeline) {
     return period > kFrameTolerance ? period / timeline.fps : 0;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -29,7 +29,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::stage {
 
 struct ClipTime {
     double value = 0;
@@ -98,4 +98,4 @@ double length_s(const Timeline& timeline);
 // stands still.
 double period_s(const Timeline& timeline);
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "stage/time_map.h"
 
-namespace neuvv {
+namespace neuvv::stage {
 
 namespace {
 
@@ -198,4 +198,4 @@ ordered_json json_of(const TimeMap& map) {
     return json;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::stage

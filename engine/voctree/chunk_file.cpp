@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -267,4 +267,4 @@ void ChunkReader::skip(bool verify) {
     previous_checksum_ = open_.checksum;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -11,7 +11,7 @@
 
 #include "base/platform.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 constexpr uint32_t kNvvVersion = 3;
 
@@ -89,4 +89,4 @@ class ChunkReader {
     std::vector<std::string> names_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

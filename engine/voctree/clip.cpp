@@ -6,7 +6,7 @@
 #include "voctree/nvv.h"
 #include "voctree/plenoctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 bool has_clip_ending(const std::filesystem::path& path) {
     return path.extension() == ".nvv" || path.extension() == ".npz";
@@ -33,4 +33,4 @@ ClipHead read_clip_head(const std::filesystem::path& path) {
     return {head.frames, head.fps, head.box_min, head.box_size};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -5,7 +5,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // Throws InputError (nvv.h, plenoctree.h).
 VOctree read_clip(const std::filesystem::path& path);
@@ -25,4 +25,4 @@ bool has_clip_ending(const std::filesystem::path& path);
 // A zip file, which among clips only PlenOctrees are. False where it cannot be read.
 bool is_plenoctree(const std::filesystem::path& path);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -9,7 +9,7 @@
 #include "voctree/leaf_density.h"
 #include "voctree/round.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -158,4 +158,4 @@ std::optional<VOctree> coarse_tree(const VOctree& tree) {
     return coarse;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -5,7 +5,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // Trees of fewer leaves open at once anyway.
 constexpr uint32_t kCoarseFrom = 100'000;
@@ -19,4 +19,4 @@ VOctree cut_tree(const VOctree& tree, uint32_t depth);
 // fewer than kCoarseFrom leaves.
 std::optional<VOctree> coarse_tree(const VOctree& tree);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -7,7 +7,7 @@
 
 #include "media/image.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -42,7 +42,7 @@ ChannelSh sh_basis(glm::dvec3 d) {
 
 ColourDecoder::ColourDecoder(uint32_t degree) : functions_(sh_count(degree)) {
     for (int i = 0; i <= 2 * kLastLogit * kStepsPerLogit; ++i) {
-        const double linear = linear_from_srgb(sigmoid(static_cast<double>(i) / kStepsPerLogit - kLastLogit));
+        const double linear = media::linear_from_srgb(sigmoid(static_cast<double>(i) / kStepsPerLogit - kLastLogit));
         curve_.push_back(std::log(linear / (1 - linear)));
     }
     for (int i = 0; i < 27; ++i) {
@@ -73,4 +73,4 @@ ChannelSh ColourDecoder::decode(const ChannelSh& k) const {
     return decoded;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -6,7 +6,7 @@
 
 #include "shared/hh_counts.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // One channel's coefficients, index l² + l + m (sh.glsl); those beyond the degree are 0.
 using ChannelSh = std::array<double, kMaxShCount>;
@@ -29,4 +29,4 @@ class ColourDecoder {
     double decoded_logit(double logit) const;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

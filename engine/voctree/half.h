@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 constexpr float kMaxHalf = 65504.0f;
 
@@ -35,4 +35,4 @@ inline float float_from_half(uint16_t half) {
     return std::bit_cast<float>(sign | (shifted >= (31u << 23) ? infinite_or_nan : finite));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

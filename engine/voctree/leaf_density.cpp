@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 std::vector<BasisEntry> basis_entries(const std::vector<float>& rows, uint32_t bases) {
     std::vector<BasisEntry> entries;
@@ -24,4 +24,4 @@ float leaf_edge_m(const VOctree& tree, uint32_t depth) {
     return std::ldexp((size.x + size.y + size.z) / 3, -static_cast<int>(depth));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -5,7 +5,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // A number of A or B that is not 0. Where each frame has a basis of its own, one a frame is.
 struct BasisEntry {
@@ -20,4 +20,4 @@ void density_of_frames(const float* leaf, const std::vector<BasisEntry>& entries
 // The mean of a leaf's three edges, metres.
 float leaf_edge_m(const VOctree& tree, uint32_t depth);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -9,7 +9,7 @@
 #include "voctree/chunk_file.h"
 #include "voctree/pack.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -114,4 +114,4 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
     return layer;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

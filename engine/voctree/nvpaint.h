@@ -5,7 +5,7 @@
 
 #include "voctree/paint.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // Atomic. Throws RuntimeFailure (the disk; a layer with a defect_of) and then leaves the old file.
 void write_paint(const std::filesystem::path& path, const EditLayer& layer);
@@ -14,4 +14,4 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer);
 // field, or of one with other leaves since, is refused.
 EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

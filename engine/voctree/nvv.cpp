@@ -11,7 +11,7 @@
 #include "voctree/chunk_file.h"
 #include "voctree/pack.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -301,4 +301,4 @@ NvvSummary summarise_nvv(const std::filesystem::path& path) {
     return summary;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -8,7 +8,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // Extra named chunks that ride along: the optimiser's state, later paint. A reader keeps what it does not know. A name
 // is four ASCII letters or digits, the first a lower-case letter, and none of the coarse tree's; each at most once in a
@@ -56,4 +56,4 @@ struct NvvSummary {
 // InputError for what it does read.
 NvvSummary summarise_nvv(const std::filesystem::path& path);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -235,4 +235,4 @@ bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

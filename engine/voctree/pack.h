@@ -7,7 +7,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 std::vector<uint8_t> pack_children(const std::vector<uint32_t>& children);
 std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes);
@@ -40,4 +40,4 @@ uint64_t packed_weight_bytes(const VOctree& tree, WeightRange range, const std::
 bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence,
                     const std::vector<uint8_t>& bytes);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

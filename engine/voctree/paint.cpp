@@ -10,7 +10,7 @@
 
 #include "shared/paint.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -169,4 +169,4 @@ std::string defect_of(const EditLayer& layer) {
     return "";
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

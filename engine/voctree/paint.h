@@ -7,7 +7,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // The field that paint was made for: its leaves by number, its clip by frames.
 struct PaintedField {
@@ -45,4 +45,4 @@ void remove_edits(EditLayer& layer, std::span<const uint32_t> leaves, float firs
 // What is wrong with a layer, or an empty string: numbers out of range, edits out of order or over each other.
 std::string defect_of(const EditLayer& layer);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -13,7 +13,7 @@
 #include "voctree/decode_colours.h"
 #include "voctree/half.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -245,4 +245,4 @@ PlenoctreeBox read_plenoctree_box(const std::filesystem::path& path) {
     return read_box(NpzReader(path), path.string());
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -5,7 +5,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 enum class PlenoctreeColours {
     kLinear,    // decoded (decode_colours.h): what a VOctree holds
@@ -27,4 +27,4 @@ struct PlenoctreeBox {
 // Its box alone; of the rest nothing is read. Throws InputError.
 PlenoctreeBox read_plenoctree_box(const std::filesystem::path& path);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "voctree/leaf_density.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -115,4 +115,4 @@ void round_weights(VOctree& tree, float error) {
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -3,7 +3,7 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // The multiple of `step` that is nearest.
 float rounded_to(float value, float step);
@@ -13,4 +13,4 @@ float rounded_to(float value, float step);
 // w^HH). What is hidden in frames that a basis has a part in is rounded most. All weights must be finite.
 void round_weights(VOctree& tree, float error);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

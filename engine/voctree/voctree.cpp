@@ -7,7 +7,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 namespace {
 
@@ -298,4 +298,4 @@ std::string defect_of(const VOctree& tree) {
     return defect.empty() ? defect_of_numbers(tree) : defect;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -15,7 +15,7 @@
 #include "shared/hh_counts.h"
 #include "shared/tree.h"
 
-namespace neuvv {
+namespace neuvv::voctree {
 
 // What a tree may hold at most, in memory and in a file.
 constexpr uint32_t kMaxNodes = 1u << 26;
@@ -79,4 +79,4 @@ std::string defect_of(const VOctree& tree);
 // The part of it that needs no weights, rows or box: counts, nodes, children.
 std::string defect_of_topology(const VOctree& tree);
 
-}  // namespace neuvv
+}  // namespace neuvv::voctree

@@ -12,11 +12,11 @@ namespace neuvv::test {
 
 struct ForeignStage : testing::Test {
     TemporaryFolder folder;
-    StageFile file;
+    stage::StageFile file;
     nlohmann::ordered_json before;
 
     void SetUp() override {
-        file = read_stage_file(put_foreign_stage(folder.path));
+        file = stage::read_stage_file(put_foreign_stage(folder.path));
         before = file.json;
     }
 };
@@ -24,13 +24,13 @@ struct ForeignStage : testing::Test {
 // The same with its paint, to be edited.
 struct ForeignDocument : testing::Test {
     TemporaryFolder folder;
-    Document document;
-    PaintedField field;  // anna's
+    edit::Document document;
+    voctree::PaintedField field;  // anna's
 
     std::filesystem::path at(const std::string& name) const { return folder.path / name; }
     void SetUp() override {
-        document.file = read_stage_file(put_foreign_stage(folder.path));
-        field = painted_field(read_nvv(at("anna.nvv")));
+        document.file = stage::read_stage_file(put_foreign_stage(folder.path));
+        field = voctree::painted_field(voctree::read_nvv(at("anna.nvv")));
     }
 };
 

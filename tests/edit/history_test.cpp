@@ -15,33 +15,35 @@ using nlohmann::ordered_json;
 
 struct Histories : test::ForeignDocument {
     // A layer in which so many leaves have this red.
-    std::shared_ptr<const EditLayer> layer(float red, uint32_t leaves = 1) const {
-        auto made = std::make_shared<EditLayer>(EditLayer{field, {}});
+    std::shared_ptr<const voctree::EditLayer> layer(float red, uint32_t leaves = 1) const {
+        auto made = std::make_shared<voctree::EditLayer>(voctree::EditLayer{field, {}});
         for (uint32_t leaf = 0; leaf < leaves; ++leaf) made->edits.push_back({leaf, 0, 1, {red, 0, 0}, 1});
         return made;
     }
-    float red_on_disk(const std::string& name) const { return read_paint(at(name), field).edits.at(0).colour.r; }
+    float red_on_disk(const std::string& name) const {
+        return voctree::read_paint(at(name), field).edits.at(0).colour.r;
+    }
     float red(const std::string& name) const { return document.paint.at(at(name))->edits.at(0).colour.r; }
-    void rename(History& history, const std::string& name, uint32_t node = 4) {
-        Document before = document;
-        std::string said = rename_node(document.file, node, name);
+    void rename(edit::History& history, const std::string& name, uint32_t node = 4) {
+        edit::Document before = document;
+        std::string said = edit::rename_node(document.file, node, name);
         history.did(std::move(before), document, std::move(said));
     }
-    void stroke(History& history, const std::string& name, float colour, uint32_t leaves = 1) {
-        open_paint(document, at(name), field);
-        Document before = document;
+    void stroke(edit::History& history, const std::string& name, float colour, uint32_t leaves = 1) {
+        edit::open_paint(document, at(name), field);
+        edit::Document before = document;
         document.paint[at(name)] = layer(colour, leaves);
         history.did(std::move(before), document, "stroke");
     }
     // On the disk, and a layer of Anna's.
     void wear(const std::string& name, float colour) {
-        write_paint(at(name), *layer(colour));
-        add_paint_layer(document.file, find_node(document.file, "Anna"), at(name), {});
+        voctree::write_paint(at(name), *layer(colour));
+        edit::add_paint_layer(document.file, edit::find_node(document.file, "Anna"), at(name), {});
     }
 };
 
 TEST_F(Histories, GoBackAndForth) {
-    History history(3);
+    edit::History history(3);
     std::vector<ordered_json> documents = {document.file.json};
     for (int i = 0; i < 5; ++i) {
         rename(history, "name " + std::to_string(i));
@@ -69,7 +71,7 @@ TEST_F(Histories, GoBackAndForth) {
 }
 
 TEST_F(Histories, KnowWhetherTheDocumentIsTheSavedOne) {
-    History history;
+    edit::History history;
     EXPECT_FALSE(history.is_modified());
     rename(history, "a");
     const uint64_t a = history.revision();
@@ -95,13 +97,13 @@ TEST_F(Histories, KnowWhetherTheDocumentIsTheSavedOne) {
 
 TEST_F(Histories, PaintAndStageShareOneList) {
     wear("red.nvpaint", 0.25f);
-    History history;
+    edit::History history;
     rename(history, "Berta");  // before the layer is opened
     stroke(history, "red.nvpaint", 0.5f);
     rename(history, "Carla");
     const ordered_json carla = document.file.json;
     stroke(history, "red.nvpaint", 0.75f);
-    save_document(document, at("stage.gltf"));
+    edit::save_document(document, at("stage.gltf"));
     EXPECT_EQ(red_on_disk("red.nvpaint"), 0.75f);
     EXPECT_EQ(history.undo(document), "stroke");
     EXPECT_EQ(red("red.nvpaint"), 0.5f);
@@ -112,9 +114,9 @@ TEST_F(Histories, PaintAndStageShareOneList) {
     EXPECT_EQ(red("red.nvpaint"), 0.25f);
     history.undo(document);
     EXPECT_FALSE(history.next_undo());
-    EXPECT_EQ(find_node(document.file, "Anna"), 4u);
+    EXPECT_EQ(edit::find_node(document.file, "Anna"), 4u);
     EXPECT_EQ(red("red.nvpaint"), 0.25f) << "what was there before the layer was opened, though the disk has another";
-    save_document(document, at("stage.gltf"));
+    edit::save_document(document, at("stage.gltf"));
     EXPECT_EQ(red_on_disk("red.nvpaint"), 0.25f);
     for (int i = 0; i < 4; ++i) EXPECT_TRUE(history.redo(document));
     EXPECT_EQ(red("red.nvpaint"), 0.75f);
@@ -125,18 +127,18 @@ TEST_F(Histories, PaintAndStageShareOneList) {
 TEST_F(Histories, ForgetTheOldestWhereLayersGrow) {
     wear("red.nvpaint", 0);
     wear("blue.nvpaint", 0);
-    open_paint(document, at("blue.nvpaint"), field);
+    edit::open_paint(document, at("blue.nvpaint"), field);
     constexpr uint32_t kLeaves = 20;
-    History history(100, 3 * kLeaves * sizeof(LeafEdit));
+    edit::History history(100, 3 * kLeaves * sizeof(voctree::LeafEdit));
     for (int i = 1; i <= 10; ++i) stroke(history, "red.nvpaint", static_cast<float>(i) / 10, kLeaves);
     int steps = 0;
     while (history.undo(document)) ++steps;
     EXPECT_EQ(steps, 3);
     EXPECT_EQ(red("red.nvpaint"), 0.7f);
-    History tiny(100, 1);
+    edit::History tiny(100, 1);
     stroke(tiny, "red.nvpaint", 0.9f, kLeaves);
     EXPECT_TRUE(tiny.next_undo()) << "the last step stays";
-    History names(100, 1);
+    edit::History names(100, 1);
     for (int i = 0; i < 10; ++i) rename(names, "name " + std::to_string(i));
     for (steps = 0; names.undo(document);) ++steps;
     EXPECT_EQ(steps, 10) << "none of these holds a layer of its own";
@@ -144,82 +146,83 @@ TEST_F(Histories, ForgetTheOldestWhereLayersGrow) {
 
 TEST_F(Histories, UrisFollowTheStageToAnotherFolder) {
     write_text(at("new.gltf"), R"({"asset":{"version":"2.0"},"scenes":[{}]})");
-    document.file = read_stage_file(at("new.gltf"));
-    History history;
-    Document before = document;
-    PerformerEdit edit;
+    document.file = stage::read_stage_file(at("new.gltf"));
+    edit::History history;
+    edit::Document before = document;
+    edit::PerformerEdit edit;
     edit.clip = at("anna.nvv");
-    history.did(std::move(before), document, add_performer(document.file, "anna", edit, {}));
-    rename_node(document.file, 0, "berta");
+    history.did(std::move(before), document, edit::add_performer(document.file, "anna", edit, {}));
+    edit::rename_node(document.file, 0, "berta");
     std::filesystem::create_directory(at("below"));
-    save_document(document, at("below/show.gltf"));
+    edit::save_document(document, at("below/show.gltf"));
     history.undo(document);
     history.redo(document);
     EXPECT_EQ(document.file.path, at("below/show.gltf"));
-    EXPECT_EQ(clip_of(document.file, 0), at("below/../anna.nvv"));
-    EXPECT_EQ(make_stage(document.file).performers[0].name, "berta");
+    EXPECT_EQ(edit::clip_of(document.file, 0), at("below/../anna.nvv"));
+    EXPECT_EQ(stage::make_stage(document.file).performers[0].name, "berta");
     rename(history, "carla", 0);
-    save_document(document, at("show.gltf"));
+    edit::save_document(document, at("show.gltf"));
     history.undo(document);
-    EXPECT_EQ(clip_of(document.file, 0), at("anna.nvv")) << "a step of before it was saved here";
+    EXPECT_EQ(edit::clip_of(document.file, 0), at("anna.nvv")) << "a step of before it was saved here";
 }
 
 TEST_F(Histories, SavingWritesWhatChanged) {
     wear("red.nvpaint", 0.25f);
     wear("blue.nvpaint", 0.25f);
-    save_document(document, at("stage.gltf"));
+    edit::save_document(document, at("stage.gltf"));
     EXPECT_NE(read_text(at("stage.gltf")).find("blue.nvpaint"), std::string::npos);
-    open_paint(document, at("red.nvpaint"), field);
-    open_paint(document, at("blue.nvpaint"), field);
+    edit::open_paint(document, at("red.nvpaint"), field);
+    edit::open_paint(document, at("blue.nvpaint"), field);
     document.paint[at("red.nvpaint")] = layer(0.5f);
     document.paint[at("nobody's.nvpaint")] = layer(0.5f);
     write_text(at("blue.nvpaint"), "not looked at");
-    save_document(document, at("elsewhere.gltf"));
+    edit::save_document(document, at("elsewhere.gltf"));
     EXPECT_EQ(red_on_disk("red.nvpaint"), 0.5f);
     EXPECT_EQ(read_text(at("blue.nvpaint")), "not looked at");
     EXPECT_FALSE(std::filesystem::exists(at("nobody's.nvpaint")));
     EXPECT_EQ(document.file.path, at("elsewhere.gltf"));
-    EXPECT_EQ(load_stage(at("elsewhere.gltf")).performers[0].settings.paint.size(), 2u);
+    EXPECT_EQ(stage::load_stage(at("elsewhere.gltf")).performers[0].settings.paint.size(), 2u);
 
-    const uint32_t anna = find_node(document.file, "Anna");
-    add_paint_layer(document.file, anna, at("new.nvpaint"), {});
-    document.paint[paint_path(document.file, "new.nvpaint")] = layer(1);
-    save_document(document, at("elsewhere.gltf"));
+    const uint32_t anna = edit::find_node(document.file, "Anna");
+    edit::add_paint_layer(document.file, anna, at("new.nvpaint"), {});
+    document.paint[edit::paint_path(document.file, "new.nvpaint")] = layer(1);
+    edit::save_document(document, at("elsewhere.gltf"));
     EXPECT_EQ(red_on_disk("new.nvpaint"), 1) << "a layer that had no file";
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.opacity = 2;
-    set_performer(document.file, anna, edit);
+    edit::set_performer(document.file, anna, edit);
     document.paint[at("red.nvpaint")] = layer(0.75f);
-    expect_input_error([&] { save_document(document, at("elsewhere.gltf")); }, {"opacity"});
+    expect_input_error([&] { edit::save_document(document, at("elsewhere.gltf")); }, {"opacity"});
     EXPECT_EQ(red_on_disk("red.nvpaint"), 0.5f) << "nothing was written";
 }
 
 TEST_F(Histories, DamagedLayersAreNotOpened) {
     write_text(at("bad.nvpaint"), "no paint");
-    expect_input_error([&] { open_paint(document, at("bad.nvpaint"), field); }, {"bad.nvpaint"});
-    expect_input_error([&] { open_paint(document, at("none.nvpaint"), field); }, {"none.nvpaint"});
+    expect_input_error([&] { edit::open_paint(document, at("bad.nvpaint"), field); }, {"bad.nvpaint"});
+    expect_input_error([&] { edit::open_paint(document, at("none.nvpaint"), field); }, {"none.nvpaint"});
     EXPECT_TRUE(document.paint.empty() && document.saved_paint.empty());
 }
 
 TEST_F(Histories, SavingKeepsWhatAnotherProgramWrote) {
-    History history;
+    edit::History history;
     rename(history, "Berta");
-    EXPECT_EQ(save_document(document, at("stage.gltf")), std::nullopt);
+    EXPECT_EQ(edit::save_document(document, at("stage.gltf")), std::nullopt);
     rename(history, "Carla");
     for (const char* kept : {"stage-theirs.gltf", "stage-theirs-2.gltf"}) {
         const std::string theirs = std::string(R"({"asset": {"version": "2.0"}, "extras": ")") + kept + "\"}";
         write_text(at("stage.gltf"), theirs);
-        const auto path = save_document(document, at("stage.gltf"));
+        const auto path = edit::save_document(document, at("stage.gltf"));
         ASSERT_EQ(path, at(kept));
         EXPECT_EQ(read_text(at(kept)), theirs);
-        EXPECT_EQ(find_node(read_stage_file(at("stage.gltf")), "Carla"), 4u);
-        EXPECT_NE(saved_text(at("stage.gltf"), path).find(kept), std::string::npos);
+        EXPECT_EQ(edit::find_node(stage::read_stage_file(at("stage.gltf")), "Carla"), 4u);
+        EXPECT_NE(edit::saved_text(at("stage.gltf"), path).find(kept), std::string::npos);
     }
     std::filesystem::remove(at("stage.gltf"));
-    EXPECT_EQ(save_document(document, at("stage.gltf")), std::nullopt) << "what is gone needs no copy";
+    EXPECT_EQ(edit::save_document(document, at("stage.gltf")), std::nullopt) << "what is gone needs no copy";
     write_text(at("other.gltf"), "{}");
-    EXPECT_EQ(save_document(document, at("other.gltf")), std::nullopt) << "that another name is overwritten was asked";
-    EXPECT_EQ(saved_text("a.gltf", {}), "saved a.gltf");
+    EXPECT_EQ(edit::save_document(document, at("other.gltf")), std::nullopt)
+        << "that another name is overwritten was asked";
+    EXPECT_EQ(edit::saved_text("a.gltf", {}), "saved a.gltf");
 }
 
 }  // namespace

@@ -17,19 +17,19 @@ using nlohmann::ordered_json;
 
 struct Edits : testing::Test {
     TemporaryFolder folder;
-    StageFile file;
+    stage::StageFile file;
 
-    void SetUp() override { file = read_stage_file(test::put_foreign_stage(folder.path)); }
+    void SetUp() override { file = stage::read_stage_file(test::put_foreign_stage(folder.path)); }
     std::filesystem::path at(const std::string& name) const { return folder.path / name; }
     // Of the document as it would be saved.
-    Stage stage() const {
-        expect_sound_document(file);
-        return make_stage(file);
+    stage::Stage stage() const {
+        stage::expect_sound_document(file);
+        return stage::make_stage(file);
     }
-    ordered_json& node(const std::string& name) { return file.json["nodes"][find_node(file, name)]; }
-    const InstantPerformer performer(const std::string& name, double t = 0) const {
-        const Stage now = stage();
-        for (const InstantPerformer& at : stage_at(now, t).performers)
+    ordered_json& node(const std::string& name) { return file.json["nodes"][edit::find_node(file, name)]; }
+    const stage::InstantPerformer performer(const std::string& name, double t = 0) const {
+        const stage::Stage now = stage();
+        for (const stage::InstantPerformer& at : stage::stage_at(now, t).performers)
             if (now.performers[at.performer].name == name) return at;
         throw std::runtime_error("no performer " + name);
     }
@@ -48,18 +48,18 @@ glm::dvec3 front(const glm::dmat4& m) {
 
 TEST_F(Edits, ANewStageIsLitAndSeen) {
     for (const char* name : {"new.gltf", "new.glb"}) {
-        StageFile made = new_stage(at(name));
-        save_stage_file(made, at(name));
-        const Stage stage = load_stage(at(name));
-        const StageInstant instant = stage_at(stage, 0);
+        stage::StageFile made = edit::new_stage(at(name));
+        stage::save_stage_file(made, at(name));
+        const stage::Stage stage = stage::load_stage(at(name));
+        const stage::StageInstant instant = stage::stage_at(stage, 0);
         ASSERT_EQ(instant.lights.size(), 1u);
         const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - instant.lights[0].position;
         expect_near(instant.lights[0].direction, glm::normalize(to_middle));
-        const Camera camera = camera_of(stage, "camera", instant, 64, 64);
+        const stage::Camera camera = stage::camera_of(stage, "camera", instant, 64, 64);
         expect_near(front(camera.world_from_camera),
                     glm::normalize(place(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
         ASSERT_EQ(stage.scene.meshes.size(), 1u);
-        const GltfPrimitive& floor = stage.scene.meshes[0].primitives[0];
+        const stage::GltfPrimitive& floor = stage.scene.meshes[0].primitives[0];
         const glm::vec3 a = floor.positions[floor.indices[0]], b = floor.positions[floor.indices[1]],
                         c = floor.positions[floor.indices[2]];
         expect_near(glm::normalize(glm::cross(b - a, c - a)), {0, 1, 0});
@@ -69,14 +69,14 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
 
 TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     test::put_clip(at("clips/berta k.nvv"));
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.clip = at("clips/berta k.nvv");
-    edit.time = parse_time_map("loop,speed:2", "", "");
-    Placement placement;
+    edit.time = stage::parse_time_map("loop,speed:2", "", "");
+    edit::Placement placement;
     placement.at = glm::dvec3(1, 0, -1);
     placement.turn_deg = glm::dvec3(0, 90, 0);
     placement.scale = glm::dvec3(2);
-    const std::string said = add_performer(file, "", edit, placement);
+    const std::string said = edit::add_performer(file, "", edit, placement);
     EXPECT_NE(said.find("\"berta k\" (node 6)"), std::string::npos) << said;
     EXPECT_EQ(node("berta k")["extensions"]["NEUVV_performer"]["uri"], "clips/berta%20k.nvv");
     EXPECT_EQ(stage().performers.size(), 2u);
@@ -85,108 +85,110 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     expect_near(glm::dvec3(stands * glm::dvec4(0, 0, 1, 1)), {3, 0, -1});
     EXPECT_EQ(performer("berta k", 0.04).frame, 2);
 
-    Placement more;
+    edit::Placement more;
     more.move = glm::dvec3(0, 1, 0);
     more.turn_deg = glm::dvec3(0, 90, 0);
     more.scale = glm::dvec3(1, 1, 0.5);
-    place_node(file, find_node(file, "berta k"), more);
+    edit::place_node(file, edit::find_node(file, "berta k"), more);
     expect_near(glm::dvec3(performer("berta k").world_from_performer * glm::dvec4(0, 0, 1, 1)), {1, 1, -2});
-    PerformerEdit change;
+    edit::PerformerEdit change;
     change.opacity = 0.25;
     change.visible = false;
     change.spin_deg_per_s = 90;
-    change.time = TimeMap();
-    set_performer(file, find_node(file, "berta k"), change);
+    change.time = stage::TimeMap();
+    edit::set_performer(file, edit::find_node(file, "berta k"), change);
     EXPECT_FALSE(performer("berta k").visible);
     EXPECT_EQ(performer("berta k").opacity, 0.25f);
     EXPECT_EQ(performer("berta k", 0.04).frame, 1);
-    rename_node(file, find_node(file, "berta k"), "Carla");
-    EXPECT_EQ(find_node(file, "Carla"), 6u);
+    edit::rename_node(file, edit::find_node(file, "berta k"), "Carla");
+    EXPECT_EQ(edit::find_node(file, "Carla"), 6u);
     edit.clip = at("clips/berta k.nvv");
-    add_performer(file, "Carla", edit, {});
-    EXPECT_EQ(find_node(file, "Carla 2"), 7u) << "names stay clear";
-    expect_input_error([&] { set_performer(file, 0, change); }, {"Floor", "no performer"});
+    edit::add_performer(file, "Carla", edit, {});
+    EXPECT_EQ(edit::find_node(file, "Carla 2"), 7u) << "names stay clear";
+    expect_input_error([&] { edit::set_performer(file, 0, change); }, {"Floor", "no performer"});
 }
 
 // A matrix takes the same moves as translation, rotation and scale.
 TEST_F(Edits, MatricesAreMovedAsTheyAre) {
-    Placement placement;
+    edit::Placement placement;
     placement.matrix = glm::dmat4(1);
     (*placement.matrix)[1][0] = 0.5;  // shear
     (*placement.matrix)[3] = glm::dvec4(1, 2, 3, 1);
-    const uint32_t anna = find_node(file, "Anna");
-    place_node(file, anna, placement);
+    const uint32_t anna = edit::find_node(file, "Anna");
+    edit::place_node(file, anna, placement);
     EXPECT_TRUE(node("Anna").contains("matrix"));
     EXPECT_FALSE(node("Anna").contains("rotation"));
-    Placement more;
+    edit::Placement more;
     more.move = glm::dvec3(1, 0, 0);
     more.turn_deg = glm::dvec3(0, 0, 90);
     more.scale = glm::dvec3(3, 1, 1);
-    place_node(file, anna, more);
-    const GltfNode made = stage().scene.nodes[anna];
+    edit::place_node(file, anna, more);
+    const stage::GltfNode made = stage().scene.nodes[anna];
     expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0});
     expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0});
     expect_near(place(made.matrix), {2, 2, 3});
-    Placement aimed;
+    edit::Placement aimed;
     aimed.aim = glm::dvec3(2, 2, -5);
-    place_node(file, anna, aimed);
-    const Stage looking_back = stage();
+    edit::place_node(file, anna, aimed);
+    const stage::Stage looking_back = stage();
     expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[0]), {3, 0, 0});
     expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[1]), {0, std::sqrt(1.25), 0});
-    expect_input_error([&] { place_node(file, find_node(file, "Camera"), placement); }, {"animated", "matrix"});
-    EXPECT_NE(place_node(file, find_node(file, "Camera"), more).find("animation moves it"), std::string::npos);
+    expect_input_error([&] { edit::place_node(file, edit::find_node(file, "Camera"), placement); },
+                       {"animated", "matrix"});
+    EXPECT_NE(edit::place_node(file, edit::find_node(file, "Camera"), more).find("animation moves it"),
+              std::string::npos);
 }
 
 TEST_F(Edits, TheStageItselfIsSet) {
-    StageEdit edit;
+    edit::StageEdit edit;
     edit.duration_s = 9;
     edit.background = glm::dvec3(0.1, 0.2, 0.3);
     edit.environment = at("sky 1.png");
     edit.environment_rotation_deg = 45;
-    edit.blend = StageBlend::kPaper;
+    edit.blend = stage::StageBlend::kPaper;
     edit.shadows = false;
-    set_stage(file, edit);
-    const Stage now = stage();
+    edit::set_stage(file, edit);
+    const stage::Stage now = stage();
     EXPECT_EQ(now.duration_s, 9);
     EXPECT_EQ(now.fps, 30) << "as it was";
     EXPECT_EQ(now.settings.environment->uri, "sky%201.png");
     EXPECT_EQ(now.settings.environment->rotation_deg, 45);
-    EXPECT_EQ(now.settings.blend, StageBlend::kPaper);
+    EXPECT_EQ(now.settings.blend, stage::StageBlend::kPaper);
     EXPECT_FALSE(now.settings.shadows);
     EXPECT_EQ(file.json["scenes"][0]["extensions"]["NEUVV_stage"]["later"], 1.0) << "unknown members stay";
-    StageEdit none;
+    edit::StageEdit none;
     none.environment = "";
-    set_stage(file, none);
+    edit::set_stage(file, none);
     EXPECT_FALSE(stage().settings.environment);
-    StageEdit turn;
+    edit::StageEdit turn;
     turn.environment_rotation_deg = 3;
-    expect_input_error([&] { set_stage(file, turn); }, {"environment"});
+    expect_input_error([&] { edit::set_stage(file, turn); }, {"environment"});
     file.json.erase("scenes");
     file.json.erase("scene");
-    set_stage(file, edit);
+    edit::set_stage(file, edit);
     EXPECT_EQ(stage().duration_s, 9);
     EXPECT_EQ(file.json["scenes"][0]["nodes"], ordered_json::parse("[0,1,2,3]")) << "those without parents";
 }
 
 TEST_F(Edits, ARingLooksOutwardAndComesLater) {
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.clip = at("anna.nvv");
-    Placement placement;
+    edit::Placement placement;
     placement.at = glm::dvec3(0, 0.5, 3);
-    add_performer(file, "eva", edit, placement);
-    CopySettings ring{
-        .count = 5, .pattern = CopyPattern::kRing, .distance_m = 2, .stagger = {1, true}, .spin_step = 10};
-    duplicate_node(file, find_node(file, "eva"), ring);
+    edit::add_performer(file, "eva", edit, placement);
+    edit::CopySettings ring{
+        .count = 5, .pattern = edit::CopyPattern::kRing, .distance_m = 2, .stagger = {1, true}, .spin_step = 10};
+    edit::duplicate_node(file, edit::find_node(file, "eva"), ring);
     const glm::dvec3 middle(0, 0.5, 1);
     std::set<std::pair<int, int>> places;
     for (int i = 0; i < 6; ++i) {
-        const InstantPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
+        const stage::InstantPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
         const glm::dvec3 out = place(copy.world_from_performer) - middle;
         EXPECT_NEAR(glm::length(out), 2, 1e-6);
         expect_near(front(copy.world_from_performer), glm::normalize(out));
         EXPECT_NEAR(out.y, 0, 1e-9);
         places.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
-        const InstantPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
+        const stage::InstantPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
         EXPECT_EQ(later.frame, 5 - i);
     }
     EXPECT_EQ(places.size(), 6u);
@@ -196,19 +198,19 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
 
 // Loops of seven frames, each two frames behind the one before: all run from the start on, none waits for its offset.
 TEST_F(Edits, CopiesOfALoopRunFromTheStart) {
-    const std::vector<std::pair<std::string, ClipTime>> ways = {
+    const std::vector<std::pair<std::string, stage::ClipTime>> ways = {
         {"loop", {2, true}}, {"loop", {2 / 25.0, false}}, {"loop,speed:0.5", {4, true}}, {"loop", {-5, true}}};
     for (const auto& [time, stagger] : ways) {
         SetUp();
-        PerformerEdit edit;
+        edit::PerformerEdit edit;
         edit.clip = at("anna.nvv");
-        edit.time = parse_time_map(time, "test", "");
-        add_performer(file, "eva", edit, {});
-        duplicate_node(file, find_node(file, "eva"), {.count = 4, .stagger = stagger});
+        edit.time = stage::parse_time_map(time, "test", "");
+        edit::add_performer(file, "eva", edit, {});
+        edit::duplicate_node(file, edit::find_node(file, "eva"), {.count = 4, .stagger = stagger});
         const double pace = time == "loop" ? 1 : 2;  // stage frames a frame of the clip
         for (int i = 0; i < 5; ++i)
             for (const int frame : {0, 1, 5, 30}) {
-                const InstantPerformer copy =
+                const stage::InstantPerformer copy =
                     performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), frame * pace / 25);
                 EXPECT_EQ(copy.frame, (frame + 70 - 2 * i) % 7) << time << " copy " << i << " at " << frame;
             }
@@ -216,19 +218,19 @@ TEST_F(Edits, CopiesOfALoopRunFromTheStart) {
     std::filesystem::remove(at("anna.nvv"));
     expect_input_error(
         [&] {
-            duplicate_node(file, find_node(file, "eva"), {.stagger = {1, true}});
+            edit::duplicate_node(file, edit::find_node(file, "eva"), {.stagger = {1, true}});
         },
         {"eva", "anna.nvv", "its clip"});
 }
 
 TEST_F(Edits, RowsAndFansStandWhereTheySay) {
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.clip = at("anna.nvv");
-    add_performer(file, "eva", edit, {});
-    duplicate_node(file, find_node(file, "eva"), {.count = 3, .distance_m = -0.5});
+    edit::add_performer(file, "eva", edit, {});
+    edit::duplicate_node(file, edit::find_node(file, "eva"), {.count = 3, .distance_m = -0.5});
     expect_near(place(performer("eva 4").world_from_performer), {-1.5, 0, 0});
-    duplicate_node(file, find_node(file, "eva"),
-                   {.count = 2, .pattern = CopyPattern::kFan, .distance_m = 1, .arc_deg = 90});
+    edit::duplicate_node(file, edit::find_node(file, "eva"),
+                         {.count = 2, .pattern = edit::CopyPattern::kFan, .distance_m = 1, .arc_deg = 90});
     expect_near(place(performer("eva 6").world_from_performer), {1, 0, -1});
     expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0});
 }
@@ -237,42 +239,42 @@ TEST_F(Edits, RowsAndFansStandWhereTheySay) {
 TEST_F(Edits, FamiliesAreCopied) {
     file.json["animations"][0]["channels"][0]["target"]["node"] = 5;
     const size_t before = file.json["nodes"].size();
-    duplicate_node(file, find_node(file, "Pivot"), {.count = 2, .distance_m = 3});
+    edit::duplicate_node(file, edit::find_node(file, "Pivot"), {.count = 2, .distance_m = 3});
     EXPECT_EQ(file.json["nodes"].size(), before + 6);
     EXPECT_EQ(node("Pivot 3")["children"], ordered_json::parse("[10,11]"));
     EXPECT_EQ(file.json["animations"][0]["channels"].size(), 3u);
-    const Stage now = stage();
+    const stage::Stage now = stage();
     EXPECT_EQ(now.performers.size(), 3u);
-    EXPECT_EQ(stage_at(now, 0).lights.size(), 4u);
+    EXPECT_EQ(stage::stage_at(now, 0).lights.size(), 4u);
     expect_near(place(performer("Anna 3").world_from_performer), {7, 0, 0});
-    expect_input_error([&] { duplicate_node(file, find_node(file, "Sun"), {}); }, {"Sun", "animated"});
-    expect_input_error([&] { duplicate_node(file, 0, {.count = 0}); }, {"0", "1 to 511"});
-    expect_input_error([&] { duplicate_node(file, 0, {.count = 4000000000u}); }, {"4000000000", "1 to 511"});
-    expect_input_error([&] { duplicate_node(file, 0, {.stagger = {1, true}}); }, {"Floor", "no performer"});
-    expect_input_error([&] { duplicate_node(file, 99, {}); }, {"99"});
+    expect_input_error([&] { edit::duplicate_node(file, edit::find_node(file, "Sun"), {}); }, {"Sun", "animated"});
+    expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 0}); }, {"0", "1 to 511"});
+    expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 4000000000u}); }, {"4000000000", "1 to 511"});
+    expect_input_error([&] { edit::duplicate_node(file, 0, {.stagger = {1, true}}); }, {"Floor", "no performer"});
+    expect_input_error([&] { edit::duplicate_node(file, 99, {}); }, {"99"});
 }
 
 // Each name is given once, however many are taken already; a document without a scene lists each copy once.
 TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
-    file = make_stage_file(at("bare.gltf"), R"({"asset": {"version": "2.0"},
+    file = stage::make_stage_file(at("bare.gltf"), R"({"asset": {"version": "2.0"},
         "nodes": [{"name": "a"}, {"name": "a 3", "children": [3]}, {"name": "a 513"}, {"name": "b"}, {}]})");
-    duplicate_node(file, 0, {.count = kMaxCopies});
-    duplicate_node(file, 1, {.count = 2});
-    duplicate_node(file, 4, {.count = 1});
+    edit::duplicate_node(file, 0, {.count = edit::kMaxCopies});
+    edit::duplicate_node(file, 1, {.count = 2});
+    edit::duplicate_node(file, 4, {.count = 1});
     ordered_json& nodes = file.json["nodes"];
-    ASSERT_EQ(nodes.size(), 5 + kMaxCopies + 4 + 1);
+    ASSERT_EQ(nodes.size(), 5 + edit::kMaxCopies + 4 + 1);
     EXPECT_EQ(nodes[5]["name"], "a 2");
     EXPECT_EQ(nodes[6]["name"], "a 4") << "\"a 3\" is another's";
-    EXPECT_EQ(nodes[4 + kMaxCopies]["name"], "a 514");
-    EXPECT_EQ(nodes[5 + kMaxCopies]["name"], "a 3 2");
-    EXPECT_EQ(nodes[6 + kMaxCopies]["name"], "b 2");
+    EXPECT_EQ(nodes[4 + edit::kMaxCopies]["name"], "a 514");
+    EXPECT_EQ(nodes[5 + edit::kMaxCopies]["name"], "a 3 2");
+    EXPECT_EQ(nodes[6 + edit::kMaxCopies]["name"], "b 2");
     std::set<std::string> names;
     for (const ordered_json& node : nodes) {
         const std::string name = node.value("name", "");
         EXPECT_TRUE(name.empty() || names.insert(name).second) << name;
     }
-    const Stage bare = stage();
-    for (const GltfNode& node : bare.scene.nodes) EXPECT_TRUE(node.in_scene) << node.name;
+    const stage::Stage bare = stage();
+    for (const stage::GltfNode& node : bare.scene.nodes) EXPECT_TRUE(node.in_scene) << node.name;
 }
 
 TEST_F(Edits, RemovingRenumbersEverything) {
@@ -290,7 +292,7 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     other["channels"][0]["sampler"] = 1;
     file.json["animations"].push_back(other);
 
-    const std::string said = remove_node(file, find_node(file, "Camera"));
+    const std::string said = edit::remove_node(file, edit::find_node(file, "Camera"));
     EXPECT_NE(said.find("ACME_fog"), std::string::npos) << said;
     EXPECT_EQ(node("Pivot")["children"], ordered_json::parse("[3,4]"));
     EXPECT_EQ(file.json["scenes"][0]["nodes"], ordered_json::parse("[0,1,2,5]"));
@@ -305,25 +307,25 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     EXPECT_EQ(file.json["animations"][0]["channels"][0]["sampler"], 0);
     file.json.erase("skins");  // without matrices, and nobody's
 
-    remove_node(file, find_node(file, "Spot"));
-    const Stage now = stage();
+    edit::remove_node(file, edit::find_node(file, "Spot"));
+    const stage::Stage now = stage();
     ASSERT_EQ(now.scene.lights.size(), 1u);
-    EXPECT_EQ(stage_at(now, 0).lights.at(0).kind, GltfLightKind::kDirectional);
+    EXPECT_EQ(stage::stage_at(now, 0).lights.at(0).kind, stage::GltfLightKind::kDirectional);
 }
 
 TEST_F(Edits, RemovingTakesWhatOnlyItUsed) {
-    remove_node(file, find_node(file, "Pivot"));
+    edit::remove_node(file, edit::find_node(file, "Pivot"));
     EXPECT_TRUE(stage().performers.empty());
     EXPECT_EQ(file.json["nodes"].size(), 3u);
     const auto used = file.json["extensionsUsed"];
     EXPECT_EQ(std::count(used.begin(), used.end(), ordered_json("NEUVV_performer")), 0);
     EXPECT_EQ(std::count(used.begin(), used.end(), ordered_json("ACME_fog")), 1);
-    remove_node(file, find_node(file, "Floor"));
+    edit::remove_node(file, edit::find_node(file, "Floor"));
     EXPECT_FALSE(file.json.contains("meshes"));
-    remove_light(file, find_node(file, "Spot"));
+    edit::remove_light(file, edit::find_node(file, "Spot"));
     EXPECT_FALSE(file.json["extensions"].contains("KHR_lights_punctual"));
     EXPECT_FALSE(file.json.contains("extensionsRequired"));
-    remove_node(file, 0);
+    edit::remove_node(file, 0);
     EXPECT_FALSE(file.json.contains("nodes"));
     EXPECT_TRUE(stage().scene.nodes.empty());
 }
@@ -331,146 +333,147 @@ TEST_F(Edits, RemovingTakesWhatOnlyItUsed) {
 TEST_F(Edits, JointsOfWhatStaysStay) {
     file.json["skins"] = {{{"joints", {5}}}};
     file.json["nodes"][0]["skin"] = 0;
-    expect_input_error([&] { remove_node(file, 3); }, {"/skins/0", "joint"});
-    remove_node(file, 0);
+    expect_input_error([&] { edit::remove_node(file, 3); }, {"/skins/0", "joint"});
+    edit::remove_node(file, 0);
     EXPECT_FALSE(file.json.contains("skins"));
     expect_input_error(
         [&] {
             file.json["nodes"][1]["skin"] = 0;
-            duplicate_node(file, 1, {});
+            edit::duplicate_node(file, 1, {});
         },
         {"skin"});
 }
 
 TEST_F(Edits, Lights) {
-    LightEdit edit;
+    edit::LightEdit edit;
     edit.color = glm::dvec3(1, 0.5, 0);
     edit.intensity = 40;
     edit.inner_cone_deg = 10;
     edit.outer_cone_deg = 20;
-    Placement placement;
+    edit::Placement placement;
     placement.at = glm::dvec3(0, 3, 0);
     placement.aim = glm::dvec3(3, 0, 0);
-    add_light(file, "rim", edit, placement);
-    auto rim = [&] { return stage_at(stage(), 0).lights.back(); };
-    EXPECT_EQ(rim().kind, GltfLightKind::kSpot);
+    edit::add_light(file, "rim", edit, placement);
+    auto rim = [&] { return stage::stage_at(stage(), 0).lights.back(); };
+    EXPECT_EQ(rim().kind, stage::GltfLightKind::kSpot);
     expect_near(rim().direction, glm::normalize(glm::dvec3(1, -1, 0)));
     expect_near(rim().intensity, {40, 20, 0});
     EXPECT_NEAR(rim().cos_outer, std::cos(glm::radians(20.0)), 1e-9);
-    LightEdit point;
+    edit::LightEdit point;
     point.kind = "point";
     point.range_m = 4;
-    set_light(file, find_node(file, "rim"), point);
-    EXPECT_EQ(rim().kind, GltfLightKind::kPoint);
+    edit::set_light(file, edit::find_node(file, "rim"), point);
+    EXPECT_EQ(rim().kind, stage::GltfLightKind::kPoint);
     EXPECT_EQ(rim().range_m, 4);
     point.range_m = 0;
-    set_light(file, find_node(file, "rim"), point);
+    edit::set_light(file, edit::find_node(file, "rim"), point);
     EXPECT_EQ(rim().range_m, 0) << "endless again";
     EXPECT_FALSE(file.json["extensions"]["KHR_lights_punctual"]["lights"].back().contains("range"));
 
-    duplicate_node(file, find_node(file, "rim"), {});
-    LightEdit dim;
+    edit::duplicate_node(file, edit::find_node(file, "rim"), {});
+    edit::LightEdit dim;
     dim.intensity = 1;
-    set_light(file, find_node(file, "rim 2"), dim);
+    edit::set_light(file, edit::find_node(file, "rim 2"), dim);
     EXPECT_EQ(stage().scene.lights.size(), 4u) << "a light of its own";
-    expect_near(stage_at(stage(), 0).lights[2].intensity, {40, 20, 0});
+    expect_near(stage::stage_at(stage(), 0).lights[2].intensity, {40, 20, 0});
     expect_near(rim().intensity, {1, 0.5, 0});
-    remove_light(file, find_node(file, "rim"));
-    remove_light(file, find_node(file, "rim 2"));
+    edit::remove_light(file, edit::find_node(file, "rim"));
+    edit::remove_light(file, edit::find_node(file, "rim 2"));
     EXPECT_EQ(stage().scene.lights.size(), 2u);
-    expect_input_error([&] { remove_light(file, find_node(file, "Anna")); }, {"Anna", "no light"});
+    expect_input_error([&] { edit::remove_light(file, edit::find_node(file, "Anna")); }, {"Anna", "no light"});
     const ordered_json before = file.json;
     placement.aim = placement.at;
-    expect_input_error([&] { add_light(file, "x", edit, placement); }, {"where it shall look"});
+    expect_input_error([&] { edit::add_light(file, "x", edit, placement); }, {"where it shall look"});
     EXPECT_EQ(file.json, before) << "nothing was changed";
 }
 
 TEST_F(Edits, AnEmptyNameIsRefused) {
     const ordered_json before = file.json;
-    expect_input_error([&] { rename_node(file, find_node(file, "Anna"), ""); }, {"Anna", "choose a name"});
+    expect_input_error([&] { edit::rename_node(file, edit::find_node(file, "Anna"), ""); }, {"Anna", "choose a name"});
     EXPECT_EQ(file.json, before);
 }
 
 TEST_F(Edits, PaintLayers) {
-    const uint32_t anna = find_node(file, "Anna");
-    for (const char* name : {"a", "b", "c"}) add_paint_layer(file, anna, at(std::string(name) + " 1.nvpaint"), {name});
+    const uint32_t anna = edit::find_node(file, "Anna");
+    for (const char* name : {"a", "b", "c"})
+        edit::add_paint_layer(file, anna, at(std::string(name) + " 1.nvpaint"), {name});
     const auto names = [&] {
-        const Stage now = stage();
+        const stage::Stage now = stage();
         std::string text;
-        for (const PaintLayer& layer : now.performers[0].settings.paint) text += layer.name;
+        for (const stage::PaintLayer& layer : now.performers[0].settings.paint) text += layer.name;
         return text;
     };
     EXPECT_EQ(names(), "abc");
     EXPECT_EQ(stage().performers[0].settings.paint[0].uri, "a%201.nvpaint");
     node("Anna")["extensions"]["NEUVV_performer"]["paint"][2]["who"] = "x";
-    move_paint_layer(file, anna, 2, 0);
+    edit::move_paint_layer(file, anna, 2, 0);
     EXPECT_EQ(names(), "cab");
-    PaintEdit edit;
+    edit::PaintEdit edit;
     edit.opacity = 0.5;
     edit.visible = false;
-    edit.blend = PaintBlend::kRecolour;
-    set_paint_layer(file, anna, 0, edit);
-    const PaintLayer layer = stage().performers[0].settings.paint[0];
+    edit.blend = stage::PaintBlend::kRecolour;
+    edit::set_paint_layer(file, anna, 0, edit);
+    const stage::PaintLayer layer = stage().performers[0].settings.paint[0];
     EXPECT_EQ(layer.opacity, 0.5);
     EXPECT_FALSE(layer.visible);
-    EXPECT_EQ(layer.blend, PaintBlend::kRecolour);
+    EXPECT_EQ(layer.blend, stage::PaintBlend::kRecolour);
     EXPECT_EQ(node("Anna")["extensions"]["NEUVV_performer"]["paint"][0]["who"], "x");
-    remove_paint_layer(file, anna, 1);
+    edit::remove_paint_layer(file, anna, 1);
     EXPECT_EQ(names(), "cb");
-    expect_input_error([&] { remove_paint_layer(file, anna, 2); }, {"layer 2", "0 to 1"});
-    expect_input_error([&] { move_paint_layer(file, anna, 0, 2); }, {"layer 2"});
-    expect_input_error([&] { add_paint_layer(file, 0, "x", {}); }, {"no performer"});
+    expect_input_error([&] { edit::remove_paint_layer(file, anna, 2); }, {"layer 2", "0 to 1"});
+    expect_input_error([&] { edit::move_paint_layer(file, anna, 0, 2); }, {"layer 2"});
+    expect_input_error([&] { edit::add_paint_layer(file, 0, "x", {}); }, {"no performer"});
 }
 
 TEST_F(Edits, NodesAreFoundByNameOrIndex) {
-    EXPECT_EQ(find_node(file, "Anna"), 4u);
-    EXPECT_EQ(find_node(file, "4"), 4u);
+    EXPECT_EQ(edit::find_node(file, "Anna"), 4u);
+    EXPECT_EQ(edit::find_node(file, "4"), 4u);
     file.json["nodes"][0]["name"] = "4";
-    EXPECT_EQ(find_node(file, "4"), 0u) << "names first";
+    EXPECT_EQ(edit::find_node(file, "4"), 0u) << "names first";
     file.json["nodes"][1]["name"] = "Anna";
-    expect_input_error([&] { find_node(file, "Anna"); }, {"2 nodes", "1, 4"});
-    expect_input_error([&] { find_node(file, "Berta"); }, {"Berta", "choose from", "3 \"Pivot\""});
-    expect_input_error([&] { find_node(file, "-1"); }, {"-1"});
-    expect_input_error([&] { find_node(file, "99"); }, {"99"});
-    expect_input_error([&] { find_node(file, ""); }, {"no node"});
+    expect_input_error([&] { edit::find_node(file, "Anna"); }, {"2 nodes", "1, 4"});
+    expect_input_error([&] { edit::find_node(file, "Berta"); }, {"Berta", "choose from", "3 \"Pivot\""});
+    expect_input_error([&] { edit::find_node(file, "-1"); }, {"-1"});
+    expect_input_error([&] { edit::find_node(file, "99"); }, {"99"});
+    expect_input_error([&] { edit::find_node(file, ""); }, {"no node"});
 }
 
 // A plain scene has none of what operations hang on.
 TEST_F(Edits, PlainScenesBecomeStages) {
     write_text(at("plain.gltf"), R"({"asset":{"version":"2.0"}})");
-    file = read_stage_file(at("plain.gltf"));
-    PerformerEdit edit;
+    file = stage::read_stage_file(at("plain.gltf"));
+    edit::PerformerEdit edit;
     edit.clip = at("anna.nvv");
-    add_performer(file, "eva", edit, {});
-    set_stage(file, {.duration_s = 3});
-    add_light(file, "key", {}, {});
-    duplicate_node(file, find_node(file, "eva"), {});
-    const Stage now = stage();
+    edit::add_performer(file, "eva", edit, {});
+    edit::set_stage(file, {.duration_s = 3});
+    edit::add_light(file, "key", {}, {});
+    edit::duplicate_node(file, edit::find_node(file, "eva"), {});
+    const stage::Stage now = stage();
     EXPECT_EQ(now.performers.size(), 2u);
     EXPECT_EQ(now.duration_s, 3);
-    EXPECT_EQ(stage_at(now, 0).lights.size(), 1u);
+    EXPECT_EQ(stage::stage_at(now, 0).lights.size(), 1u);
     EXPECT_EQ(file.json["extensionsUsed"].size(), 3u);
-    for (const char* name : {"eva", "eva 2", "key"}) remove_node(file, find_node(file, name));
+    for (const char* name : {"eva", "eva 2", "key"}) edit::remove_node(file, edit::find_node(file, name));
     EXPECT_EQ(file.json["extensionsUsed"], ordered_json::parse(R"(["NEUVV_stage"])"));
 }
 
 // Bad numbers are found before anything is saved.
 TEST_F(Edits, WhatCannotBeLoadedIsNotSound) {
     const ordered_json before = file.json;
-    Placement nowhere;
+    edit::Placement nowhere;
     nowhere.at = glm::dvec3(NAN, 0, 0);
-    place_node(file, 4, nowhere);
-    expect_input_error([&] { expect_sound_document(file); }, {"/nodes/4/translation"});
+    edit::place_node(file, 4, nowhere);
+    expect_input_error([&] { stage::expect_sound_document(file); }, {"/nodes/4/translation"});
     file.json = before;
-    Placement flat;
+    edit::Placement flat;
     flat.scale = glm::dvec3(1, 0, 1);
-    place_node(file, 4, flat);
-    expect_input_error([&] { expect_sound_document(file); }, {"Anna", "flat"});
+    edit::place_node(file, 4, flat);
+    expect_input_error([&] { stage::expect_sound_document(file); }, {"Anna", "flat"});
     file.json = before;
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.opacity = 2;
-    set_performer(file, 4, edit);
-    expect_input_error([&] { expect_sound_document(file); }, {"opacity"});
+    edit::set_performer(file, 4, edit);
+    expect_input_error([&] { stage::expect_sound_document(file); }, {"opacity"});
 }
 
 }  // namespace

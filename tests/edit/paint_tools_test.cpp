@@ -25,76 +25,79 @@ namespace {
 
 TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
     for (uint32_t degree = 0; degree <= 3; degree++) {
-        const VOctree tree = random_tree({.seed = 4 + degree, .node_levels = 2, .leaves = 300, .hh_degree = degree});
-        const Canvas canvas(tree);
+        const voctree::VOctree tree =
+            random_tree({.seed = 4 + degree, .node_levels = 2, .leaves = 300, .hh_degree = degree});
+        const edit::Canvas canvas(tree);
         for (const float frame : {0.0f, 1.25f, 4.0f}) {
             const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, double{frame});
-            const std::vector<float> sigma = densities(canvas, frame);
+            const std::vector<float> sigma = edit::densities(canvas, frame);
             for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
                 EXPECT_NEAR(sigma[leaf], truth[leaf].sigma, 1e-4);
-                const glm::vec3 colour = mean_colour(tree, InstantRows(tree, frame), leaf);
+                const glm::vec3 colour = edit::mean_colour(tree, edit::InstantRows(tree, frame), leaf);
                 for (int c = 0; c < 3; c++) {
                     const double k = truth[leaf].k[static_cast<size_t>(c)][0];
                     EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
                 }
                 const glm::dvec3 at =
                     (glm::dvec3(canvas.middles[leaf]) - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
-                EXPECT_EQ(find_leaf(tree, at), leaf);
+                EXPECT_EQ(voctree::find_leaf(tree, at), leaf);
             }
         }
     }
 }
 
 TEST(Regions, CombineAndChooseTheLeavesThatLive) {
-    const VOctree tree = figure_tree();
-    const Canvas canvas(tree);
-    const Region head = sphere_region(glm::vec3(kHead), static_cast<float>(kHeadRadius));
-    const Region right = box_region({0.45f, 0, 0}, {1, 1, 1});
-    const auto count = [&](const Region& region, float first, float last) {
-        const std::vector<uint32_t> leaves = leaves_in(canvas, region, first, last);
+    const voctree::VOctree tree = figure_tree();
+    const edit::Canvas canvas(tree);
+    const edit::Region head = edit::sphere_region(glm::vec3(kHead), static_cast<float>(kHeadRadius));
+    const edit::Region right = edit::box_region({0.45f, 0, 0}, {1, 1, 1});
+    const auto count = [&](const edit::Region& region, float first, float last) {
+        const std::vector<uint32_t> leaves = edit::leaves_in(canvas, region, first, last);
         for (const uint32_t leaf : leaves) EXPECT_TRUE(region(canvas.middles[leaf]));
         return leaves.size();
     };
     const double cells = 4.0 / 3 * M_PI * std::pow(kHeadRadius * kFigureSide, 3);
     EXPECT_NEAR(static_cast<double>(count(head, 0, 0)), cells, 0.02 * cells);
-    EXPECT_EQ(count(both(head, right), 0, 0) + count(without(head, right), 0, 0), count(head, 0, 0));
-    EXPECT_EQ(count(either(head, right), 0, 0), count(right, 0, 0) + count(without(head, right), 0, 0));
+    EXPECT_EQ(count(edit::both(head, right), 0, 0) + count(edit::without(head, right), 0, 0), count(head, 0, 0));
+    EXPECT_EQ(count(edit::either(head, right), 0, 0), count(right, 0, 0) + count(edit::without(head, right), 0, 0));
     EXPECT_LT(count(head, 1, 1), count(head, 0, 0)) << "the head has left some of it";
     EXPECT_EQ(count(head, 0.5f, 0.75f), count(head, 0, 0)) << "between the frames both are there";
     EXPECT_EQ(count(head, 0.5f, 0.75f), count(head, 0, 1));
-    EXPECT_EQ(all_leaves_in(canvas, [](glm::vec3) { return true; }).size(), tree.leaf_count);
+    EXPECT_EQ(edit::all_leaves_in(canvas, [](glm::vec3) { return true; }).size(), tree.leaf_count);
 }
 
 TEST(EditFrames, FollowWhatIsOpaque) {
-    VOctree tree = random_tree({.seed = 2, .leaves = 1, .bases = 8, .frames = 8});
+    voctree::VOctree tree = random_tree({.seed = 2, .leaves = 1, .bases = 8, .frames = 8});
     for (uint32_t i = 0; i < 64; i++) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // a basis a frame
     const float dense[8] = {50, 50, 0, 0.001f, 50, 50, 50, -3};
     std::copy(dense, dense + 8, tree.leaf(0));
-    const Canvas canvas(tree);
-    const LeafEdit red{0, 0, 0, {1, 0, 0}, 0.5f};
-    const auto spans = [&](const EditFrames& frames) {
+    const edit::Canvas canvas(tree);
+    const voctree::LeafEdit red{0, 0, 0, {1, 0, 0}, 0.5f};
+    const auto spans = [&](const edit::EditFrames& frames) {
         std::vector<std::pair<float, float>> found;
-        for (const LeafEdit& edit : at_frames(canvas, {&red, 1}, frames)) found.emplace_back(edit.first, edit.last);
+        for (const voctree::LeafEdit& edit : edit::at_frames(canvas, {&red, 1}, frames))
+            found.emplace_back(edit.first, edit.last);
         return found;
     };
     const std::pair<float, float> early(0, std::nextafter(2.0f, 0.0f)),
         late(std::nextafter(3.0f, 4.0f), std::nextafter(7.0f, 6.0f));
     using Spans = std::vector<std::pair<float, float>>;
-    EXPECT_EQ(spans({5, 5, Follow::kNot}), (Spans{{5, 5}}));
-    EXPECT_EQ(spans({5, 5, Follow::kRun}), Spans{late});
-    EXPECT_EQ(spans({5, 5, Follow::kAll}), (Spans{early, late}));
-    EXPECT_EQ(spans({3, 3, Follow::kRun}), (Spans{{3, 3}})) << "hardly there";
-    EXPECT_EQ(spans({1, 3, Follow::kRun}), (Spans{{0, 3}})) << "joined, so that no alpha counts twice";
+    EXPECT_EQ(spans({5, 5, edit::Follow::kNot}), (Spans{{5, 5}}));
+    EXPECT_EQ(spans({5, 5, edit::Follow::kRun}), Spans{late});
+    EXPECT_EQ(spans({5, 5, edit::Follow::kAll}), (Spans{early, late}));
+    EXPECT_EQ(spans({3, 3, edit::Follow::kRun}), (Spans{{3, 3}})) << "hardly there";
+    EXPECT_EQ(spans({1, 3, edit::Follow::kRun}), (Spans{{0, 3}})) << "joined, so that no alpha counts twice";
 }
 
 TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
-    const VOctree tree = figure_tree();
-    const Canvas canvas(tree);
-    const std::vector<float> sigma = densities(canvas, 0);
+    const voctree::VOctree tree = figure_tree();
+    const edit::Canvas canvas(tree);
+    const std::vector<float> sigma = edit::densities(canvas, 0);
     const glm::vec3 a(kHead), b = a + glm::vec3(0, 0.08f, 0), far = a - glm::vec3(0, 0.4f, 0);
-    const Brush brush{0.06f, 0.5f, {0, 0, 1}, 0.8f, 12};
+    const edit::Brush brush{0.06f, 0.5f, {0, 0, 1}, 0.8f, 12};
     std::set<uint32_t> touched;
-    for (const LeafEdit& edit : stroke(canvas, sigma, brush, std::vector<Touch>{{a, a}, {b, b}, {far, far}})) {
+    for (const voctree::LeafEdit& edit :
+         edit::stroke(canvas, sigma, brush, std::vector<edit::Touch>{{a, a}, {b, b}, {far, far}})) {
         EXPECT_GT(sigma[edit.leaf], 0);
         const glm::vec3 at = canvas.middles[edit.leaf];
         const float along = glm::clamp((at.y - a.y) / 0.08f, 0.0f, 1.0f);
@@ -108,30 +111,32 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
         const bool inside = glm::distance(canvas.middles[leaf], a) < 0.059f && sigma[leaf] > 0;
         EXPECT_TRUE(!inside || touched.contains(leaf));
     }
-    EXPECT_FALSE(touched.contains(find_leaf(tree, glm::dvec3(glm::mix(b, far, 0.5f))))) << "not joined over a gap";
+    EXPECT_FALSE(touched.contains(voctree::find_leaf(tree, glm::dvec3(glm::mix(b, far, 0.5f)))))
+        << "not joined over a gap";
 }
 
 TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
     const auto luminance = [](glm::vec3 c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
     const glm::vec3 skin(0.6f, 0.4f, 0.3f);
-    EXPECT_LT(glm::distance(shifted(skin, {}), skin), 1e-6f);
-    EXPECT_LT(glm::distance(shifted(skin, {360, 1}), skin), 1e-5f);
-    const glm::vec3 grey = shifted(skin, {0, 0});
+    EXPECT_LT(glm::distance(edit::shifted(skin, {}), skin), 1e-6f);
+    EXPECT_LT(glm::distance(edit::shifted(skin, {360, 1}), skin), 1e-5f);
+    const glm::vec3 grey = edit::shifted(skin, {0, 0});
     EXPECT_NEAR(grey.r, grey.b, 1e-6f);
     for (float hue = 0; hue < 360; hue += 15)
-        EXPECT_NEAR(luminance(shifted(skin, {hue, 1.5f})), luminance(skin), 1e-5f) << hue;
-    const glm::vec3 turned = shifted(skin, {120, 1});
+        EXPECT_NEAR(luminance(edit::shifted(skin, {hue, 1.5f})), luminance(skin), 1e-5f) << hue;
+    const glm::vec3 turned = edit::shifted(skin, {120, 1});
     EXPECT_GT(turned.g, turned.r);
     EXPECT_GT(turned.g, turned.b) << "red turns to green";
 }
 
 TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
     const auto held = [](std::vector<std::pair<float, float>> spans, float first, float last) {
-        std::vector<LeafEdit> edits;
+        std::vector<voctree::LeafEdit> edits;
         for (const auto& [from, to] : spans) edits.push_back({3, from, to, glm::vec3(1), 1});
         edits.push_back({2, 4, 4, glm::vec3(1), 1});
         std::vector<std::pair<float, float>> found;
-        for (const LeafEdit& edit : through_between(edits, first, last)) found.emplace_back(edit.first, edit.last);
+        for (const voctree::LeafEdit& edit : edit::through_between(edits, first, last))
+            found.emplace_back(edit.first, edit.last);
         found.erase(found.begin());  // that of another leaf
         return found;
     };
@@ -147,28 +152,28 @@ TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
 
 TEST(ColourShifts, AreOfEachFramesOwnColour) {
     // Leaves that live in some frames, whose colour turns with their hyper angle.
-    const VOctree tree = random_tree({.seed = 12, .leaves = 200, .bases = 6, .hh_degree = 1, .frames = 6});
-    const Canvas canvas(tree);
+    const voctree::VOctree tree = random_tree({.seed = 12, .leaves = 200, .bases = 6, .hh_degree = 1, .frames = 6});
+    const edit::Canvas canvas(tree);
     std::vector<uint32_t> leaves;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) leaves.push_back(leaf);
-    const ColourShift shift{120, 1};
-    const std::vector<LeafEdit> edits = shift_colours(canvas, leaves, 1, 5, shift);
-    EditLayer layer{painted_field(tree), {}};
-    add_edits(layer, edits);
-    EXPECT_EQ(defect_of(layer), "");
+    const edit::ColourShift shift{120, 1};
+    const std::vector<voctree::LeafEdit> edits = edit::shift_colours(canvas, leaves, 1, 5, shift);
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
+    voctree::add_edits(layer, edits);
+    EXPECT_EQ(voctree::defect_of(layer), "");
     EXPECT_EQ(layer.edits.size(), edits.size()) << "none over another";
     size_t live = 0, changing = 0;
     for (float frame = 1; frame <= 5; frame++) {
-        const std::vector<float> sigma = densities(canvas, frame);
+        const std::vector<float> sigma = edit::densities(canvas, frame);
         for (const uint32_t leaf : leaves) {
-            const auto found = std::find_if(edits.begin(), edits.end(), [&](const LeafEdit& edit) {
+            const auto found = std::find_if(edits.begin(), edits.end(), [&](const voctree::LeafEdit& edit) {
                 return edit.leaf == leaf && edit.first <= frame && frame <= edit.last;
             });
             ASSERT_EQ(found != edits.end(), sigma[leaf] > 0) << leaf << " at " << frame;
             if (found == edits.end()) continue;
             live++;
             changing += found->first > 1 && found->last < 5;
-            const glm::vec3 want = shifted(mean_colour(tree, InstantRows(tree, frame), leaf), shift);
+            const glm::vec3 want = edit::shifted(edit::mean_colour(tree, edit::InstantRows(tree, frame), leaf), shift);
             for (int c = 0; c < 3; c++)
                 EXPECT_NEAR(std::sqrt(found->colour[c]), std::sqrt(want[c]), 0.0601) << leaf << " at " << frame;
         }
@@ -180,8 +185,8 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
 using ToolsTest = GpuTest;
 
 // Columns of red, transparent, green and blue; white below.
-Image columns(uint32_t side) {
-    Image image(side, side);
+media::Image columns(uint32_t side) {
+    media::Image image(side, side);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
             const uint32_t column = 4 * x / side;
@@ -195,7 +200,8 @@ Image columns(uint32_t side) {
 }
 
 // The ray of a pixel of a camera in the world, in the space of a performer: by the transform itself, not by a camera.
-reference::Ray ray_in_performer(const Camera& camera, uint32_t x, uint32_t y, const glm::dmat4& world_from_performer) {
+reference::Ray ray_in_performer(const stage::Camera& camera, uint32_t x, uint32_t y,
+                                const glm::dmat4& world_from_performer) {
     const reference::Ray ray = reference::camera_ray(camera, x, y);
     const glm::dmat4 inverse = glm::inverse(world_from_performer);
     reference::Ray inside = ray;
@@ -225,11 +231,11 @@ std::vector<Standing> standings() {
 }
 
 // In the world, where figure_camera stands in the performer's space; the figure just fills the picture.
-Camera camera_before(const Standing& standing, uint32_t side) {
+stage::Camera camera_before(const Standing& standing, uint32_t side) {
     const auto at = [&](const glm::dvec3& place) {
         return glm::dvec3(standing.world_from_performer * glm::dvec4(place, 1));
     };
-    Camera camera = look_at(at({0.55, 0.62, 2.1}), at({0.5, 0.45, 0.5}), side, side, 1.6);
+    stage::Camera camera = look_at(at({0.55, 0.62, 2.1}), at({0.5, 0.45, 0.5}), side, side, 1.6);
     double widest = 0;
     for (int i = 0; i < 8; i++) {
         const glm::dvec3 corner =
@@ -245,16 +251,16 @@ Camera camera_before(const Standing& standing, uint32_t side) {
 struct ProjectionFaults {
     uint32_t seen = 0, holes = 0, wrong = 0, behind = 0;
 };
-ProjectionFaults faults_of(const VOctree& tree, const Canvas& canvas, const std::vector<LeafEdit>& edits,
-                           const Standing& standing, uint32_t side) {
+ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& canvas,
+                           const std::vector<voctree::LeafEdit>& edits, const Standing& standing, uint32_t side) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     std::vector<float> alpha(tree.leaf_count);
     std::vector<glm::vec3> colour(tree.leaf_count);
-    for (const LeafEdit& edit : edits) {
+    for (const voctree::LeafEdit& edit : edits) {
         alpha[edit.leaf] = edit.alpha;
         colour[edit.leaf] = edit.colour;
     }
-    const Camera fine = camera_before(standing, 240);
+    const stage::Camera fine = camera_before(standing, 240);
     ProjectionFaults faults;
     for (uint32_t y = 1; y < 240; y += 2)
         for (uint32_t x = 1; x < 240; x++) {
@@ -291,17 +297,18 @@ ProjectionFaults faults_of(const VOctree& tree, const Canvas& canvas, const std:
 // performer stands before it; what lies behind the surface is not; and colours are those of the picture where the
 // leaf's middle is seen.
 TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
-    const VOctree tree = figure_tree();
-    const Canvas canvas(tree);
-    const std::vector<float> sigma = densities(canvas, 0);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    Picker picker(device(), field);
+    const voctree::VOctree tree = figure_tree();
+    const edit::Canvas canvas(tree);
+    const std::vector<float> sigma = edit::densities(canvas, 0);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::Picker picker(device(), field);
     picker.show(0);
     for (const Standing& standing : standings())
         for (const uint32_t side : {12u, 40u, 200u}) {
             SCOPED_TRACE(fmt::format("{}, {} pixels", standing.name, side));
-            const Camera camera = in_performer(camera_before(standing, side), glm::mat4(standing.world_from_performer));
-            const std::vector<LeafEdit> edits = project(picker, canvas, sigma, columns(side), camera);
+            const stage::Camera camera =
+                render::in_performer(camera_before(standing, side), glm::mat4(standing.world_from_performer));
+            const std::vector<voctree::LeafEdit> edits = edit::project(picker, canvas, sigma, columns(side), camera);
             const ProjectionFaults faults = faults_of(tree, canvas, edits, standing, side);
             EXPECT_GT(faults.seen, 150u);
             EXPECT_EQ(faults.holes, 0u);
@@ -312,31 +319,32 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const Standing straight = standings()[0];
     Standing other = straight;
     other.world_from_performer[3] += 0.15 * straight.world_from_performer[0];
-    const Camera camera = in_performer(camera_before(straight, 200), glm::mat4(other.world_from_performer));
-    const std::vector<LeafEdit> edits = project(picker, canvas, sigma, columns(200), camera);
+    const stage::Camera camera =
+        render::in_performer(camera_before(straight, 200), glm::mat4(other.world_from_performer));
+    const std::vector<voctree::LeafEdit> edits = edit::project(picker, canvas, sigma, columns(200), camera);
     const ProjectionFaults faults = faults_of(tree, canvas, edits, straight, 200);
     EXPECT_GT(faults.holes + faults.wrong, faults.seen / 10);
 }
 
 // A pixel of the world's picture picks the leaf that its ray meets, at the place where it does.
 TEST_F(ToolsTest, PicksWhereThePerformerStands) {
-    VOctree tree = figure_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    Picker picker(device(), field);
+    voctree::VOctree tree = figure_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    render::Picker picker(device(), field);
     picker.show(0);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     for (const Standing& standing : standings()) {
         SCOPED_TRACE(standing.name);
-        const Camera camera = camera_before(standing, 60);
-        const Camera inside = in_performer(camera, glm::mat4(standing.world_from_performer));
+        const stage::Camera camera = camera_before(standing, 60);
+        const stage::Camera inside = render::in_performer(camera, glm::mat4(standing.world_from_performer));
         std::vector<PickRay> rays;
-        for (uint32_t i = 0; i < 60 * 60; i++) rays.push_back(pick_ray(inside, {i % 60 + 0.5, i / 60 + 0.5}));
-        const std::vector<Picked> picked = picker.pick(rays);
+        for (uint32_t i = 0; i < 60 * 60; i++) rays.push_back(render::pick_ray(inside, {i % 60 + 0.5, i / 60 + 0.5}));
+        const std::vector<render::Picked> picked = picker.pick(rays);
         uint32_t hits = 0, others = 0;
         double worst_m = 0;
         for (uint32_t i = 0; i < 60 * 60; i++) {
             const reference::Ray ray = ray_in_performer(camera, i % 60, i / 60, standing.world_from_performer);
-            const auto truth = reference::pick(tree, slices, ray, double{kPickAlpha});
+            const auto truth = reference::pick(tree, slices, ray, double{render::kPickAlpha});
             hits += truth.has_value();
             if (truth.has_value() != picked[i].hit() || (truth && truth->leaf != picked[i].leaf)) others++;
             if (truth && picked[i].hit())
@@ -349,16 +357,16 @@ TEST_F(ToolsTest, PicksWhereThePerformerStands) {
 }
 
 TEST_F(ToolsTest, BrushGoesOverTheSurfaceUnderALineOfPixels) {
-    const VOctree tree = figure_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    Picker picker(device(), field);
+    const voctree::VOctree tree = figure_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::Picker picker(device(), field);
     picker.show(0);
-    const Camera camera = figure_camera(100);
+    const stage::Camera camera = figure_camera(100);
     const std::vector<glm::dvec2> line = {{2, 40}, {98, 40}};
-    const std::vector<Touch> touches = touches_under(picker, camera, line);
+    const std::vector<edit::Touch> touches = edit::touches_under(picker, camera, line);
     ASSERT_GT(touches.size(), 30u);
     EXPECT_LT(touches.size(), 90u) << "beside the head there is nothing";
-    for (const Touch& touch : touches) {
+    for (const edit::Touch& touch : touches) {
         for (const glm::vec3& point : {touch.front, touch.back}) {
             EXPECT_LT(glm::distance(glm::dvec3(point), kHead), kHeadRadius + 0.02);
             EXPECT_GT(glm::distance(glm::dvec3(point), kHead), kHeadRadius - 0.05);
@@ -369,11 +377,12 @@ TEST_F(ToolsTest, BrushGoesOverTheSurfaceUnderALineOfPixels) {
 }
 
 // Of the alpha that a pixel's ray gathers, the part that painted leaves give.
-double painted_part(const VOctree& tree, const Camera& camera, glm::dvec2 pixel, const std::vector<LeafEdit>& edits) {
+double painted_part(const voctree::VOctree& tree, const stage::Camera& camera, glm::dvec2 pixel,
+                    const std::vector<voctree::LeafEdit>& edits) {
     std::set<uint32_t> painted;
-    for (const LeafEdit& edit : edits)
+    for (const voctree::LeafEdit& edit : edits)
         if (edit.alpha > 0.9f) painted.insert(edit.leaf);
-    const PickRay pick = pick_ray(camera, pixel);
+    const PickRay pick = render::pick_ray(camera, pixel);
     reference::Ray ray;
     ray.origin = glm::dvec3(pick.origin);
     ray.direction = glm::dvec3(pick.direction);
@@ -390,19 +399,19 @@ double painted_part(const VOctree& tree, const Camera& camera, glm::dvec2 pixel,
 
 // Captured surfaces are soft: a ray passes alpha 0.99 far behind what a pixel shows.
 TEST_F(ToolsTest, ADotOfTheBrushIsWhatItsPixelShowsHoweverSoftTheSurface) {
-    const Camera camera = figure_camera(100);
+    const stage::Camera camera = figure_camera(100);
     const glm::dvec2 pixel(50.5, 40.5);
-    const Brush brush{0.03f, 0.9f, {0, 0, 1}};
+    const edit::Brush brush{0.03f, 0.9f, {0, 0, 1}};
     for (const float dense : {1.0f, 0.1f, 0.04f}) {
         SCOPED_TRACE(dense);
-        VOctree tree = figure_tree();
+        voctree::VOctree tree = figure_tree();
         for (float& entry : tree.sigma_basis) entry *= dense;
-        const Canvas canvas(tree);
-        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-        Picker picker(device(), field);
+        const edit::Canvas canvas(tree);
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+        render::Picker picker(device(), field);
         picker.show(0);
-        const std::vector<LeafEdit> edits =
-            stroke(canvas, densities(canvas, 0), brush, touches_under(picker, camera, {&pixel, 1}));
+        const std::vector<voctree::LeafEdit> edits =
+            edit::stroke(canvas, edit::densities(canvas, 0), brush, edit::touches_under(picker, camera, {&pixel, 1}));
         EXPECT_GT(painted_part(tree, camera, pixel, edits), 0.9);
         EXPECT_EQ(painted_part(tree, camera, pixel + glm::dvec2(0, 12), edits), 0);
     }

@@ -16,58 +16,58 @@ namespace {
 struct Recovery : test::ForeignDocument {
     std::filesystem::path entries = at("state/recovery");
 
-    std::shared_ptr<const EditLayer> layer(float red) const {
-        return std::make_shared<EditLayer>(EditLayer{field, {{3, 0, 1, {red, 0, 0}, 1}}});
+    std::shared_ptr<const voctree::EditLayer> layer(float red) const {
+        return std::make_shared<voctree::EditLayer>(voctree::EditLayer{field, {{3, 0, 1, {red, 0, 0}, 1}}});
     }
-    RecoveryEntry only_entry() const {
-        const std::vector<RecoveryEntry> all = list_recovery(entries);
+    edit::RecoveryEntry only_entry() const {
+        const std::vector<edit::RecoveryEntry> all = edit::list_recovery(entries);
         EXPECT_EQ(all.size(), 1u);
         return all.at(0);
     }
 };
 
 TEST_F(Recovery, ADocumentComesBackAsItWas) {
-    write_paint(at("red.nvpaint"), *layer(0.25f));
-    write_paint(at("blue.nvpaint"), *layer(0.25f));
-    add_paint_layer(document.file, 4, at("red.nvpaint"), {});
-    add_paint_layer(document.file, 4, at("blue.nvpaint"), {});
-    open_paint(document, at("red.nvpaint"), field);
-    open_paint(document, at("blue.nvpaint"), field);
+    voctree::write_paint(at("red.nvpaint"), *layer(0.25f));
+    voctree::write_paint(at("blue.nvpaint"), *layer(0.25f));
+    edit::add_paint_layer(document.file, 4, at("red.nvpaint"), {});
+    edit::add_paint_layer(document.file, 4, at("blue.nvpaint"), {});
+    edit::open_paint(document, at("red.nvpaint"), field);
+    edit::open_paint(document, at("blue.nvpaint"), field);
     document.paint[at("red.nvpaint")] = layer(0.5f);
-    rename_node(document.file, 4, "Bärta");
+    edit::rename_node(document.file, 4, "Bärta");
     {
-        RecoveryWriter writer(entries);
+        edit::RecoveryWriter writer(entries);
         writer.store(document);
         EXPECT_TRUE(only_entry().alive);
         EXPECT_EQ(only_entry().process, process_id());
     }
-    const RecoveryEntry entry = only_entry();
+    const edit::RecoveryEntry entry = only_entry();
     EXPECT_EQ(entry.stage, at("stage.gltf"));
     EXPECT_FALSE(entry.alive) << "its writer is gone";
     EXPECT_TRUE(entry.on_disk);
     EXPECT_FALSE(entry.changed);
     EXPECT_GT(entry.when_s, 1700000000);
-    const Document back = restore(entry);
+    const edit::Document back = edit::restore(entry);
     EXPECT_EQ(back.file.path, at("stage.gltf"));
     EXPECT_EQ(back.file.json, document.file.json);
     EXPECT_EQ(back.file.saved->bytes, document.file.saved->bytes) << "what the disk has";
     EXPECT_NE(back.file.json, back.file.saved->json);
     ASSERT_EQ(back.paint.size(), 1u) << "the blue layer is as on the disk";
     EXPECT_EQ(back.paint.at(at("red.nvpaint"))->edits, layer(0.5f)->edits);
-    Document saved = back;
-    save_document(saved, saved.file.path);
-    EXPECT_EQ(find_node(load_stage(at("stage.gltf")).file, "Bärta"), 4u);
-    EXPECT_EQ(read_paint(at("red.nvpaint"), field).edits, layer(0.5f)->edits);
+    edit::Document saved = back;
+    edit::save_document(saved, saved.file.path);
+    EXPECT_EQ(edit::find_node(stage::load_stage(at("stage.gltf")).file, "Bärta"), 4u);
+    EXPECT_EQ(voctree::read_paint(at("red.nvpaint"), field).edits, layer(0.5f)->edits);
     EXPECT_TRUE(only_entry().changed) << "the file was written since";
-    discard(entry);
-    EXPECT_TRUE(list_recovery(entries).empty());
+    edit::discard(entry);
+    EXPECT_TRUE(edit::list_recovery(entries).empty());
     EXPECT_TRUE(std::filesystem::is_empty(entries));
 }
 
 TEST_F(Recovery, OnlyWhatChangedIsWritten) {
     document.paint[at("red.nvpaint")] = layer(0.5f);
     document.paint[at("blue.nvpaint")] = layer(0.5f);
-    RecoveryWriter writer(entries);
+    edit::RecoveryWriter writer(entries);
     writer.store(document);
     const std::filesystem::path entry = only_entry().folder;
     const auto files = [&] {
@@ -87,106 +87,106 @@ TEST_F(Recovery, OnlyWhatChangedIsWritten) {
     size_t kept = 0;
     for (const auto& [name, when] : first) kept += second.contains(name) && second.at(name) == when;
     EXPECT_EQ(kept, 2u) << "the other layer and the lock";
-    EXPECT_EQ(restore(only_entry()).paint.at(at("red.nvpaint"))->edits, layer(0.75f)->edits);
+    EXPECT_EQ(edit::restore(only_entry()).paint.at(at("red.nvpaint"))->edits, layer(0.75f)->edits);
     document.paint.clear();
     writer.store(document);
     EXPECT_EQ(files().size(), 2u);
     writer.discard();
-    EXPECT_TRUE(list_recovery(entries).empty());
-    rename_node(document.file, 4, "later");
+    EXPECT_TRUE(edit::list_recovery(entries).empty());
+    edit::rename_node(document.file, 4, "later");
     writer.store(document);
-    EXPECT_EQ(restore(only_entry()).file.json, document.file.json) << "a discarded entry may be begun anew";
+    EXPECT_EQ(edit::restore(only_entry()).file.json, document.file.json) << "a discarded entry may be begun anew";
 }
 
 TEST_F(Recovery, EntriesOfTwoViewersAreTwo) {
-    RecoveryWriter one(entries), other(entries);
+    edit::RecoveryWriter one(entries), other(entries);
     one.store(document);
     const nlohmann::ordered_json first = document.file.json;
-    rename_node(document.file, 4, "other");
+    edit::rename_node(document.file, 4, "other");
     other.store(document);
-    Document else_where = document;
-    save_stage_file(else_where.file, at("else.gltf"));
-    RecoveryWriter third(entries);
+    edit::Document else_where = document;
+    stage::save_stage_file(else_where.file, at("else.gltf"));
+    edit::RecoveryWriter third(entries);
     third.store(else_where);
-    EXPECT_EQ(list_recovery(entries).size(), 3u);
-    const std::vector<RecoveryEntry> found = find_recovery(entries, at("x/../stage.gltf"));
+    EXPECT_EQ(edit::list_recovery(entries).size(), 3u);
+    const std::vector<edit::RecoveryEntry> found = edit::find_recovery(entries, at("x/../stage.gltf"));
     ASSERT_EQ(found.size(), 2u);
-    EXPECT_NE(restore(found[0]).file.json, restore(found[1]).file.json);
+    EXPECT_NE(edit::restore(found[0]).file.json, edit::restore(found[1]).file.json);
     one.discard();
-    EXPECT_EQ(find_recovery(entries, at("stage.gltf")).size(), 1u);
-    EXPECT_EQ(restore(find_recovery(entries, at("stage.gltf"))[0]).file.json, document.file.json);
+    EXPECT_EQ(edit::find_recovery(entries, at("stage.gltf")).size(), 1u);
+    EXPECT_EQ(edit::restore(edit::find_recovery(entries, at("stage.gltf"))[0]).file.json, document.file.json);
 }
 
 TEST_F(Recovery, StagesThatWereNeverSaved) {
     for (const char* name : {"new.gltf", "new.glb"}) {
-        document = {new_stage(at(name)), {}, {}};
+        document = {edit::new_stage(at(name)), {}, {}};
         EXPECT_FALSE(document.file.saved->on_disk);
-        rename_node(document.file, 0, "ground");
-        RecoveryWriter writer(entries);
+        edit::rename_node(document.file, 0, "ground");
+        edit::RecoveryWriter writer(entries);
         writer.store(document);
         EXPECT_FALSE(only_entry().on_disk);
         EXPECT_FALSE(only_entry().changed);
-        Document back = restore(only_entry());
+        edit::Document back = edit::restore(only_entry());
         EXPECT_EQ(back.file.json, document.file.json);
         EXPECT_FALSE(back.file.saved->on_disk);
         write_text(at(name), "somebody else's");
         EXPECT_TRUE(only_entry().changed);
-        back = restore(only_entry());
-        save_document(back, at(name));
+        back = edit::restore(only_entry());
+        edit::save_document(back, at(name));
         EXPECT_TRUE(back.file.saved->on_disk);
-        EXPECT_EQ(find_node(load_stage(at(name)).file, "ground"), 0u);
+        EXPECT_EQ(edit::find_node(stage::load_stage(at(name)).file, "ground"), 0u);
         writer.discard();
     }
 }
 
 TEST_F(Recovery, AFileThatChangedOrWentAway) {
-    rename_node(document.file, 4, "mine");
-    RecoveryWriter writer(entries);
+    edit::rename_node(document.file, 4, "mine");
+    edit::RecoveryWriter writer(entries);
     writer.store(document);
     std::string text = read_text(at("stage.gltf"));
     text.replace(text.find("\"Wood\""), 6, "\"Iron\"");
     write_text(at("stage.gltf"), text);
     EXPECT_TRUE(only_entry().changed);
-    Document over = restore(only_entry());
+    edit::Document over = edit::restore(only_entry());
     EXPECT_EQ(over.file.json, document.file.json) << "as it was edited, over another file";
     writer.store(over);
     EXPECT_TRUE(only_entry().changed) << "also when it is recovered once more";
-    EXPECT_EQ(save_document(over, at("stage.gltf")), at("stage-theirs.gltf"));
+    EXPECT_EQ(edit::save_document(over, at("stage.gltf")), at("stage-theirs.gltf"));
     EXPECT_EQ(read_text(at("stage-theirs.gltf")), text);
-    EXPECT_EQ(save_document(over, at("stage.gltf")), std::nullopt) << "now it is ours";
+    EXPECT_EQ(edit::save_document(over, at("stage.gltf")), std::nullopt) << "now it is ours";
     std::filesystem::remove(at("stage.gltf"));
     EXPECT_TRUE(only_entry().changed);
-    const Document back = restore(only_entry());
+    const edit::Document back = edit::restore(only_entry());
     EXPECT_EQ(back.file.json, document.file.json);
     EXPECT_FALSE(back.file.saved->on_disk);
-    StageFile binary = new_stage(at("b.glb"));
-    save_stage_file(binary, at("b.glb"));
+    stage::StageFile binary = edit::new_stage(at("b.glb"));
+    stage::save_stage_file(binary, at("b.glb"));
     writer.store({binary, {}, {}});
     std::filesystem::remove(at("b.glb"));
-    expect_input_error([&] { restore(only_entry()); }, {"b.glb"});
+    expect_input_error([&] { edit::restore(only_entry()); }, {"b.glb"});
 }
 
 TEST_F(Recovery, PathsAreBytes) {
     const std::string odd = "od%d \xff\xfe \"name\".gltf";
     std::filesystem::copy_file(at("stage.gltf"), at(odd));
-    document.file = read_stage_file(at(odd));
-    RecoveryWriter writer(entries);
+    document.file = stage::read_stage_file(at(odd));
+    edit::RecoveryWriter writer(entries);
     writer.store(document);
-    ASSERT_EQ(find_recovery(entries, at(odd)).size(), 1u);
-    EXPECT_EQ(restore(only_entry()).file.path, at(odd));
+    ASSERT_EQ(edit::find_recovery(entries, at(odd)).size(), 1u);
+    EXPECT_EQ(edit::restore(only_entry()).file.path, at(odd));
 }
 
 TEST_F(Recovery, DamagedEntriesAreRefusedAndHideNoOthers) {
-    EXPECT_TRUE(list_recovery(at("no such folder")).empty());
+    EXPECT_TRUE(edit::list_recovery(at("no such folder")).empty());
     document.paint[at("red.nvpaint")] = layer(0.5f);
-    RecoveryWriter writer(entries), sound(entries);
+    edit::RecoveryWriter writer(entries), sound(entries);
     writer.store(document);
-    const RecoveryEntry entry = only_entry();
+    const edit::RecoveryEntry entry = only_entry();
     sound.store(document);
     std::filesystem::create_directory(entries / "empty");
     std::filesystem::create_symlink(entry.folder, entries / "link");
     write_text(entries / "file", "x");
-    EXPECT_EQ(list_recovery(entries).size(), 2u);
+    EXPECT_EQ(edit::list_recovery(entries).size(), 2u);
     const std::string text = read_text(entry.folder / "entry.json");
     const auto refused = [&](const std::string& what, const std::string& with, std::initializer_list<std::string> parts,
                              bool listed) {
@@ -194,8 +194,8 @@ TEST_F(Recovery, DamagedEntriesAreRefusedAndHideNoOthers) {
         const size_t place = damaged.find(what);
         ASSERT_NE(place, std::string::npos) << what;
         write_text(entry.folder / "entry.json", damaged.replace(place, what.size(), with));
-        expect_input_error([&] { restore(entry); }, parts);
-        EXPECT_EQ(list_recovery(entries).size(), listed ? 2u : 1u) << with;
+        expect_input_error([&] { edit::restore(entry); }, parts);
+        EXPECT_EQ(edit::list_recovery(entries).size(), listed ? 2u : 1u) << with;
     };
     refused("\"version\": 1", "\"version\": 2", {"entry.json", "version"}, false);
     refused("\"stage\": \"/", "\"stage\": \"./", {"stage"}, false);
@@ -210,18 +210,18 @@ TEST_F(Recovery, DamagedEntriesAreRefusedAndHideNoOthers) {
     refused("\"document\": \"{", "\"document\": \"[", {"entry.json"}, true);
     refused("\\\"version\\\":\\\"2.0\\\"", "\\\"version\\\":\\\"1.0\\\"", {"glTF 1.0"}, true);
     write_text(entry.folder / "entry.json", text.substr(0, text.size() / 2));
-    expect_input_error([&] { restore(entry); }, {"entry.json"});
+    expect_input_error([&] { edit::restore(entry); }, {"entry.json"});
     write_text(entry.folder / "entry.json", text);
     const std::string paint = read_text(entry.folder / "0.nvpaint");
     write_text(entry.folder / "0.nvpaint", paint.substr(0, paint.size() - 9));
-    expect_input_error([&] { restore(entry); }, {"0.nvpaint"});
+    expect_input_error([&] { edit::restore(entry); }, {"0.nvpaint"});
     write_text(entry.folder / "0.nvpaint", paint);
-    EXPECT_EQ(restore(entry).paint.size(), 1u);
+    EXPECT_EQ(edit::restore(entry).paint.size(), 1u);
 }
 
 TEST_F(Recovery, AFolderThatCannotBeWrittenIsAFailure) {
     write_text(at("state"), "a file in its way");
-    RecoveryWriter writer(entries);
+    edit::RecoveryWriter writer(entries);
     EXPECT_THROW(writer.store(document), RuntimeFailure);
 }
 

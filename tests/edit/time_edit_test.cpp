@@ -10,17 +10,17 @@
 namespace neuvv {
 namespace {
 
-constexpr ClipRate kClip{40, 25};
+constexpr edit::ClipRate kClip{40, 25};
 
-TimeMap map_of(const std::string& text) {
-    return parse_time_map(text, "test", "");
+stage::TimeMap map_of(const std::string& text) {
+    return stage::parse_time_map(text, "test", "");
 }
-Timeline ready(const TimeMap& map) {
-    return timeline_of(map, kClip.frames, kClip.fps, "test", "");
+stage::Timeline ready(const stage::TimeMap& map) {
+    return stage::timeline_of(map, kClip.frames, kClip.fps, "test", "");
 }
 // In frames of the stage, which are the clip's.
-double shown(const TimeMap& map, double t) {
-    return frame_at(ready(map), t / kClip.fps);
+double shown(const stage::TimeMap& map, double t) {
+    return stage::frame_at(ready(map), t / kClip.fps);
 }
 double s(double frames) {
     return frames / kClip.fps;
@@ -63,16 +63,16 @@ std::vector<double> instants(double first, double last, double step = 0.37) {
 }
 
 // How long the bar's last frame stands, in frames.
-double last_frame(const TimeMap& map) {
+double last_frame(const stage::TimeMap& map) {
     double frame = 1;
-    for (const TimeOperator& op : map)
-        if (op.verb == TimeVerb::kSpeed) frame /= op.factor;
+    for (const stage::TimeOperator& op : map)
+        if (op.verb == stage::TimeVerb::kSpeed) frame /= op.factor;
     return frame;
 }
 
 TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
     const auto bar = [](const char* text) {
-        const TimeBar found = bar_of(map_of(text), kClip);
+        const edit::TimeBar found = edit::bar_of(map_of(text), kClip);
         return std::pair(found.start_s * kClip.fps, found.end_s * kClip.fps);
     };
     EXPECT_EQ(bar(""), std::pair(0.0, 40.0));
@@ -80,8 +80,8 @@ TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
     EXPECT_EQ(bar("clip:5f:25f,speed:2,offset:-5f"), std::pair(-5.0, 5.0));
     EXPECT_EQ(bar("loop,offset:5f"), std::pair(5.0, double{INFINITY}));
     for (const std::string& text : all()) {
-        const TimeBar found = bar_of(map_of(text), kClip);
-        const double length = length_s(ready(map_of(text)));
+        const edit::TimeBar found = edit::bar_of(map_of(text), kClip);
+        const double length = stage::length_s(ready(map_of(text)));
         EXPECT_EQ(std::isfinite(found.end_s), std::isfinite(length)) << text;
         if (std::isfinite(length)) {
             EXPECT_NEAR(found.end_s, length, 1e-9) << text;
@@ -92,29 +92,29 @@ TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
 TEST(TimeEdit, MovedIsTheSameAtAnotherTime) {
     for (const std::string& text : all())
         for (const double by : {3.0, -5.0, 12.5, 0.7, -30.0}) {
-            const TimeMap map = map_of(text), after = moved(map, kClip, s(by));
+            const stage::TimeMap map = map_of(text), after = edit::moved(map, kClip, s(by));
             for (const double t : instants(std::max(0.0, by), 90))
                 ASSERT_NEAR(shown(after, t), shown(map, t - by), 1e-4) << text << " by " << by << " at " << t;
-            const TimeMap back = moved(after, kClip, s(-by));
+            const stage::TimeMap back = edit::moved(after, kClip, s(-by));
             for (const double t : instants(0, 90))
                 ASSERT_NEAR(shown(back, t), shown(map, t), 1e-4) << text << " by " << by << " and back at " << t;
         }
-    EXPECT_EQ(text_of(moved(map_of("offset:1s"), kClip, 0.5)), "offset:1.5s");
-    EXPECT_EQ(text_of(moved(map_of("offset:1s"), kClip, 1)), "offset:50f") << "whole frames as such";
-    EXPECT_EQ(text_of(moved(map_of("loop,offset:1s"), kClip, -1)), "loop");
-    EXPECT_EQ(text_of(moved(map_of("offset:1s,offset:2s"), kClip, 0)), "offset:75f");
+    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 0.5)), "offset:1.5s");
+    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 1)), "offset:50f") << "whole frames as such";
+    EXPECT_EQ(stage::text_of(edit::moved(map_of("loop,offset:1s"), kClip, -1)), "loop");
+    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s,offset:2s"), kClip, 0)), "offset:75f");
 }
 
 TEST(TimeEdit, ATrimmedStartLeavesTheRest) {
     for (const std::string& text : all()) {
-        const TimeMap map = map_of(text);
-        const TimeBar bar = bar_of(map, kClip);
+        const stage::TimeMap map = map_of(text);
+        const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double start = bar.start_s * kClip.fps, end = std::min(60.0, bar.end_s * kClip.fps);
         for (const double part : {0.2, 0.55, 0.8}) {
             const double at = start + part * (end - last_frame(map) - start);
-            const TimeMap after = trimmed_start(map, kClip, s(at));
+            const stage::TimeMap after = edit::trimmed_start(map, kClip, s(at));
             if (std::isfinite(bar.end_s)) {
-                EXPECT_NEAR(bar_of(after, kClip).end_s, bar.end_s, 1e-6) << text;
+                EXPECT_NEAR(edit::bar_of(after, kClip).end_s, bar.end_s, 1e-6) << text;
             }
             for (const double t : instants(std::max(at, 0.0), 90))
                 ASSERT_NEAR(shown(after, t), shown(map, t), 1e-4) << text << " from " << at << " at " << t;
@@ -126,13 +126,13 @@ TEST(TimeEdit, ATrimmedStartLeavesTheRest) {
 
 TEST(TimeEdit, ATrimmedEndLeavesTheRest) {
     for (const std::string& text : all()) {
-        const TimeMap map = map_of(text);
-        const TimeBar bar = bar_of(map, kClip);
+        const stage::TimeMap map = map_of(text);
+        const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double start = bar.start_s * kClip.fps, end = std::min(60.0, bar.end_s * kClip.fps);
         for (const double part : {0.3, 0.55, 0.9}) {
             const double frame = last_frame(map), at = start + frame + part * (end - start - frame);
-            const TimeMap after = trimmed_end(map, kClip, s(at));
-            EXPECT_NEAR(bar_of(after, kClip).end_s, s(at), 1e-6) << text;
+            const stage::TimeMap after = edit::trimmed_end(map, kClip, s(at));
+            EXPECT_NEAR(edit::bar_of(after, kClip).end_s, s(at), 1e-6) << text;
             for (const double t : instants(0, std::max(0.0, at - frame)))
                 ASSERT_NEAR(shown(after, t), shown(map, t), 1e-4) << text << " to " << at << " at " << t;
             for (const double t : instants(std::max(0.0, at - frame), 90))
@@ -144,25 +144,26 @@ TEST(TimeEdit, ATrimmedEndLeavesTheRest) {
 
 TEST(TimeEdit, WhatWasTrimmedCanBePulledOut) {
     for (const std::string& text : all()) {
-        const TimeMap map = map_of(text);
-        const TimeBar bar = bar_of(map, kClip);
+        const stage::TimeMap map = map_of(text);
+        const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double end = std::min(bar.end_s, bar.start_s + 2);
-        TimeMap cut = trimmed_start(map, kClip, bar.start_s + 0.4 * (end - bar.start_s));
-        if (std::isfinite(bar.end_s)) cut = trimmed_end(cut, kClip, bar.start_s + 0.6 * (end - bar.start_s));
-        cut = trimmed_start(cut, kClip, bar.start_s);
-        if (std::isfinite(bar.end_s)) cut = trimmed_end(cut, kClip, bar.end_s);
+        stage::TimeMap cut = edit::trimmed_start(map, kClip, bar.start_s + 0.4 * (end - bar.start_s));
+        if (std::isfinite(bar.end_s)) cut = edit::trimmed_end(cut, kClip, bar.start_s + 0.6 * (end - bar.start_s));
+        cut = edit::trimmed_start(cut, kClip, bar.start_s);
+        if (std::isfinite(bar.end_s)) cut = edit::trimmed_end(cut, kClip, bar.end_s);
         for (const double t : instants(0, 90)) ASSERT_NEAR(shown(cut, t), shown(map, t), 1e-4) << text << " at " << t;
     }
-    EXPECT_EQ(trimmed_end(map_of("offset:3f"), kClip, 100), map_of("offset:3f")) << "there is no more";
-    EXPECT_EQ(trimmed_start(map_of("offset:3f"), kClip, -100), map_of("offset:3f"));
-    EXPECT_EQ(trimmed_start(map_of("offset:3f"), kClip, 100), map_of("clip:39f:40f,offset:42f")) << "a frame is left";
-    EXPECT_EQ(trimmed_end(map_of("offset:3f"), kClip, -100), map_of("clip:0f:1f,offset:3f"));
+    EXPECT_EQ(edit::trimmed_end(map_of("offset:3f"), kClip, 100), map_of("offset:3f")) << "there is no more";
+    EXPECT_EQ(edit::trimmed_start(map_of("offset:3f"), kClip, -100), map_of("offset:3f"));
+    EXPECT_EQ(edit::trimmed_start(map_of("offset:3f"), kClip, 100), map_of("clip:39f:40f,offset:42f"))
+        << "a frame is left";
+    EXPECT_EQ(edit::trimmed_end(map_of("offset:3f"), kClip, -100), map_of("clip:0f:1f,offset:3f"));
 }
 
 TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
     for (const std::string text : kFinite) {
-        const TimeMap map = map_of(text), after = reversed(map, kClip);
-        const TimeBar bar = bar_of(map, kClip), turned = bar_of(after, kClip);
+        const stage::TimeMap map = map_of(text), after = edit::reversed(map, kClip);
+        const edit::TimeBar bar = edit::bar_of(map, kClip), turned = edit::bar_of(after, kClip);
         EXPECT_NEAR(bar.start_s, turned.start_s, 1e-9) << text;
         EXPECT_NEAR(bar.end_s, turned.end_s, 1e-9) << text;
         const double start = bar.start_s * kClip.fps, last = bar.end_s * kClip.fps - last_frame(map);
@@ -171,11 +172,12 @@ TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
             if (start + last - t > 0) {
                 ASSERT_NEAR(shown(after, t), shown(map, start + last - t), held ? 1.0 : 1e-4) << text << " at " << t;
             }
-        const TimeMap back = reversed(after, kClip);
+        const stage::TimeMap back = edit::reversed(after, kClip);
         for (const double t : instants(0, 90)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-4) << text << " at " << t;
     }
-    EXPECT_EQ(text_of(reversed(map_of("reverse"), kClip)), "");
-    for (const char* text : kEndless) EXPECT_NO_THROW(reversed(trimmed_end(map_of(text), kClip, 3), kClip)) << text;
+    EXPECT_EQ(stage::text_of(edit::reversed(map_of("reverse"), kClip)), "");
+    for (const char* text : kEndless)
+        EXPECT_NO_THROW(edit::reversed(edit::trimmed_end(map_of(text), kClip, 3), kClip)) << text;
 }
 
 TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
@@ -189,25 +191,25 @@ TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
                        {"reverse,loop", 0, 1, 39},
                        {"ping-pong:3f:9f", 8, -1, 5}};
     for (const auto& one : cases) {
-        const TimeMap after = reversed(map_of(one.text), kClip);
+        const stage::TimeMap after = edit::reversed(map_of(one.text), kClip);
         for (double t = 0; t < one.round; t += 0.25)
             ASSERT_NEAR(shown(after, t), one.first + one.step * t, 1e-6) << one.text << " at " << t;
     }
     for (const std::string text : kEndless) {
-        const TimeMap map = map_of(text), back = reversed(reversed(map, kClip), kClip);
+        const stage::TimeMap map = map_of(text), back = edit::reversed(edit::reversed(map, kClip), kClip);
         for (const double t : instants(0, 120)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-6) << text << " at " << t;
         EXPECT_LE(back.size(), map.size() + 1) << "it does not grow from time to time";
     }
-    TimeMap full(kMaxTimeOperators, map_of("jump:1f:2f")[0]);
+    stage::TimeMap full(stage::kMaxTimeOperators, map_of("jump:1f:2f")[0]);
     full.back() = map_of("loop")[0];
-    expect_input_error([&] { reversed(full, kClip); }, {"operators"});
+    expect_input_error([&] { edit::reversed(full, kClip); }, {"operators"});
 }
 
 TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
     for (const std::string& text : all())
         for (const double factor : {2.0, 0.5, 1.3}) {
-            const TimeMap map = map_of(text), after = sped(map, kClip, factor);
-            const double start = bar_of(map, kClip).start_s * kClip.fps;
+            const stage::TimeMap map = map_of(text), after = edit::sped(map, kClip, factor);
+            const double start = edit::bar_of(map, kClip).start_s * kClip.fps;
             for (const double t : instants(std::max(0.0, start), 90)) {
                 const double source = start + factor * (t - start);
                 if (source >= 0) {
@@ -217,20 +219,21 @@ TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
             for (const double t : instants(0, start))
                 ASSERT_NEAR(shown(after, t), shown(map, 0), 1e-4) << text << " x" << factor << " at " << t;
         }
-    EXPECT_EQ(text_of(sped(map_of("speed:0.5,offset:3f"), kClip, 2)), "offset:3f");
-    EXPECT_EQ(text_of(sped(map_of("hold,speed:0.5"), kClip, 3)), "speed:1.5,hold");
+    EXPECT_EQ(stage::text_of(edit::sped(map_of("speed:0.5,offset:3f"), kClip, 2)), "offset:3f");
+    EXPECT_EQ(stage::text_of(edit::sped(map_of("hold,speed:0.5"), kClip, 3)), "speed:1.5,hold");
     for (const double factor : {0.0, -1.0, 1e9, double{NAN}})
-        expect_input_error([&] { sped(map_of(""), kClip, factor); }, {"speed"});
+        expect_input_error([&] { edit::sped(map_of(""), kClip, factor); }, {"speed"});
 }
 
 TEST(TimeEdit, StaggeredAsCopiesAre) {
-    EXPECT_EQ(text_of(staggered(map_of(""), kClip, {3, true})), "offset:3f");
-    EXPECT_EQ(text_of(staggered(map_of("offset:2f"), kClip, {3, true})), "offset:5f");
-    EXPECT_EQ(text_of(staggered(map_of("loop:0:10f"), kClip, {3, true})), "loop:0s:10f,offset:-7f");
-    EXPECT_EQ(text_of(staggered(map_of("loop:0:10f,offset:3f"), kClip, {3, true})), "loop:0s:10f,offset:6f")
+    EXPECT_EQ(stage::text_of(edit::staggered(map_of(""), kClip, {3, true})), "offset:3f");
+    EXPECT_EQ(stage::text_of(edit::staggered(map_of("offset:2f"), kClip, {3, true})), "offset:5f");
+    EXPECT_EQ(stage::text_of(edit::staggered(map_of("loop:0:10f"), kClip, {3, true})), "loop:0s:10f,offset:-7f");
+    EXPECT_EQ(stage::text_of(edit::staggered(map_of("loop:0:10f,offset:3f"), kClip, {3, true})),
+              "loop:0s:10f,offset:6f")
         << "it waits before it begins";
     for (const char* text : {"loop", "ping-pong,speed:0.5", "loop:3f:20f,offset:-4f"}) {
-        const TimeMap map = map_of(text), later = staggered(map, kClip, {0.2, false});
+        const stage::TimeMap map = map_of(text), later = edit::staggered(map, kClip, {0.2, false});
         for (const double t : instants(40, 120)) ASSERT_NEAR(shown(later, t), shown(map, t - 5), 1e-4) << text;
     }
 }
@@ -240,28 +243,28 @@ TEST(TimeEdit, DragsDoNotPileUp) {
     std::mt19937 random(5);
     const auto below = [&](double limit) { return limit * std::generate_canonical<double, 32>(random); };
     for (const std::string& text : all()) {
-        TimeMap map = map_of(text);
+        stage::TimeMap map = map_of(text);
         const size_t most = map.size() + 5;
         for (int i = 0; i < 300; ++i) {
-            const TimeBar bar = bar_of(map, kClip);
+            const edit::TimeBar bar = edit::bar_of(map, kClip);
             switch (random() % 5) {
                 case 0:
-                    map = moved(map, kClip, below(4) - 2);
+                    map = edit::moved(map, kClip, below(4) - 2);
                     break;
                 case 1:
-                    map = trimmed_start(map, kClip, bar.start_s + below(2) - 1);
+                    map = edit::trimmed_start(map, kClip, bar.start_s + below(2) - 1);
                     break;
                 case 2:
-                    map = trimmed_end(map, kClip, std::min(bar.end_s, bar.start_s + 9) + below(2) - 1);
+                    map = edit::trimmed_end(map, kClip, std::min(bar.end_s, bar.start_s + 9) + below(2) - 1);
                     break;
                 case 3:
-                    map = sped(map, kClip, bar.end_s - bar.start_s > 5 ? 1.25 : 0.8);
+                    map = edit::sped(map, kClip, bar.end_s - bar.start_s > 5 ? 1.25 : 0.8);
                     break;
                 default:
-                    map = reversed(map, kClip);
+                    map = edit::reversed(map, kClip);
             }
-            ASSERT_LE(map.size(), most) << text << " became " << text_of(map);
-            ASSERT_EQ(parse_time_map(text_of(map), "test", ""), map);
+            ASSERT_LE(map.size(), most) << text << " became " << stage::text_of(map);
+            ASSERT_EQ(stage::parse_time_map(stage::text_of(map), "test", ""), map);
         }
     }
 }
@@ -269,13 +272,13 @@ TEST(TimeEdit, DragsDoNotPileUp) {
 TEST(TimeEdit, NumbersWithoutMeaningAreRefused) {
     for (const double bad : {double{NAN}, double{INFINITY}, -double{INFINITY}, 1e300})
         for (const char* text : {"", "loop", "clip:3f:9f,reverse,offset:2f"}) {
-            expect_input_error([&] { moved(map_of(text), kClip, bad); }, {"time map"});
-            expect_input_error([&] { trimmed_start(map_of(text), kClip, bad); }, {"time map"});
-            expect_input_error([&] { trimmed_end(map_of(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::moved(map_of(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::trimmed_start(map_of(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::trimmed_end(map_of(text), kClip, bad); }, {"time map"});
         }
-    expect_input_error([&] { moved(map_of("loop,reverse"), kClip, 1); }, {"endless"});
-    TimeMap full(kMaxTimeOperators, map_of("jump:1f:2f")[0]);
-    expect_input_error([&] { moved(full, kClip, 1); }, {"operators"});
+    expect_input_error([&] { edit::moved(map_of("loop,reverse"), kClip, 1); }, {"endless"});
+    stage::TimeMap full(stage::kMaxTimeOperators, map_of("jump:1f:2f")[0]);
+    expect_input_error([&] { edit::moved(full, kClip, 1); }, {"operators"});
 }
 
 }  // namespace

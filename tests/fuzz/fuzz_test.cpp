@@ -17,7 +17,7 @@ namespace {
 
 TEST(Fuzz, OnlyAShortInputErrorIsAnAnswer) {
     const auto complaint_of = [](const auto& thrown) {
-        return fuzz::complaint_about([&]() -> Dataset { throw thrown; });
+        return fuzz::complaint_about([&]() -> training::Dataset { throw thrown; });
     };
     EXPECT_EQ(complaint_of(InputError("file", "place", "is bad", "mend it")), "");
     EXPECT_EQ(complaint_of(InputError("file", std::string(5000, 'x'), std::string(5000, 'x'))), "") << "shortened";
@@ -27,7 +27,7 @@ TEST(Fuzz, OnlyAShortInputErrorIsAnAnswer) {
 }
 
 TEST(Fuzz, LoadedCamerasMustBeSound) {
-    Dataset dataset;
+    training::Dataset dataset;
     dataset.cameras.resize(1);
     dataset.cameras[0].width = dataset.cameras[0].height = 4;
     dataset.views.resize(1);
@@ -44,8 +44,8 @@ TEST(Fuzz, LoadedCamerasMustBeSound) {
 }
 
 TEST(Fuzz, LoadedStagesMustBeSound) {
-    Stage stage;
-    stage.file = make_stage_file("s.gltf", "{}");
+    stage::Stage stage;
+    stage.file = stage::make_stage_file("s.gltf", "{}");
     stage.clips.resize(1);
     stage.performers.resize(1);
     stage.scene.nodes.resize(1);
@@ -60,12 +60,12 @@ TEST(Fuzz, LoadedStagesMustBeSound) {
     stage.performers.clear();
     stage.file.json["edited"] = true;
     EXPECT_NE(complaint(), "");
-    EXPECT_NE(fuzz::complaint_about_stage([]() -> Stage { throw std::bad_alloc(); }), "");
+    EXPECT_NE(fuzz::complaint_about_stage([]() -> stage::Stage { throw std::bad_alloc(); }), "");
 }
 
 TEST(Fuzz, LoadedClipsAndPaintMustBeSound) {
-    const VOctree tree = test::random_tree({.leaves = 20});
-    VOctree clip = tree;
+    const voctree::VOctree tree = test::random_tree({.leaves = 20});
+    voctree::VOctree clip = tree;
     const auto of_clip = [&] { return fuzz::complaint_about_clip([&] { return clip; }); };
     EXPECT_EQ(of_clip(), "");
     clip.weights[5] = INFINITY;
@@ -73,29 +73,30 @@ TEST(Fuzz, LoadedClipsAndPaintMustBeSound) {
     clip = tree;
     clip.leaf_count++;
     EXPECT_NE(of_clip(), "");
-    EXPECT_EQ(fuzz::complaint_about_clip([]() -> VOctree { throw InputError("a", "b", "c"); }), "");
-    EditLayer layer{painted_field(tree), {{3, 0, 2, {1, 0, 0.5f}, 0.5f, kKeepSigma}, {4, 1, 1, {0, 0, 0}, 0, 9}}};
+    EXPECT_EQ(fuzz::complaint_about_clip([]() -> voctree::VOctree { throw InputError("a", "b", "c"); }), "");
+    voctree::EditLayer layer{voctree::painted_field(tree),
+                             {{3, 0, 2, {1, 0, 0.5f}, 0.5f, voctree::kKeepSigma}, {4, 1, 1, {0, 0, 0}, 0, 9}}};
     const auto of_paint = [&] { return fuzz::complaint_about_paint([&] { return layer; }); };
     EXPECT_EQ(of_paint(), "");
-    const std::vector<LeafEdit> sound = layer.edits;
-    const auto expect_wrong = [&](const std::function<void(LeafEdit&)>& change) {
+    const std::vector<voctree::LeafEdit> sound = layer.edits;
+    const auto expect_wrong = [&](const std::function<void(voctree::LeafEdit&)>& change) {
         layer.edits = sound;
         change(layer.edits[1]);
         EXPECT_NE(of_paint(), "");
     };
-    expect_wrong([](LeafEdit& edit) { edit.leaf = 20; });
-    expect_wrong([](LeafEdit& edit) { edit.last = 5; });
-    expect_wrong([](LeafEdit& edit) { edit.first = -1; });
-    expect_wrong([](LeafEdit& edit) { edit.colour.g = std::nanf(""); });
-    expect_wrong([](LeafEdit& edit) { edit.alpha = 2; });
-    expect_wrong([](LeafEdit& edit) { edit.sigma = -2; });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.leaf = 20; });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.last = 5; });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.first = -1; });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.colour.g = std::nanf(""); });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.alpha = 2; });
+    expect_wrong([](voctree::LeafEdit& edit) { edit.sigma = -2; });
 }
 
 // Damage behind checksums reaches what reads the content.
 TEST(Fuzz, DamagedChunksKeepTheirChecksums) {
     const TemporaryFolder folder;
-    const VOctree tree = test::random_tree({.leaves = 20});
-    write_nvv(folder.path / "sound.nvv", tree);
+    const voctree::VOctree tree = test::random_tree({.leaves = 20});
+    voctree::write_nvv(folder.path / "sound.nvv", tree);
     fuzz::Random random(3), again(3);
     size_t refused = 0, checksums = 0;
     for (int i = 0; i < 200; ++i) {
@@ -103,7 +104,7 @@ TEST(Fuzz, DamagedChunksKeepTheirChecksums) {
         EXPECT_EQ(bytes, fuzz::mutate_chunks(folder.path / "sound.nvv", {}, 4096, again));
         write_text(folder.path / "damaged.nvv", bytes);
         try {
-            read_nvv(folder.path / "damaged.nvv");
+            voctree::read_nvv(folder.path / "damaged.nvv");
         } catch (const InputError& error) {
             ++refused;
             checksums += std::string(error.what()).find("checksum") != std::string::npos;

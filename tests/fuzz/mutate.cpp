@@ -174,8 +174,8 @@ std::string mutate(std::string bytes, const std::vector<std::string>& others, si
 std::string mutate_chunks(const std::filesystem::path& sound, const std::vector<std::string>& others, size_t limit,
                           Random& random) {
     std::vector<std::pair<std::string, std::string>> chunks;  // names and contents
-    ChunkReader reader(sound);
-    for (ChunkHeader header; reader.next(header);) {
+    voctree::ChunkReader reader(sound);
+    for (voctree::ChunkHeader header; reader.next(header);) {
         const std::vector<uint8_t> bytes = reader.take(header.raw_bytes);
         chunks.emplace_back(header.name, std::string(bytes.begin(), bytes.end()));
     }
@@ -188,7 +188,7 @@ std::string mutate_chunks(const std::filesystem::path& sound, const std::vector<
         chunks[chosen].second = mutate(chunks[chosen].second, others, limit, random);
     std::string file;
     const ByteSink sink = [&](const void* data, size_t bytes) { file.append(static_cast<const char*>(data), bytes); };
-    ChunkWriter writer("fuzz", sink, 1);
+    voctree::ChunkWriter writer("fuzz", sink, 1);
     for (const auto& [name, content] : chunks) writer.add(name, content.data(), content.size());
     writer.finish();
     return file;

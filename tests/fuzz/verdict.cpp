@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kLongestMessage = 2000;
 
-bool sound(const Camera& camera) {
+bool sound(const stage::Camera& camera) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(camera.world_from_camera[column][row])) return false;
@@ -28,20 +28,20 @@ bool finite(const glm::dmat4& matrix) {
     return true;
 }
 
-std::string complaint_about_instant(const Stage& stage, double time_s) {
-    const StageInstant instant = stage_at(stage, time_s);
-    for (const InstantPerformer& performer : instant.performers) {
+std::string complaint_about_instant(const stage::Stage& stage, double time_s) {
+    const stage::StageInstant instant = stage::stage_at(stage, time_s);
+    for (const stage::InstantPerformer& performer : instant.performers) {
         if (performer.visible && !(finite(performer.world_from_performer) && performer.opacity >= 0))
             return "gave a performer that cannot be";
         if (!(performer.frame >= 0 && performer.frame <= static_cast<float>(stage.clips.at(performer.clip).frames - 1)))
             return "gave a frame outside of its clip";
     }
-    for (const InstantLight& light : instant.lights)
+    for (const stage::InstantLight& light : instant.lights)
         if (!(std::abs(glm::length(light.direction) - 1) < 1e-6 && std::isfinite(glm::length(light.position))))
             return "gave a light that cannot be";
-    for (const InstantCamera& camera : instant.cameras)
+    for (const stage::InstantCamera& camera : instant.cameras)
         if (!camera.orthographic &&
-            !sound(camera_of(stage, std::to_string(&camera - instant.cameras.data()), instant, 8, 8)))
+            !sound(stage::camera_of(stage, std::to_string(&camera - instant.cameras.data()), instant, 8, 8)))
             return "gave a camera that cannot be";
     return {};
 }
@@ -64,65 +64,67 @@ std::string complaint_of(const std::function<std::string()>& run) {
 
 }  // namespace
 
-std::string complaint_about(const std::function<Dataset()>& load) {
+std::string complaint_about(const std::function<training::Dataset()>& load) {
     return complaint_of([&]() -> std::string {
-        const Dataset dataset = load();
-        for (const Camera& camera : dataset.cameras)
+        const training::Dataset dataset = load();
+        for (const stage::Camera& camera : dataset.cameras)
             if (!sound(camera)) return "gave a camera that cannot be";
-        for (const View& view : dataset.views)
+        for (const training::View& view : dataset.views)
             if (!(view.time >= 0 && view.time <= 1)) return "gave a time outside [0,1]";
         return {};
     });
 }
 
-std::string complaint_about_stage(const std::function<Stage()>& load) {
+std::string complaint_about_stage(const std::function<stage::Stage()>& load) {
     return complaint_of([&]() -> std::string {
-        const Stage stage = load();
+        const stage::Stage stage = load();
         std::string complaint;
         for (const double time_s : {0.0, 0.04, 1.0, 1e6})
             if (complaint.empty()) complaint = complaint_about_instant(stage, time_s);
-        if (complaint.empty() && stage_bytes(stage.file) != stage.file.saved->bytes) complaint = "edited what it read";
+        if (complaint.empty() && stage::stage_bytes(stage.file) != stage.file.saved->bytes)
+            complaint = "edited what it read";
         return complaint;
     });
 }
 
-std::string complaint_about_clip(const std::function<VOctree()>& load) {
+std::string complaint_about_clip(const std::function<voctree::VOctree()>& load) {
     return complaint_of([&]() -> std::string {
-        const VOctree tree = load();
+        const voctree::VOctree tree = load();
         const auto finite = [](float number) { return std::isfinite(number); };
         for (const std::vector<float>* numbers : {&tree.weights, &tree.sigma_basis, &tree.gamma_basis})
             if (!std::all_of(numbers->begin(), numbers->end(), finite)) return "gave a number that is not finite";
         if (tree.weights.size() != size_t{tree.leaf_count} * tree.weights_per_leaf()) return "gave too few weights";
-        const std::vector<LeafPlace> places = leaf_places(tree);
+        const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
         if (places.size() != tree.leaf_count) return "gave leaves that stand nowhere";
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
-            const LeafPlace& at = places[leaf];
+            const voctree::LeafPlace& at = places[leaf];
             const glm::dvec3 middle =
                 (glm::dvec3(at.x, at.y, at.z) + 0.5) * std::ldexp(1.0, -static_cast<int>(at.depth));
-            if (find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";
+            if (voctree::find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";
         }
         return {};
     });
 }
 
-std::string complaint_about_paint(const std::function<EditLayer()>& load) {
+std::string complaint_about_paint(const std::function<voctree::EditLayer()>& load) {
     return complaint_of([&]() -> std::string {
-        EditLayer layer = load();
+        voctree::EditLayer layer = load();
         const auto within = [](float number, float low, float high) { return number >= low && number <= high; };
         std::vector<uint32_t> odd;
-        for (const LeafEdit& edit : layer.edits) {
+        for (const voctree::LeafEdit& edit : layer.edits) {
             if (edit.leaf >= layer.field.leaf_count) return "gave paint on a leaf that is not there";
             if (!within(edit.last, edit.first, static_cast<float>(layer.field.frames - 1)) || !(edit.first >= 0))
                 return "gave paint at frames that are not there";
             for (int c = 0; c < 3; ++c)
                 if (!within(edit.colour[c], 0, 1)) return "gave a colour that cannot be";
             if (!within(edit.alpha, 0, 1)) return "gave an alpha that cannot be";
-            if (edit.sigma != kKeepSigma && !within(edit.sigma, 0, 65504)) return "gave a density that cannot be";
+            if (edit.sigma != voctree::kKeepSigma && !within(edit.sigma, 0, 65504))
+                return "gave a density that cannot be";
             if (edit.leaf % 2) odd.push_back(edit.leaf);
         }
-        add_edits(layer, std::vector<LeafEdit>(layer.edits));
-        remove_edits(layer, odd, 0.5f, 1);
-        return defect_of(layer);
+        voctree::add_edits(layer, std::vector<voctree::LeafEdit>(layer.edits));
+        voctree::remove_edits(layer, odd, 0.5f, 1);
+        return voctree::defect_of(layer);
     });
 }
 

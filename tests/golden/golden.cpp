@@ -13,13 +13,13 @@
 namespace neuvv::test {
 namespace {
 
-GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t grey) {
+GoldenDifference compare_over(const media::Image& result, const media::Image& truth, uint8_t grey) {
     const uint8_t background[3] = {grey, grey, grey};
-    const Image a = composite_over(truth, background), b = composite_over(result, background);
-    std::vector<float> errors = flip(a, b);
+    const media::Image a = media::composite_over(truth, background), b = media::composite_over(result, background);
+    std::vector<float> errors = training::flip(a, b);
     GoldenDifference difference;
     const uint32_t width = a.width;
-    difference.picture = Image(3 * width, a.height);
+    difference.picture = media::Image(3 * width, a.height);
     for (uint32_t y = 0; y < a.height; y++)
         for (uint32_t x = 0; x < width; x++) {
             std::memcpy(difference.picture.at(x, y), a.at(x, y), 4);
@@ -28,7 +28,7 @@ GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t g
             std::fill_n(pixel, 3, static_cast<uint8_t>(std::lround(255 * errors[size_t{y} * width + x])));
             pixel[3] = 255;
         }
-    difference.mean = mean_of(errors);
+    difference.mean = training::mean_of(errors);
     std::sort(errors.begin(), errors.end());
     difference.percentile_99 = double{errors[(errors.size() - 1) * 99 / 100]};
     return difference;
@@ -36,7 +36,7 @@ GoldenDifference compare_over(const Image& result, const Image& truth, uint8_t g
 
 }  // namespace
 
-GoldenDifference compare_with_golden(const Image& result, const Image& truth) {
+GoldenDifference compare_with_golden(const media::Image& result, const media::Image& truth) {
     if (result.width != truth.width || result.height != truth.height || result.rgba.empty()) {
         GoldenDifference difference;
         difference.same_size = false;
@@ -50,25 +50,25 @@ GoldenDifference compare_with_golden(const Image& result, const Image& truth) {
                : white;
 }
 
-std::string check_golden(const std::string& name, const Image& result, const std::filesystem::path& failures) {
+std::string check_golden(const std::string& name, const media::Image& result, const std::filesystem::path& failures) {
     const std::filesystem::path golden = std::filesystem::path(NEUVV_GOLDEN_DIR) / (name + ".png");
     const char* accept = std::getenv("NEUVV_ACCEPT_GOLDEN");
     if (accept && (accept == name || std::strcmp(accept, "all") == 0)) {
-        write_png(golden, result);
+        media::write_png(golden, result);
         return "";
     }
     const std::filesystem::path failure = failures / (name + ".png");
     std::filesystem::create_directories(failures);
-    Image truth;
+    media::Image truth;
     try {
-        truth = read_png(golden);
+        truth = media::read_png(golden);
     } catch (const InputError& error) {
-        write_png(failure, result);
+        media::write_png(failure, result);
         return fmt::format("{}; the result is {}", error.what(), failure.string());
     }
     const GoldenDifference difference = compare_with_golden(result, truth);
     if (difference.passes()) return "";
-    write_png(failure, difference.picture);
+    media::write_png(failure, difference.picture);
     if (!difference.same_size)
         return fmt::format("{}x{} instead of {}x{}; the result is {}", result.width, result.height, truth.width,
                            truth.height, failure.string());

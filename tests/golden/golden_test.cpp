@@ -39,22 +39,22 @@ TEST_F(GoldenTest, PicturesAreAsAccepted) {
     EXPECT_TRUE(known) << "no golden picture has the name " << accept;
 }
 
-Image shifted(const Image& image, uint32_t pixels) {
-    Image out = image;
+media::Image shifted(const media::Image& image, uint32_t pixels) {
+    media::Image out = image;
     for (uint32_t y = 0; y < image.height; y++)
         for (uint32_t x = pixels; x < image.width; x++) std::copy_n(image.at(x - pixels, y), 4, out.at(x, y));
     return out;
 }
 
-Image swapped_red_and_blue(const Image& image) {
-    Image out = image;
+media::Image swapped_red_and_blue(const media::Image& image) {
+    media::Image out = image;
     for (size_t i = 0; i < out.rgba.size(); i += 4) std::swap(out.rgba[i], out.rgba[i + 2]);
     return out;
 }
 
 // Without the density of the leaves in one eighth of the box.
 GoldenScene without_a_cluster(GoldenScene scene) {
-    const std::vector<LeafPlace> places = leaf_places(scene.tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(scene.tree);
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
         const uint32_t half = 1u << (places[leaf].depth - 1);
         if (places[leaf].x < half && places[leaf].y < half && places[leaf].z >= half)
@@ -68,24 +68,24 @@ using GoldenComparison = GpuTest;
 TEST_F(GoldenComparison, NoticesWrongPictures) {
     for (const GoldenScene& scene : golden_scenes()) {
         SCOPED_TRACE(scene.name);
-        const Image truth = render_scene(device(), scene);
+        const media::Image truth = render_scene(device(), scene);
         EXPECT_TRUE(compare_with_golden(truth, truth).passes());
         EXPECT_FALSE(compare_with_golden(shifted(truth, 2), truth).passes());
-        if (scene.settings.resolve.show == Show::kColour) {
+        if (scene.settings.resolve.show == render::Show::kColour) {
             EXPECT_FALSE(compare_with_golden(swapped_red_and_blue(truth), truth).passes());
         }
         EXPECT_FALSE(compare_with_golden(render_scene(device(), without_a_cluster(scene)), truth).passes());
         GoldenScene earlier = scene;
         earlier.settings.instances[0].frame -= 0.25f;
         EXPECT_FALSE(compare_with_golden(render_scene(device(), earlier), truth).passes());
-        EXPECT_FALSE(compare_with_golden(Image(truth.width, truth.height - 1), truth).passes());
+        EXPECT_FALSE(compare_with_golden(media::Image(truth.width, truth.height - 1), truth).passes());
     }
 }
 
 TEST_F(GoldenComparison, NoticesWrongSets) {
     for (const GoldenSet& set : golden_sets()) {
         SCOPED_TRACE(set.name);
-        const Image truth = render_set(device(), set);
+        const media::Image truth = render_set(device(), set);
         const auto passes = [&](const std::function<void(GoldenSet&)>& change) {
             GoldenSet other = set;
             change(other);
@@ -95,7 +95,7 @@ TEST_F(GoldenComparison, NoticesWrongSets) {
         EXPECT_FALSE(passes([](GoldenSet& s) { s.lights[0].position.x -= 0.5; }));
         EXPECT_FALSE(passes([](GoldenSet& s) { s.ambient = {}; }));
         EXPECT_FALSE(passes([](GoldenSet& s) {
-            for (GltfMaterial& material : s.scene.materials) material.roughness = 1;
+            for (stage::GltfMaterial& material : s.scene.materials) material.roughness = 1;
         }));
         if (set.volume_depth_m > 0) {
             EXPECT_FALSE(passes([](GoldenSet& s) { s.volume_depth_m = 1; })) << "all panes behind the volume";
@@ -106,20 +106,20 @@ TEST_F(GoldenComparison, NoticesWrongSets) {
 }
 
 TEST(GoldenTolerance, BearsRoundingButNoMissingAlpha) {
-    Image truth(64, 64);
+    media::Image truth(64, 64);
     for (size_t i = 0; i < truth.rgba.size(); i++)
         truth.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 128 : 40 + i % 173);
-    Image rounded = truth;
+    media::Image rounded = truth;
     for (size_t i = 0; i < truth.rgba.size(); i += 4 * 7) rounded.rgba[i] = static_cast<uint8_t>(truth.rgba[i] + 1);
     EXPECT_TRUE(compare_with_golden(rounded, truth).passes());
-    Image opaque = truth;
+    media::Image opaque = truth;
     for (size_t i = 3; i < truth.rgba.size(); i += 4) opaque.rgba[i] = 255;
     EXPECT_FALSE(compare_with_golden(opaque, truth).passes());
 }
 
 TEST(GoldenTolerance, BearsNoEdgeThatMovedByAPixel) {
     const auto edge_at = [](uint32_t column) {
-        Image image(48, 32);
+        media::Image image(48, 32);
         for (uint32_t y = 0; y < image.height; y++)
             for (uint32_t x = 0; x < image.width; x++) {
                 std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(x < column ? 0 : 255));
@@ -135,14 +135,15 @@ TEST(GoldenFailure, LeavesTruthResultAndDifference) {
     if (std::getenv("NEUVV_ACCEPT_GOLDEN"))
         GTEST_SKIP() << "NEUVV_ACCEPT_GOLDEN is set: it would accept a wrong picture";
     const TemporaryFolder folder;
-    const Image wrong = swapped_red_and_blue(read_png(std::filesystem::path(NEUVV_GOLDEN_DIR) / "random_tree.png"));
+    const media::Image wrong =
+        swapped_red_and_blue(media::read_png(std::filesystem::path(NEUVV_GOLDEN_DIR) / "random_tree.png"));
     const std::string problem = check_golden("random_tree", wrong, folder.path);
     const std::filesystem::path file = folder.path / "random_tree.png";
     EXPECT_NE(problem.find(file.string()), std::string::npos) << problem;
     EXPECT_NE(problem.find("tests/golden/accept random_tree"), std::string::npos) << problem;
-    EXPECT_EQ(read_png(file).width, 3 * wrong.width);
+    EXPECT_EQ(media::read_png(file).width, 3 * wrong.width);
     EXPECT_NE(check_golden("no_such_golden", wrong, folder.path).find("no_such_golden"), std::string::npos);
-    EXPECT_EQ(read_png(folder.path / "no_such_golden.png").width, wrong.width);
+    EXPECT_EQ(media::read_png(folder.path / "no_such_golden.png").width, wrong.width);
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ namespace {
 
 constexpr uint32_t kSide = 128;
 
-Image smile(uint32_t side) {
-    Image image(side, side);
+media::Image smile(uint32_t side) {
+    media::Image image(side, side);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
             const glm::dvec2 at = (glm::dvec2(x, y) + 0.5) / static_cast<double>(side) - glm::dvec2(0.43, 0.37);
@@ -35,14 +35,14 @@ Image smile(uint32_t side) {
 }
 
 struct PaintGolden : GpuTest {
-    VOctree tree = figure_tree();
-    Canvas canvas{tree};
-    Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer renderer{device(), field, {2 * kSide, kSide, 2}};
-    EditLayer layer{painted_field(tree), {}};
+    voctree::VOctree tree = figure_tree();
+    edit::Canvas canvas{tree};
+    render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer{device(), field, {2 * kSide, kSide, 2}};
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
 
-    Image picture(const std::vector<Instance>& instances, const Camera& camera) {
-        FrameSettings settings;
+    media::Image picture(const std::vector<render::Instance>& instances, const stage::Camera& camera) {
+        render::FrameSettings settings;
         settings.instances = instances;
         settings.width = camera.width;
         settings.height = camera.height;
@@ -50,34 +50,34 @@ struct PaintGolden : GpuTest {
         settings.resolve.background = {0.18f, 0.21f, 0.25f, 1};
         return renderer.render(camera, settings);
     }
-    void add(const std::vector<LeafEdit>& edits, const EditFrames& frames = {0, 1}) {
-        add_edits(layer, at_frames(canvas, edits, frames));
-        EXPECT_EQ(defect_of(layer), "");
+    void add(const std::vector<voctree::LeafEdit>& edits, const edit::EditFrames& frames = {0, 1}) {
+        voctree::add_edits(layer, edit::at_frames(canvas, edits, frames));
+        EXPECT_EQ(voctree::defect_of(layer), "");
     }
     // From a little beside the camera that tools worked from.
     void expect_golden(const std::string& name, float frame = 0) {
-        const Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kSide, kSide, 1.6);
-        const PaintUse use{&layer};
-        const Image painted = picture({{frame, glm::mat4(1), renderer.paints().add({&use, 1})}}, camera);
+        const stage::Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kSide, kSide, 1.6);
+        const render::PaintUse use{&layer};
+        const media::Image painted = picture({{frame, glm::mat4(1), renderer.paints().add({&use, 1})}}, camera);
         EXPECT_EQ(check_golden(name, painted), "");
         EXPECT_FALSE(compare_with_golden(picture({{frame}}, camera), painted).passes()) << "paint shows";
     }
 };
 
 TEST_F(PaintGolden, AProjectedPicture) {
-    Picker picker(device(), field);
+    render::Picker picker(device(), field);
     picker.show(0);
-    add(project(picker, canvas, densities(canvas, 0), smile(200), figure_camera(200)));
+    add(edit::project(picker, canvas, edit::densities(canvas, 0), smile(200), figure_camera(200)));
     expect_golden("paint_project");
 }
 
 TEST_F(PaintGolden, StrokesOfABrush) {
-    Picker picker(device(), field);
+    render::Picker picker(device(), field);
     picker.show(0);
-    const Camera camera = figure_camera(200);
-    const std::vector<float> sigma = densities(canvas, 0);
-    const auto line = [&](const Brush& brush, const std::vector<glm::dvec2>& pixels) {
-        add(stroke(canvas, sigma, brush, touches_under(picker, camera, pixels)));
+    const stage::Camera camera = figure_camera(200);
+    const std::vector<float> sigma = edit::densities(canvas, 0);
+    const auto line = [&](const edit::Brush& brush, const std::vector<glm::dvec2>& pixels) {
+        add(edit::stroke(canvas, sigma, brush, edit::touches_under(picker, camera, pixels)));
     };
     line({0.05f, 0.2f, {0.9f, 0.02f, 0.02f}}, {{50, 60}, {120, 50}});
     line({0.03f, 0.9f, {0.02f, 0.1f, 0.9f}}, {{60, 150}, {80, 140}, {100, 155}, {120, 140}});
@@ -87,38 +87,41 @@ TEST_F(PaintGolden, StrokesOfABrush) {
 
 TEST_F(PaintGolden, RegionsErasedRecolouredAndBroughtToLife) {
     const glm::vec3 head(kHead);
-    const Region wedge = without(box_region({0.45f, 0.66f, 0.3f}, {1, 1, 1}), sphere_region(head, 0.15f));
-    add(erase_leaves(leaves_in(canvas, wedge, 0, 1)));
-    const std::vector<uint32_t> shoulders = leaves_in(canvas, box_region({0, 0, 0}, {1, 0.36f, 1}), 0, 0);
-    add_edits(layer, shift_colours(canvas, shoulders, 0, 1, {140, 2.5f}));
+    const edit::Region wedge =
+        edit::without(edit::box_region({0.45f, 0.66f, 0.3f}, {1, 1, 1}), edit::sphere_region(head, 0.15f));
+    add(edit::erase_leaves(edit::leaves_in(canvas, wedge, 0, 1)));
+    const std::vector<uint32_t> shoulders = edit::leaves_in(canvas, edit::box_region({0, 0, 0}, {1, 0.36f, 1}), 0, 0);
+    voctree::add_edits(layer, edit::shift_colours(canvas, shoulders, 0, 1, {140, 2.5f}));
     // A collar where leaves live in the second frame alone.
-    const std::vector<uint32_t> later = all_leaves_in(canvas, box_region({0.75f, 0.1f, 0.3f}, {1, 0.3f, 0.7f}));
-    add(set_density(later, 250), {0, 0});
-    add(fill_leaves(later, {1, 0.8f, 0.1f}, 1), {0, 0});
+    const std::vector<uint32_t> later =
+        edit::all_leaves_in(canvas, edit::box_region({0.75f, 0.1f, 0.3f}, {1, 0.3f, 0.7f}));
+    add(edit::set_density(later, 250), {0, 0});
+    add(edit::fill_leaves(later, {1, 0.8f, 0.1f}, 1), {0, 0});
     expect_golden("paint_region");
 }
 
 TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
-    const std::vector<uint32_t> head = leaves_in(canvas, sphere_region(glm::vec3(kHead), 0.3f), 0, 0);
+    const std::vector<uint32_t> head = edit::leaves_in(canvas, edit::sphere_region(glm::vec3(kHead), 0.3f), 0, 0);
     std::vector<uint32_t> upper, lower;
     for (const uint32_t leaf : head) (canvas.middles[leaf].y > kHead.y ? upper : lower).push_back(leaf);
-    add(fill_leaves(upper, {0.9f, 0.1f, 0.1f}, 1), {0, 0, Follow::kAll});
-    add(fill_leaves(lower, {0.1f, 0.1f, 0.9f}, 1), {0, 0, Follow::kNot});
+    add(edit::fill_leaves(upper, {0.9f, 0.1f, 0.1f}, 1), {0, 0, edit::Follow::kAll});
+    add(edit::fill_leaves(lower, {0.1f, 0.1f, 0.9f}, 1), {0, 0, edit::Follow::kNot});
     expect_golden("paint_follow", 1);  // the upper leaves that the head still fills are red, of the lower none is blue
 }
 
 TEST_F(PaintGolden, BlendsBesideEachOther) {
-    std::vector<LeafEdit> stripes;
+    std::vector<voctree::LeafEdit> stripes;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         if (std::fmod(canvas.middles[leaf].y, 0.16f) < 0.08f)
             stripes.push_back({leaf, 0, 1, {0.1f, 0.3f, 0.9f}, canvas.middles[leaf].x < 0.45f ? 1.0f : 0.5f});
     add(stripes);
-    const PaintBlend blends[] = {PaintBlend::kNormal, PaintBlend::kMultiply, PaintBlend::kTint, PaintBlend::kRecolour};
-    const Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kSide, kSide / 2, 1);
+    const stage::PaintBlend blends[] = {stage::PaintBlend::kNormal, stage::PaintBlend::kMultiply,
+                                        stage::PaintBlend::kTint, stage::PaintBlend::kRecolour};
+    const stage::Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kSide, kSide / 2, 1);
     const auto row = [&](bool painted) {
-        std::vector<Instance> instances;
+        std::vector<render::Instance> instances;
         for (int i = 0; i < 5; i++) {
-            const PaintUse use{&layer, blends[i % 4], 1};
+            const render::PaintUse use{&layer, blends[i % 4], 1};
             instances.push_back(
                 {.frame = 0,
                  .world_from_performer = glm::translate(glm::mat4(1), {0.85f * static_cast<float>(i - 2), 0, 0}),
@@ -126,7 +129,7 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
         }
         return picture(instances, camera);
     };
-    const Image painted = row(true), plain = row(false);
+    const media::Image painted = row(true), plain = row(false);
     EXPECT_EQ(check_golden("paint_blends", painted), "");
     EXPECT_FALSE(compare_with_golden(plain, painted).passes());
     // The fifth has no paint, and shows what it would without the others'.

@@ -42,19 +42,19 @@ GoldenScene blob_scene() {
     constexpr uint32_t kSide = 64, kDepth = 6;
     GoldenScene scene;
     scene.name = "blob_between_frames";
-    VOctree& tree = scene.tree;
+    voctree::VOctree& tree = scene.tree;
     tree.node_levels = 3;
     tree.frames = tree.bases = 3;
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-    std::vector<LeafPlace> places;
-    const auto centre = [](const LeafPlace& p) { return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide}; };
+    std::vector<voctree::LeafPlace> places;
+    const auto centre = [](const voctree::LeafPlace& p) { return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide}; };
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const voctree::LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         if (blob_distance(centre(place), tree.frames) < kBlobRadius) places.push_back(place);
     }
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         const glm::dvec3 at = centre(places[leaf]);
@@ -80,15 +80,15 @@ GoldenScene blob_scene() {
 
 std::vector<GoldenScene> golden_scenes() {
     GoldenScene depth = random_scene("random_tree_depth");
-    depth.settings.resolve.show = Show::kDepth;
+    depth.settings.resolve.show = render::Show::kDepth;
     depth.settings.resolve.depth_near_m = 1.8f;
     depth.settings.resolve.depth_far_m = 4.2f;
     return {random_scene("random_tree"), depth, blob_scene()};
 }
 
-Image render_scene(const Device& device, const GoldenScene& scene) {
-    const Field field = upload_field(device, scene.tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, {scene.settings.width, scene.settings.height});
+media::Image render_scene(const gpu::Device& device, const GoldenScene& scene) {
+    const render::Field field = render::upload_field(device, scene.tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, {scene.settings.width, scene.settings.height});
     return renderer.render(scene.camera, scene.settings);
 }
 

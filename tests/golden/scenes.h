@@ -10,12 +10,12 @@ namespace neuvv::test {
 
 struct GoldenScene {
     std::string name;
-    VOctree tree;
-    Camera camera;
-    FrameSettings settings;
+    voctree::VOctree tree;
+    stage::Camera camera;
+    render::FrameSettings settings;
 };
 
 std::vector<GoldenScene> golden_scenes();
-Image render_scene(const Device& device, const GoldenScene& scene);
+media::Image render_scene(const gpu::Device& device, const GoldenScene& scene);
 
 }  // namespace neuvv::test

@@ -13,8 +13,8 @@ namespace {
 constexpr uint32_t kSize = 160, kTexels = 2;  // pixels, and texels a pixel each way
 
 // Tiles of 8 pixels in two colours.
-Image checks(glm::u8vec3 a, glm::u8vec3 b) {
-    Image image(64, 64);
+media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
+    media::Image image(64, 64);
     for (uint32_t y = 0; y < 64; y++)
         for (uint32_t x = 0; x < 64; x++) {
             const glm::u8vec3 colour = (x / 8 + y / 8) % 2 ? a : b;
@@ -25,8 +25,8 @@ Image checks(glm::u8vec3 a, glm::u8vec3 b) {
 }
 
 // Round studs, as normals.
-Image studs() {
-    Image image(64, 64);
+media::Image studs() {
+    media::Image image(64, 64);
     for (uint32_t y = 0; y < 64; y++)
         for (uint32_t x = 0; x < 64; x++) {
             const glm::dvec2 from_middle((x % 16 - 7.5) / 6, -(y % 16 - 7.5) / 6);
@@ -39,15 +39,15 @@ Image studs() {
 }
 
 // A sky that brightens upwards, with a warm window to the right, over dark ground.
-Image sky() {
-    Image image(128, 64);
+media::Image sky() {
+    media::Image image(128, 64);
     for (uint32_t y = 0; y < 64; y++)
         for (uint32_t x = 0; x < 128; x++) {
             const double up = 1 - y / 32.0;
             glm::dvec3 light = up > 0 ? glm::mix(glm::dvec3(0.3, 0.35, 0.4), glm::dvec3(0.08, 0.16, 0.4), up)
                                       : glm::dvec3(0.06, 0.05, 0.05);
             if (x > 88 && x < 104 && y > 12 && y < 28) light = {1, 0.8, 0.5};
-            for (int c = 0; c < 3; c++) image.at(x, y)[c] = srgb_byte_from_linear(static_cast<float>(light[c]));
+            for (int c = 0; c < 3; c++) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
             image.at(x, y)[3] = 255;
         }
     return image;
@@ -63,9 +63,9 @@ void add_floor(GlbBuilder& glb) {
     add_mesh(glb, rectangle({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}), material);
 }
 
-SetLight key_light() {
-    SetLight light;
-    light.kind = SetLightKind::kSpot;
+render::SetLight key_light() {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kSpot;
     light.position = {1.6, 3, 1.4};
     light.direction = glm::normalize(glm::dvec3(-0.1, 0.2, -0.1) - light.position);
     light.colour = glm::dvec3(48, 44, 38);
@@ -75,9 +75,9 @@ SetLight key_light() {
     return light;
 }
 
-SetLight fill_light() {
-    SetLight light;
-    light.kind = SetLightKind::kPoint;
+render::SetLight fill_light() {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kPoint;
     light.position = {-1.4, 0.9, 0.9};
     light.colour = {0.6, 1.2, 2.4};
     light.range_m = 4;
@@ -138,16 +138,17 @@ std::vector<GoldenSet> golden_sets() {
     return sets;
 }
 
-Image render_set(const Device& device, const GoldenSet& set) {
+media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
     const uint32_t side = kSize * kTexels;
-    SetRaster raster(device, set.scene, side, side, 1, set.environment.rgba.empty() ? nullptr : &set.environment);
-    raster.pose(pose_scene(set.scene, kNoAnimation, 0));
+    render::SetRaster raster(device, set.scene, side, side, 1,
+                             set.environment.rgba.empty() ? nullptr : &set.environment);
+    raster.pose(stage::pose_scene(set.scene, stage::kNoAnimation, 0));
     raster.light(set.lights, set.ambient);
     if (set.volume_depth_m > 0) {
         std::vector<float> volume(size_t{side} * side, INFINITY);
         for (size_t i = 0; i < volume.size(); i++)
             if (i % side >= side / 2) volume[i] = set.volume_depth_m;
-        upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
+        gpu::upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
     }
     const SetPictures drawn = draw_set(device, raster, {set.camera});
     std::vector<glm::vec4> pixels(kSize * kSize, glm::vec4(0));
@@ -158,7 +159,7 @@ Image render_set(const Device& device, const GoldenSet& set) {
         pixels[i / side / kTexels * kSize + i % side / kTexels] += glm::vec4(light) / float{kTexels * kTexels};
     }
     for (glm::vec4& pixel : pixels) pixel.a = 1;
-    return encode_straight(pixels, kSize, kSize);
+    return render::encode_straight(pixels, kSize, kSize);
 }
 
 }  // namespace neuvv::test

@@ -11,16 +11,16 @@ namespace neuvv::test {
 
 struct GoldenSet {
     std::string name;
-    GltfScene scene;
-    Image environment;  // empty: none
-    Camera camera;
-    std::vector<SetLight> lights;
-    SetAmbient ambient;
+    stage::GltfScene scene;
+    media::Image environment;  // empty: none
+    stage::Camera camera;
+    std::vector<render::SetLight> lights;
+    render::SetAmbient ambient;
     float volume_depth_m = 0;  // of a made-up volume over the right half of the picture; 0: none
 };
 
 std::vector<GoldenSet> golden_sets();
 // Four texels a pixel; front over colour.
-Image render_set(const Device& device, const GoldenSet& set);
+media::Image render_set(const gpu::Device& device, const GoldenSet& set);
 
 }  // namespace neuvv::test

@@ -19,111 +19,112 @@ constexpr uint32_t kWidth = 240, kHeight = 135, kSamples = 2;
 struct Builder {
     TemporaryFolder folder;
     std::filesystem::path clip = folder.path / "figure.nvv";
-    StageFile file = new_stage(folder.path / "stage.gltf");
+    stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
 
-    Builder() { write_nvv(clip, waver_tree()); }
+    Builder() { voctree::write_nvv(clip, waver_tree()); }
 
-    uint32_t add(const std::string& name, glm::dvec3 at, glm::dvec3 turn_deg = glm::dvec3(0), PerformerEdit edit = {}) {
-        Placement place;
+    uint32_t add(const std::string& name, glm::dvec3 at, glm::dvec3 turn_deg = glm::dvec3(0),
+                 edit::PerformerEdit edit = {}) {
+        edit::Placement place;
         place.at = at;
         place.turn_deg = turn_deg;
         edit.clip = clip;
-        if (!edit.time) edit.time = parse_time_map("freeze:5f", "test", "");
-        add_performer(file, name, edit, place);
-        return find_node(file, name);
+        if (!edit.time) edit.time = stage::parse_time_map("freeze:5f", "test", "");
+        edit::add_performer(file, name, edit, place);
+        return edit::find_node(file, name);
     }
-    void light(const LightEdit& edit, glm::dvec3 at, glm::dvec3 aim) {
-        set_light(file, find_node(file, "key"), edit);
-        Placement place;
+    void light(const edit::LightEdit& edit, glm::dvec3 at, glm::dvec3 aim) {
+        edit::set_light(file, edit::find_node(file, "key"), edit);
+        edit::Placement place;
         place.at = at;
         place.aim = aim;
-        place_node(file, find_node(file, "key"), place);
+        edit::place_node(file, edit::find_node(file, "key"), place);
     }
     void ambient(double light) {
-        StageEdit edit;
+        edit::StageEdit edit;
         edit.ambient = glm::dvec3(light);
-        set_stage(file, edit);
+        edit::set_stage(file, edit);
     }
 };
 
-Image render(const Device& device, const Builder& builder, const Camera& camera, double time_s = 0,
-             const std::function<void(Stage&)>& change = {}) {
-    Stage stage = make_stage(builder.file);
+media::Image render(const gpu::Device& device, const Builder& builder, const stage::Camera& camera, double time_s = 0,
+                    const std::function<void(stage::Stage&)>& change = {}) {
+    stage::Stage stage = stage::make_stage(builder.file);
     if (change) change(stage);
-    StageRenderer renderer(device, stage, {camera.width, camera.height, kSamples});
-    const StageInstant instant = stage_at(stage, time_s);
+    render::StageRenderer renderer(device, stage, {camera.width, camera.height, kSamples});
+    const stage::StageInstant instant = stage::stage_at(stage, time_s);
     renderer.show(instant);
     return renderer.frames().render(camera, renderer.settings_at(instant));
 }
 
-Camera wide_camera() {
+stage::Camera wide_camera() {
     return look_at({0, 1.9, 5}, {0, 0.8, 0}, kWidth, kHeight, 1.15);
 }
 
 // Turned, stretched and sheared, in one row.
-Image space(const Device& device) {
+media::Image space(const gpu::Device& device) {
     Builder builder;
     builder.add("turned", {-1.6, 0, 0}, {0, 60, 20});
-    Placement stretched;
+    edit::Placement stretched;
     stretched.scale = glm::dvec3(1.5, 0.6, 0.8);
-    place_node(builder.file, builder.add("stretched", {0, 0, 0}), stretched);
-    Placement sheared;
+    edit::place_node(builder.file, builder.add("stretched", {0, 0, 0}), stretched);
+    edit::Placement sheared;
     sheared.matrix = glm::dmat4({1, 0, 0, 0}, {0.5, 1, 0, 0}, {0, 0, 1, 0}, {1.3, 0, 0, 1});
-    place_node(builder.file, builder.add("sheared", {0, 0, 0}), sheared);
+    edit::place_node(builder.file, builder.add("sheared", {0, 0, 0}), sheared);
     return render(device, builder, look_at({0, 2.1, 6.8}, {0, 0.75, 0}, kWidth, kHeight, 1.15));
 }
 
 // Twelve instants half a second apart, side by side: the clip has eight frames at four a second.
-Image film(const Device& device, const std::string& time, double spin = 0) {
+media::Image film(const gpu::Device& device, const std::string& time, double spin = 0) {
     constexpr uint32_t kInstants = 12, kFilmWidth = 20, kFilmHeight = 40;
     Builder builder;
-    PerformerEdit edit;
-    edit.time = parse_time_map(time, "test", "");
+    edit::PerformerEdit edit;
+    edit.time = stage::parse_time_map(time, "test", "");
     edit.spin_deg_per_s = spin;
     builder.add("figure", {0, 0, 0}, {}, edit);
     builder.ambient(1);
-    Stage stage = make_stage(builder.file);
-    StageRenderer renderer(device, stage, {kFilmWidth, kFilmHeight, kSamples});
-    const Camera camera = look_at({0.15, 1.1, 4}, {0.15, 0.95, 0}, kFilmWidth, kFilmHeight, 3.8);
-    Image strip(kInstants * kFilmWidth, kFilmHeight);
+    stage::Stage stage = stage::make_stage(builder.file);
+    render::StageRenderer renderer(device, stage, {kFilmWidth, kFilmHeight, kSamples});
+    const stage::Camera camera = look_at({0.15, 1.1, 4}, {0.15, 0.95, 0}, kFilmWidth, kFilmHeight, 3.8);
+    media::Image strip(kInstants * kFilmWidth, kFilmHeight);
     for (uint32_t i = 0; i < kInstants; i++) {
-        const StageInstant instant = stage_at(stage, 0.25 * i);
+        const stage::StageInstant instant = stage::stage_at(stage, 0.25 * i);
         renderer.show(instant);
-        const Image one = renderer.frames().render(camera, renderer.settings_at(instant));
+        const media::Image one = renderer.frames().render(camera, renderer.settings_at(instant));
         for (uint32_t y = 0; y < kFilmHeight; y++)
             std::copy_n(one.at(0, y), size_t{4} * kFilmWidth, strip.at(i * kFilmWidth, y));
     }
     return strip;
 }
 
-Image ring(const Device& device) {
+media::Image ring(const gpu::Device& device) {
     Builder builder;
-    PerformerEdit edit;
-    edit.time = parse_time_map("loop", "test", "");
+    edit::PerformerEdit edit;
+    edit.time = stage::parse_time_map("loop", "test", "");
     const uint32_t node = builder.add("figure", {0, 0, 1.6}, {}, edit);
-    CopySettings copies;
+    edit::CopySettings copies;
     copies.count = 11;
-    copies.pattern = CopyPattern::kRing;
+    copies.pattern = edit::CopyPattern::kRing;
     copies.distance_m = 2.2;
     copies.stagger = {1, true};
-    duplicate_node(builder.file, node, copies);
+    edit::duplicate_node(builder.file, node, copies);
     return render(device, builder, look_at({0, 4.6, 6.5}, {0, 0.3, -0.4}, kWidth, kHeight, 0.95));
 }
 
 // Two that walked into each other, one of them translucent or not.
-Image blend(const Device& device, StageBlend way, double opacity) {
+media::Image blend(const gpu::Device& device, stage::StageBlend way, double opacity) {
     Builder builder;
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.opacity = opacity;
     builder.add("one", {-0.15, 0, 0}, {0, 40, 0}, edit);
     builder.add("other", {0.15, 0, 0.05}, {0, -50, 12});
     builder.ambient(0.8);
     return render(device, builder, look_at({0, 1.3, 3.4}, {0, 0.9, 0}, kWidth, kHeight, 0.95), 0,
-                  [way](Stage& stage) { stage.settings.blend = way; });
+                  [way](stage::Stage& stage) { stage.settings.blend = way; });
 }
 
-LightEdit spot(double candela) {
-    LightEdit light;
+edit::LightEdit spot(double candela) {
+    edit::LightEdit light;
     light.intensity = candela;
     light.color = glm::dvec3(1, 0.85, 0.6);
     light.inner_cone_deg = 18;
@@ -131,65 +132,65 @@ LightEdit spot(double candela) {
     return light;
 }
 
-Image lights(const Device& device, bool shadows, bool falloff) {
+media::Image lights(const gpu::Device& device, bool shadows, bool falloff) {
     Builder builder;
     builder.add("one", {-0.7, 0, -0.3}, {0, 20, 0});
     builder.add("other", {0.6, 0, 0.4}, {0, -30, 0});
     builder.light(spot(70), {-1.8, 3.6, 2}, {0, 0.4, 0});
     builder.ambient(0.12);
-    return render(device, builder, wide_camera(), 0, [&](Stage& stage) {
+    return render(device, builder, wide_camera(), 0, [&](stage::Stage& stage) {
         stage.settings.shadows = shadows;
         stage.settings.falloff = falloff;
     });
 }
 
 // Two lights of different colours: two shadows.
-Image two_lights(const Device& device) {
+media::Image two_lights(const gpu::Device& device) {
     Builder builder;
     builder.add("figure", {0, 0, 0}, {0, 10, 0});
-    LightEdit red = spot(60), blue = spot(60);
+    edit::LightEdit red = spot(60), blue = spot(60);
     red.color = glm::dvec3(1, 0.2, 0.1);
     blue.color = glm::dvec3(0.1, 0.3, 1);
     blue.kind = "spot";
     builder.light(red, {-2.5, 3, 2}, {0, 0.5, 0});
-    Placement place;
+    edit::Placement place;
     place.at = glm::dvec3(2.5, 3, 2);
     place.aim = glm::dvec3(0, 0.5, 0);
-    add_light(builder.file, "blue", blue, place);
+    edit::add_light(builder.file, "blue", blue, place);
     builder.ambient(0.1);
     return render(device, builder, wide_camera());
 }
 
 // A directional light: shadows all alike.
-Image sun(const Device& device) {
+media::Image sun(const gpu::Device& device) {
     Builder builder;
     builder.add("one", {-0.7, 0, -0.3}, {0, 20, 0});
     builder.add("other", {0.6, 0, 0.4}, {0, -30, 0});
-    remove_light(builder.file, find_node(builder.file, "key"));
-    LightEdit light;
+    edit::remove_light(builder.file, edit::find_node(builder.file, "key"));
+    edit::LightEdit light;
     light.kind = "directional";
     light.intensity = 2.5;
-    Placement place;
+    edit::Placement place;
     place.at = glm::dvec3(3, 4, 2);
     place.aim = glm::dvec3(0);
-    add_light(builder.file, "sun", light, place);
+    edit::add_light(builder.file, "sun", light, place);
     builder.ambient(0.2);
     return render(device, builder, wide_camera());
 }
 
 // Another program's stage through its own camera, at its start and at its end.
-Image foreign(const Device& device) {
+media::Image foreign(const gpu::Device& device) {
     const TemporaryFolder folder;
-    write_nvv(folder.path / "figure.nvv", waver_tree());
+    voctree::write_nvv(folder.path / "figure.nvv", waver_tree());
     write_text(folder.path / "stage.gltf", kForeignScene);
-    const Stage stage = load_stage(folder.path / "stage.gltf");
-    StageRenderer renderer(device, stage, {kWidth, kHeight, kSamples});
-    Image both(2 * kWidth, kHeight);
+    const stage::Stage stage = stage::load_stage(folder.path / "stage.gltf");
+    render::StageRenderer renderer(device, stage, {kWidth, kHeight, kSamples});
+    media::Image both(2 * kWidth, kHeight);
     for (uint32_t i = 0; i < 2; i++) {
-        const StageInstant instant = stage_at(stage, 2 * i);
+        const stage::StageInstant instant = stage::stage_at(stage, 2 * i);
         renderer.show(instant);
-        const Camera camera = camera_of(stage, "Camera", instant, kWidth, kHeight);
-        const Image one = renderer.frames().render(camera, renderer.settings_at(instant));
+        const stage::Camera camera = stage::camera_of(stage, "Camera", instant, kWidth, kHeight);
+        const media::Image one = renderer.frames().render(camera, renderer.settings_at(instant));
         for (uint32_t y = 0; y < kHeight; y++) std::copy_n(one.at(0, y), size_t{4} * kWidth, both.at(i * kWidth, y));
     }
     return both;
@@ -197,9 +198,9 @@ Image foreign(const Device& device) {
 
 }  // namespace
 
-std::vector<GoldenStage> golden_stages(const Device& device, const std::string& only) {
+std::vector<GoldenStage> golden_stages(const gpu::Device& device, const std::string& only) {
     std::vector<GoldenStage> stages;
-    const auto add = [&](const std::string& name, const std::function<Image()>& draw) {
+    const auto add = [&](const std::string& name, const std::function<media::Image()>& draw) {
         if (only.empty() || only == name) stages.push_back({name, draw()});
     };
     add("stage_space", [&] { return space(device); });
@@ -217,9 +218,9 @@ std::vector<GoldenStage> golden_stages(const Device& device, const std::string& 
         add("stage_time_" + name, [&device, time = time] { return film(device, time); });
     add("stage_spin", [&] { return film(device, "freeze:5f", 120); });
     add("stage_ring", [&] { return ring(device); });
-    add("stage_blend_exact", [&] { return blend(device, StageBlend::kExact, 1); });
-    add("stage_blend_paper", [&] { return blend(device, StageBlend::kPaper, 1); });
-    add("stage_translucent", [&] { return blend(device, StageBlend::kExact, 0.5); });
+    add("stage_blend_exact", [&] { return blend(device, stage::StageBlend::kExact, 1); });
+    add("stage_blend_paper", [&] { return blend(device, stage::StageBlend::kPaper, 1); });
+    add("stage_translucent", [&] { return blend(device, stage::StageBlend::kExact, 0.5); });
     add("stage_light", [&] { return lights(device, true, true); });
     add("stage_light_no_shadows", [&] { return lights(device, false, true); });
     add("stage_light_no_falloff", [&] { return lights(device, true, false); });

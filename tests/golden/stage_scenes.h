@@ -11,10 +11,10 @@ namespace neuvv::test {
 
 struct GoldenStage {
     std::string name;
-    Image picture;
+    media::Image picture;
 };
 
 // Renders all of them, or the one of this name.
-std::vector<GoldenStage> golden_stages(const Device& device, const std::string& only = "");
+std::vector<GoldenStage> golden_stages(const gpu::Device& device, const std::string& only = "");
 
 }  // namespace neuvv::test

@@ -44,24 +44,25 @@ void expect_failure(Call&& call, const std::string& part) {
 using DeviceTest = GpuTest;
 
 TEST_F(DeviceTest, IsNamedByIndexOrByPartOfItsName) {
-    const DeviceSummary& shared = device().summary();
-    EXPECT_EQ(Device(std::to_string(shared.index), Validation::kOn).summary().index, shared.index);
+    const gpu::DeviceSummary& shared = device().summary();
+    EXPECT_EQ(gpu::Device(std::to_string(shared.index), gpu::Validation::kOn).summary().index, shared.index);
     std::string part = shared.name.substr(0, 5);
     for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    EXPECT_EQ(Device(part, Validation::kOn).summary().kind, shared.kind);
-    const std::vector<DeviceSummary> all = list_devices();
+    EXPECT_EQ(gpu::Device(part, gpu::Validation::kOn).summary().kind, shared.kind);
+    const std::vector<gpu::DeviceSummary> all = gpu::list_devices();
     ASSERT_LT(shared.index, all.size());
     EXPECT_EQ(all[shared.index].name, shared.name);
     EXPECT_TRUE(all[shared.index].missing.empty());
 }
 
 TEST_F(DeviceTest, AChoiceThatFitsNoneIsBadInput) {
-    expect_input_error([] { Device("no such device", Validation::kOn); }, {"no such device", "neuvv devices"});
-    expect_input_error([] { Device("999", Validation::kOn); }, {"999", "neuvv devices"});
+    expect_input_error([] { gpu::Device("no such device", gpu::Validation::kOn); },
+                       {"no such device", "neuvv devices"});
+    expect_input_error([] { gpu::Device("999", gpu::Validation::kOn); }, {"999", "neuvv devices"});
     const char* environment = std::getenv("NEUVV_DEVICE");
     const std::string before = environment ? environment : "";
     ASSERT_EQ(setenv("NEUVV_DEVICE", "from the environment", 1), 0);
-    expect_input_error([] { Device("", Validation::kOn); }, {"from the environment"});
+    expect_input_error([] { gpu::Device("", gpu::Validation::kOn); }, {"from the environment"});
     ASSERT_EQ(environment ? setenv("NEUVV_DEVICE", before.c_str(), 1) : unsetenv("NEUVV_DEVICE"), 0);
 }
 
@@ -80,14 +81,14 @@ TEST_F(DeviceTest, ValidationIsHeard) {
 TEST_F(DeviceTest, PassesTakeTheNewestShaders) {
     const std::vector<uint32_t> rows(std::begin(rows_comp), std::end(rows_comp)),
         resolve(std::begin(resolve_comp), std::end(resolve_comp));
-    const auto bindings = [&] { return ComputePass(device(), "rows", rows_comp).interface().bindings.size(); };
-    const size_t of_rows = reflect(rows, "rows").bindings.size(),
-                 of_resolve = reflect(resolve, "resolve").bindings.size();
+    const auto bindings = [&] { return gpu::ComputePass(device(), "rows", rows_comp).interface().bindings.size(); };
+    const size_t of_rows = gpu::reflect(rows, "rows").bindings.size(),
+                 of_resolve = gpu::reflect(resolve, "resolve").bindings.size();
     ASSERT_NE(of_rows, of_resolve);
     EXPECT_EQ(bindings(), of_rows);
     device().shaders().set({{rows, resolve}});
     EXPECT_EQ(bindings(), of_resolve);
-    EXPECT_EQ(ComputePass(device(), "resolve", resolve_comp).interface().bindings.size(), of_resolve);
+    EXPECT_EQ(gpu::ComputePass(device(), "resolve", resolve_comp).interface().bindings.size(), of_resolve);
     device().shaders().set({});
     EXPECT_EQ(bindings(), of_rows);
 }
@@ -96,10 +97,11 @@ using BufferTest = GpuTest;
 
 TEST_F(BufferTest, LimitsAreNamed) {
     const uint64_t texels = uint64_t{device().limits().maxTexelBufferElements} + 1;
-    expect_failure([&] { Buffer(device(), "wide", 4 * texels, MemoryKind::kDevice, VK_FORMAT_R32_UINT); }, "\"wide\"");
+    expect_failure([&] { gpu::Buffer(device(), "wide", 4 * texels, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT); },
+                   "\"wide\"");
     const uint64_t bytes = device().max_allocation_bytes() + 1;
-    expect_failure([&] { Buffer(device(), "heavy", bytes, MemoryKind::kDevice); }, "\"heavy\"");
-    expect_failure([] { texel_bytes(VK_FORMAT_R8_UNORM); }, "texel_bytes");
+    expect_failure([&] { gpu::Buffer(device(), "heavy", bytes, gpu::MemoryKind::kDevice); }, "\"heavy\"");
+    expect_failure([] { gpu::texel_bytes(VK_FORMAT_R8_UNORM); }, "texel_bytes");
 }
 
 // Longer than one staging buffer, and every kind of float as it is.
@@ -111,39 +113,39 @@ TEST_F(BufferTest, WhatGoesUpComesDown) {
     data[2] = std::numeric_limits<float>::denorm_min();
     data[3] = -0.0f;
     const uint64_t bytes = data.size() * sizeof(float);
-    const Buffer buffer(device(), "round trip", bytes, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    upload(device(), buffer, data.data(), bytes);
+    const gpu::Buffer buffer(device(), "round trip", bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    gpu::upload(device(), buffer, data.data(), bytes);
     std::vector<float> back(data.size());
-    download(device(), buffer, back.data(), bytes);
+    gpu::download(device(), buffer, back.data(), bytes);
     EXPECT_EQ(std::memcmp(back.data(), data.data(), bytes), 0);
-    expect_failure([&] { upload(device(), buffer, data.data(), buffer.bytes + 1); }, "\"round trip\"");
-    expect_failure([&] { download(device(), buffer, back.data(), buffer.bytes + 1); }, "\"round trip\"");
+    expect_failure([&] { gpu::upload(device(), buffer, data.data(), buffer.bytes + 1); }, "\"round trip\"");
+    expect_failure([&] { gpu::download(device(), buffer, back.data(), buffer.bytes + 1); }, "\"round trip\"");
 }
 
 TEST_F(BufferTest, EmptyOnesHoldATexelAndMovesLeaveNothing) {
-    Buffer buffer(device(), "empty", 0, MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
+    gpu::Buffer buffer(device(), "empty", 0, gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
     EXPECT_EQ(buffer.bytes, 16u);
     ASSERT_NE(buffer.mapped, nullptr);
-    const Buffer moved = std::move(buffer);
+    const gpu::Buffer moved = std::move(buffer);
     EXPECT_NE(moved.buffer, VkBuffer{VK_NULL_HANDLE});
     EXPECT_EQ(buffer.buffer, VkBuffer{VK_NULL_HANDLE});
 }
 
 TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
-    EXPECT_EQ(reflect(rows_comp, "rows").push_bytes, sizeof(RowsPush));
-    EXPECT_EQ(reflect(slice_density_comp, "slice density").push_bytes, sizeof(SlicePush));
-    EXPECT_EQ(reflect(slice_colour_comp, "slice colour").push_bytes, sizeof(SlicePush));
-    EXPECT_EQ(reflect(trace_comp, "trace").push_bytes, sizeof(TracePush));
-    EXPECT_EQ(reflect(direct_comp, "direct").push_bytes, sizeof(TracePush));
-    EXPECT_EQ(reflect(resolve_comp, "resolve").push_bytes, sizeof(ResolvePush));
-    EXPECT_EQ(reflect(inspect_comp, "inspect").push_bytes, sizeof(InspectPush));
-    EXPECT_EQ(reflect(set_vert, "set").push_bytes, sizeof(SetPush));
-    EXPECT_EQ(reflect(set_frag, "set").push_bytes, sizeof(SetPush));
-    EXPECT_EQ(reflect(set_shadow_frag, "set shadow").push_bytes, sizeof(SetPush));
+    EXPECT_EQ(gpu::reflect(rows_comp, "rows").push_bytes, sizeof(RowsPush));
+    EXPECT_EQ(gpu::reflect(slice_density_comp, "slice density").push_bytes, sizeof(SlicePush));
+    EXPECT_EQ(gpu::reflect(slice_colour_comp, "slice colour").push_bytes, sizeof(SlicePush));
+    EXPECT_EQ(gpu::reflect(trace_comp, "trace").push_bytes, sizeof(TracePush));
+    EXPECT_EQ(gpu::reflect(direct_comp, "direct").push_bytes, sizeof(TracePush));
+    EXPECT_EQ(gpu::reflect(resolve_comp, "resolve").push_bytes, sizeof(ResolvePush));
+    EXPECT_EQ(gpu::reflect(inspect_comp, "inspect").push_bytes, sizeof(InspectPush));
+    EXPECT_EQ(gpu::reflect(set_vert, "set").push_bytes, sizeof(SetPush));
+    EXPECT_EQ(gpu::reflect(set_frag, "set").push_bytes, sizeof(SetPush));
+    EXPECT_EQ(gpu::reflect(set_shadow_frag, "set shadow").push_bytes, sizeof(SetPush));
 }
 
 TEST(Reflect, FindsEveryKindOfBinding) {
-    const ShaderInterface interface = reflect(slice_colour_comp, "slice colour");
+    const gpu::ShaderInterface interface = gpu::reflect(slice_colour_comp, "slice colour");
     const std::array<std::pair<uint32_t, VkDescriptorType>, 5> expected = {{
         {kSliceWeights, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
         {kSliceRows, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
@@ -160,29 +162,29 @@ TEST(Reflect, FindsEveryKindOfBinding) {
 
 TEST(Reflect, RefusesWhatIsNoShader) {
     constexpr uint32_t kWords[] = {1, 2, 3, 4, 5, 6, 7};
-    expect_failure([&] { reflect(kWords, "garbage"); }, "\"garbage\"");
-    expect_failure([] { reflect({}, "nothing"); }, "\"nothing\"");
+    expect_failure([&] { gpu::reflect(kWords, "garbage"); }, "\"garbage\"");
+    expect_failure([] { gpu::reflect({}, "nothing"); }, "\"nothing\"");
     const std::span<const uint32_t> cut(resolve_comp, std::size(resolve_comp) / 2);
-    expect_failure([&] { reflect(cut, "cut"); }, "\"cut\"");
+    expect_failure([&] { gpu::reflect(cut, "cut"); }, "\"cut\"");
 }
 
 using BindingTest = GpuTest;
 
 TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
-    const ComputePass pass(device(), "resolve", resolve_comp);
-    const Buffer radiance(device(), "radiance", 1024, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
-    const Buffer depth(device(), "depth", 256, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    const Buffer picture(device(), "picture", 256, MemoryKind::kDevice, VK_FORMAT_R32_UINT);
-    const Buffer plain(device(), "plain", 256, MemoryKind::kDevice), none;
-    const auto bind = [&](const Buffer& in, uint32_t last) {
-        BindingSet(pass, {{kResolveRadiance, &in},
-                          {kResolveDepth, &depth},
-                          {kResolveTiles, &picture},
-                          {kResolveCameras, &radiance},
-                          {kResolveSetColour, &radiance},
-                          {kResolveSetFront, &radiance},
-                          {kResolveSetDepth, &depth},
-                          {last, &picture}});
+    const gpu::ComputePass pass(device(), "resolve", resolve_comp);
+    const gpu::Buffer radiance(device(), "radiance", 1024, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
+    const gpu::Buffer depth(device(), "depth", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    const gpu::Buffer picture(device(), "picture", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer plain(device(), "plain", 256, gpu::MemoryKind::kDevice), none;
+    const auto bind = [&](const gpu::Buffer& in, uint32_t last) {
+        gpu::BindingSet(pass, {{kResolveRadiance, &in},
+                               {kResolveDepth, &depth},
+                               {kResolveTiles, &picture},
+                               {kResolveCameras, &radiance},
+                               {kResolveSetColour, &radiance},
+                               {kResolveSetFront, &radiance},
+                               {kResolveSetDepth, &depth},
+                               {last, &picture}});
     };
     EXPECT_NO_THROW(bind(radiance, kResolvePicture));
     expect_failure([&] { bind(radiance, 17); }, "no buffer for binding 2");
@@ -194,32 +196,32 @@ TEST_F(BindingTest, AStorageBufferBeyondTheRangeIsNamed) {
     const uint64_t bytes = uint64_t{device().limits().maxStorageBufferRange} + 4;
     // To go beyond the range, such a buffer must be made; real GPUs bind 2 or 4 GiB, which a test does not take.
     if (bytes > uint64_t{1} << 30) GTEST_SKIP() << "this device binds storage buffers of " << (bytes >> 20) << " MiB";
-    const ComputePass pass(device(), "rows", rows_comp);
-    const Buffer basis(device(), "basis", 64, MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    const Buffer live(device(), "live", sizeof(LiveCount), MemoryKind::kDevice);
-    const Buffer huge(device(), "huge rows", bytes, MemoryKind::kDevice);
+    const gpu::ComputePass pass(device(), "rows", rows_comp);
+    const gpu::Buffer basis(device(), "basis", 64, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
+    const gpu::Buffer live(device(), "live", sizeof(LiveCount), gpu::MemoryKind::kDevice);
+    const gpu::Buffer huge(device(), "huge rows", bytes, gpu::MemoryKind::kDevice);
     expect_failure(
         [&] {
-            BindingSet(pass,
-                       {{kRowsSigmaBasis, &basis}, {kRowsGammaBasis, &basis}, {kRowsOut, &huge}, {kRowsLive, &live}});
+            gpu::BindingSet(
+                pass, {{kRowsSigmaBasis, &basis}, {kRowsGammaBasis, &basis}, {kRowsOut, &huge}, {kRowsLive, &live}});
         },
         "\"huge rows\"");
 }
 
 TEST_F(BindingTest, PassTimesAreThoseOfTheScopes) {
-    Commands commands(device(), "timed");
+    gpu::Commands commands(device(), "timed");
     EXPECT_TRUE(commands.pass_times().empty());
-    const Buffer buffer(device(), "filled", 1 << 20, MemoryKind::kReadback);
+    const gpu::Buffer buffer(device(), "filled", 1 << 20, gpu::MemoryKind::kReadback);
     commands.begin();
     for (const char* name : {"first", "second"}) {
-        const PassScope scope(commands, name);
-        fill(commands, buffer, 0x12345678u);
-        compute_barrier(commands);
+        const gpu::PassScope scope(commands, name);
+        gpu::fill(commands, buffer, 0x12345678u);
+        gpu::compute_barrier(commands);
     }
-    host_barrier(commands);
+    gpu::host_barrier(commands);
     commands.submit();
     commands.wait();
-    const std::vector<PassTime> times = commands.pass_times();
+    const std::vector<gpu::PassTime> times = commands.pass_times();
     ASSERT_EQ(times.size(), 2u);
     EXPECT_EQ(times[1].name, "second");
     EXPECT_GE(times[0].milliseconds, 0);

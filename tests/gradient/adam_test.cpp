@@ -12,14 +12,14 @@ struct State {
     std::vector<float> weights, first, second;
 };
 
-State weights_now(const Device& device, const TrainingStep& step) {
+State weights_now(const gpu::Device& device, const training::TrainingStep& step) {
     const size_t count = step.field().weights.bytes / sizeof(float);
     return {download_floats(device, step.field().weights, count), download_floats(device, step.moments().first, count),
             download_floats(device, step.moments().second, count)};
 }
 
 // A, then B, as their moments are.
-State rows_now(const Device& device, const TrainingStep& step) {
+State rows_now(const gpu::Device& device, const training::TrainingStep& step) {
     const size_t count = size_t{step.field().frames} * step.field().bases;
     State state{download_floats(device, step.field().sigma_basis, count),
                 download_floats(device, step.moments().rows_first, 2 * count),
@@ -37,7 +37,7 @@ struct Counts {
 // mostly the rounding of their atomic sums differ from run to run and are passed over.
 template <typename RateOf>
 void expect_update(const State& before, const State& after, const std::vector<float>& gradient, const RateOf& rate_of,
-                   const AdamSettings& adam, Counts& counts) {
+                   const training::AdamSettings& adam, Counts& counts) {
     ASSERT_EQ(before.weights.size(), gradient.size());
     float largest = 0;
     for (const float g : gradient) largest = std::max(largest, std::abs(g));
@@ -68,15 +68,15 @@ using AdamTest = GpuTest;
 // Three steps on different tiles: a leaf first seen in the third is corrected for the bias of the third step.
 TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     const Scene all = random_scene({.tree = {.seed = 51, .leaves = 300, .bases = 5, .hh_degree = 2}});
-    TrainingStep step(device(), all.tree, 2, 3);
-    const LearningRates rates{
+    training::TrainingStep step(device(), all.tree, 2, 3);
+    const training::LearningRates rates{
         .sigma = 0.3f, .gamma = 0.01f, .colour = 0.2f, .detail = 0.05f, .sigma_rows = 1e-2f, .gamma_rows = 2e-2f};
     const uint32_t basis_planes = step.field().basis_planes(), leaves = all.tree.leaf_count;
-    const std::vector<LeafPlace> places = leaf_places(all.tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(all.tree);
     const auto weight_rate = [&](size_t i) {
         const size_t plane = i / (size_t{4} * leaves);
         if (plane < basis_planes) {  // against the leaf's edge
-            const LeafPlace& place = places[i / 4 % leaves];
+            const voctree::LeafPlace& place = places[i / 4 % leaves];
             return static_cast<double>(rates.sigma) * std::exp2(place.depth) / static_cast<double>(all.tree.box_size.x);
         }
         if (plane < 2 * basis_planes) return static_cast<double>(rates.gamma);
@@ -94,7 +94,7 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
         const Scene scene = with_tiles(all, 2 * i, 3, i);
         const Gradients gradients = emitted_gradients(device(), step, scene);
         const State weights_before = weights_now(device(), step), rows_before = rows_now(device(), step);
-        StepSettings settings = settings_of(scene);
+        training::StepSettings settings = settings_of(scene);
         settings.rates = rates;
         settings.adam.step = i;
         step.submit(settings);
@@ -113,17 +113,17 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
 TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     Scene scene = random_scene({.tree = {.seed = 54, .leaves = 300, .bases = 5, .hh_degree = 1}});
     ASSERT_GE(scene.tree.frames, 3u);
-    TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
-    StepSettings settings = settings_of(scene);
+    training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
+    training::StepSettings settings = settings_of(scene);
     settings.adam.used_from = 0.05f;
     const auto run_at = [&](float frame) {
         load_scene(step, scene);
         settings.frame = frame;
         step.submit(settings);
         step.wait();
-        return read_use(device(), step.tally(), scene.tree);
+        return training::read_use(device(), step.tally(), scene.tree);
     };
-    const LeafUse once = run_at(0.5f), twice = run_at(2);
+    const training::LeafUse once = run_at(0.5f), twice = run_at(2);
     size_t reached = 0, weakly = 0, grown = 0;
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
         EXPECT_EQ(once.frames[leaf], once.reach[leaf] >= 0.05f ? 0b011u : 0u);
@@ -142,14 +142,14 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
 
 TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {
     const Scene scene = random_scene({.tree = {.seed = 52, .leaves = 300, .bases = 5, .hh_degree = 1}});
-    TrainingStep step(device(), scene.tree, 2, 7);
+    training::TrainingStep step(device(), scene.tree, 2, 7);
     load_scene(step, scene);
-    StepSettings settings = settings_of(scene);
+    training::StepSettings settings = settings_of(scene);
     settings.rates = {.sigma = 0.1f, .gamma = 0.1f, .colour = 0.1f, .detail = 0.1f, .sigma_rows = 1, .gamma_rows = 1};
     settings.learn_rows = false;
     step.submit(settings);
     step.wait();
-    VOctree after = scene.tree;
+    voctree::VOctree after = scene.tree;
     step.download(after);
     EXPECT_EQ(after.sigma_basis, scene.tree.sigma_basis);
     EXPECT_EQ(after.gamma_basis, scene.tree.gamma_basis);
@@ -159,28 +159,28 @@ TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {
 // Pictures of a random tree; another one with the same leaves learns to look like it.
 TEST_F(AdamTest, AHundredStepsLearnAFixedBatch) {
     Scene scene = random_scene({.tree = {.seed = 61, .node_levels = 1, .leaves = 30, .bases = 5, .hh_degree = 1}});
-    TrainingStep teacher(device(), scene.tree, 2, 7);
+    training::TrainingStep teacher(device(), scene.tree, 2, 7);
     load_scene(teacher, scene);
     teacher.submit(settings_of(scene));
     teacher.wait();
     std::vector<glm::vec4> seen(scene.target.size());
-    download(device(), teacher.rays().radiance, seen.data(), seen.size() * sizeof(glm::vec4));
+    gpu::download(device(), teacher.rays().radiance, seen.data(), seen.size() * sizeof(glm::vec4));
     for (size_t i = 0; i < seen.size(); i++)
         if (scene.target[i].a >= 0) scene.target[i] = seen[i];
 
-    VOctree pupil = scene.tree;
+    voctree::VOctree pupil = scene.tree;
     for (uint32_t leaf = 0; leaf < pupil.leaf_count; leaf++)
         for (uint32_t i = 2 * pupil.bases; i < pupil.weights_per_leaf(); i++) pupil.leaf(leaf)[i] = 0;  // grey
-    TrainingStep step(device(), pupil, 2, 7);
+    training::TrainingStep step(device(), pupil, 2, 7);
     load_scene(step, scene);
-    StepSettings settings = settings_of(scene);
+    training::StepSettings settings = settings_of(scene);
     settings.rates = {
         .sigma = 0.05f, .gamma = 0.01f, .colour = 0.15f, .detail = 0.15f, .sigma_rows = 1e-3f, .gamma_rows = 1e-3f};
     double first = 0, last = 0;
     for (uint32_t i = 1; i <= 100; i++) {
         settings.adam.step = i;
         step.submit(settings);
-        const StepResult result = step.wait();
+        const training::StepResult result = step.wait();
         last = result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
         if (i == 1) first = last;
     }

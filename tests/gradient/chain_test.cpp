@@ -19,7 +19,7 @@ struct Group {
     std::vector<uint32_t> weights;
 };
 
-std::vector<Group> groups_of(const VOctree& tree) {
+std::vector<Group> groups_of(const voctree::VOctree& tree) {
     std::vector<Group> groups = {{"w sigma", {}}, {"w gamma", {}}};
     for (uint32_t l = 0; l <= tree.hh_degree; l++) groups.push_back({"w HH, l = " + std::to_string(l), {}});
     for (uint32_t c = 0; c < tree.bases; c++) {
@@ -89,8 +89,8 @@ void expect_nothing_elsewhere(const Scene& scene, const Chain& chain, const Grad
     EXPECT_GT(unseen, 0u);
 }
 
-void expect_chain(const Device& device, const Scene& scene) {
-    TrainingStep step(device, scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
+void expect_chain(const gpu::Device& device, const Scene& scene) {
+    training::TrainingStep step(device, scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
     const Gradients gradients = emitted_gradients(device, step, scene);
     Chain chain(scene);
     expect_weight_gradients(scene, chain, gradients);
@@ -130,10 +130,10 @@ TEST_F(ChainGradient, SmoothnessIsThatOfTheReference) {
 
 TEST_F(ChainGradient, LossAndCountAreThoseOfTheReference) {
     const Scene scene = random_scene({.tree = {.seed = 31, .leaves = 300, .bases = 5, .hh_degree = 2}});
-    TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
+    training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
     load_scene(step, scene);
     step.submit(settings_of(scene));
-    const StepResult result = step.wait();
+    const training::StepResult result = step.wait();
     const auto inside = std::count_if(scene.target.begin(), scene.target.end(), [](glm::vec4 t) { return t.a >= 0; });
     EXPECT_EQ(result.pixels, static_cast<uint64_t>(inside));
     EXPECT_LT(result.pixels, scene.target.size());
@@ -150,7 +150,7 @@ TEST_F(ChainGradient, LossAndCountAreThoseOfTheReference) {
 TEST_F(ChainGradient, ASecondStepStartsClean) {
     const Scene scene = random_scene({.tree = {.seed = 41, .leaves = 300, .bases = 5, .hh_degree = 2}});
     const Scene other = with_tiles(scene, 12, 5, 5);
-    TrainingStep used(device(), scene.tree, 2, 7), fresh(device(), scene.tree, 2, 7);
+    training::TrainingStep used(device(), scene.tree, 2, 7), fresh(device(), scene.tree, 2, 7);
     emitted_gradients(device(), used, scene);
     const Gradients again = emitted_gradients(device(), used, other), truth = emitted_gradients(device(), fresh, other);
     ASSERT_EQ(again.weights.size(), truth.weights.size());
@@ -169,21 +169,21 @@ TEST_F(ChainGradient, ASecondStepStartsClean) {
 TEST_F(ChainGradient, AKeptSliceIsThatOfTheMovedWeights) {
     const Scene scene = random_scene({.tree = {.seed = 61, .leaves = 300, .bases = 5, .hh_degree = 2}});
     const auto tiles = static_cast<uint32_t>(scene.tiles.size());
-    TrainingStep kept(device(), scene.tree, 2, tiles);
+    training::TrainingStep kept(device(), scene.tree, 2, tiles);
     load_scene(kept, scene);
-    StepSettings settings = settings_of(scene);
+    training::StepSettings settings = settings_of(scene);
     settings.learn_rows = false;
     settings.rates = {.sigma = 0.5f, .gamma = 0.1f, .colour = 0.3f, .detail = 0.2f};
     for (settings.adam.step = 1; settings.adam.step <= 3; settings.adam.step++) {
         kept.submit(settings);
         kept.wait();
     }
-    VOctree moved = scene.tree;
+    voctree::VOctree moved = scene.tree;
     kept.download(moved);
-    TrainingStep fresh(device(), moved, 2, tiles);
+    training::TrainingStep fresh(device(), moved, 2, tiles);
     const Gradients found = emitted_gradients(device(), kept, scene), truth = emitted_gradients(device(), fresh, scene),
-                    before = emitted_gradients(device(),
-                                               *std::make_unique<TrainingStep>(device(), scene.tree, 2, tiles), scene);
+                    before = emitted_gradients(
+                        device(), *std::make_unique<training::TrainingStep>(device(), scene.tree, 2, tiles), scene);
     float largest = 0, moved_by = 0;
     for (size_t i = 0; i < truth.weights.size(); i++) {
         largest = std::max(largest, std::abs(truth.weights[i]));
@@ -200,8 +200,9 @@ TEST_F(ChainGradient, TheDirectStepsIsThatOfTheReferenceWithBothAtomics) {
         const Scene scene =
             random_scene({.tree = {.seed = 51 + degree, .leaves = 300, .bases = 3 + 2 * degree, .hh_degree = degree}});
         Chain chain(scene);
-        for (const AtomicAdd atomics : {best_atomic_add(device()), AtomicAdd::kCompareAndSwap}) {
-            DirectStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()), atomics);
+        for (const training::AtomicAdd atomics :
+             {training::best_atomic_add(device()), training::AtomicAdd::kCompareAndSwap}) {
+            training::DirectStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()), atomics);
             load_scene(step, scene);
             step.run(settings_of(scene));
             const size_t floats = step.gradients().bytes / sizeof(float);

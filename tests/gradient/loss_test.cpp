@@ -59,19 +59,20 @@ struct DeviceLoss {
     std::vector<glm::vec4> adjoint, sums;
 };
 
-DeviceLoss loss_on(const Device& device, const LossScene& scene, uint32_t samples = 1) {
-    const RayBatch rays(device, 1, kTiles);
-    const LossBatch batch(device, kTiles);
-    const Loss loss(device, rays, batch);
+DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t samples = 1) {
+    const render::RayBatch rays(device, 1, kTiles);
+    const training::LossBatch batch(device, kTiles);
+    const training::Loss loss(device, rays, batch);
     const uint64_t bytes = scene.radiance.size() * sizeof(glm::vec4);
-    upload(device, rays.radiance, scene.radiance.data(), bytes);
+    gpu::upload(device, rays.radiance, scene.radiance.data(), bytes);
     std::copy(scene.target.begin(), scene.target.end(), batch.target.as<glm::vec4>());
     std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
-    run_once(device, "loss",
-             [&](Commands& commands) { record_loss(commands, loss, kTiles, static_cast<float>(kLambda), samples); });
+    gpu::run_once(device, "loss", [&](gpu::Commands& commands) {
+        training::record_loss(commands, loss, kTiles, static_cast<float>(kLambda), samples);
+    });
     DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles)};
-    download(device, batch.adjoint, result.adjoint.data(), bytes);
-    download(device, batch.sums, result.sums.data(), kTiles * sizeof(glm::vec4));
+    gpu::download(device, batch.adjoint, result.adjoint.data(), bytes);
+    gpu::download(device, batch.sums, result.sums.data(), kTiles * sizeof(glm::vec4));
     return result;
 }
 

@@ -13,7 +13,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr PsiSampling kSampling{6, 5};
+constexpr training::PsiSampling kSampling{6, 5};
 
 struct PsiOptions {
     uint64_t seed = 5;
@@ -21,14 +21,14 @@ struct PsiOptions {
 };
 
 // Far from its beginning: every parameter random, σ positive in about half of the box.
-PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
-    const PsiShape shape{.frequencies = 4,
-                         .width = options.width,
-                         .layers = options.layers,
-                         .bases = scene.tree.bases,
-                         .hh_degree = options.hh_degree,
-                         .frames = scene.tree.frames};
-    PsiNetwork network = initial_psi(shape, scene.tree.box_min, scene.tree.box_size, options.seed);
+training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
+    const training::PsiShape shape{.frequencies = 4,
+                                   .width = options.width,
+                                   .layers = options.layers,
+                                   .bases = scene.tree.bases,
+                                   .hh_degree = options.hh_degree,
+                                   .frames = scene.tree.frames};
+    training::PsiNetwork network = training::initial_psi(shape, scene.tree.box_min, scene.tree.box_size, options.seed);
     network.density = 3;
     Random random(options.seed + 1);
     for (uint32_t i = shape.output_first(); i < shape.count(); i++)
@@ -41,8 +41,8 @@ PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
 }
 
 // The device's parameters in the reference's form; the encoding's filling up is left out.
-reference::Psi reference_of(const PsiNetwork& network) {
-    const PsiShape& shape = network.shape;
+reference::Psi reference_of(const training::PsiNetwork& network) {
+    const training::PsiShape& shape = network.shape;
     const auto layer_at = [&](uint32_t first, size_t inputs, size_t padded, size_t outputs) {
         reference::PsiLayer layer{inputs, outputs, {}};
         const auto begin = network.parameters.begin() + first;
@@ -63,8 +63,8 @@ reference::Psi reference_of(const PsiNetwork& network) {
     return psi;
 }
 
-PsiStepSettings settings_for(const Scene& scene) {
-    PsiStepSettings settings;
+training::PsiStepSettings settings_for(const Scene& scene) {
+    training::PsiStepSettings settings;
     settings.frame = scene.frame;
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
     settings.seed = 77;
@@ -77,7 +77,7 @@ PsiStepSettings settings_for(const Scene& scene) {
 // A step of the reference on the samples that the device took.
 class PsiChain {
   public:
-    PsiChain(const Scene& scene, const PsiNetwork& network, std::vector<glm::vec4> points)
+    PsiChain(const Scene& scene, const training::PsiNetwork& network, std::vector<glm::vec4> points)
         : psi(reference_of(network)), scene_(scene), points_(std::move(points)) {
         const auto rows = reference::frame_rows(static_cast<double>(scene.frame), network.shape.frames);
         const auto basis = [&](uint32_t first) {
@@ -176,7 +176,7 @@ struct PsiGroup {
     std::vector<std::pair<uint32_t, double*>> numbers;
 };
 
-std::vector<PsiGroup> groups_of(const PsiShape& shape, PsiChain& chain) {
+std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain) {
     std::vector<PsiGroup> groups;
     for (uint32_t layer = 0; layer < shape.layers; layer++) {
         const uint32_t first = psi_layer_first(layer, shape.inputs(), shape.width);
@@ -238,10 +238,10 @@ std::pair<double, double> box_range(const Scene& scene, const reference::Ray& ra
 // Both samplings of every ray, with the same random numbers: where stratified samples see σ, important ones gather.
 TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
     const Scene scene = psi_scene(41, 1);
-    const PsiNetwork network = random_psi(scene, {});
-    PsiStep step(device(), network, kSampling, 2, 2);
+    const training::PsiNetwork network = random_psi(scene, {});
+    training::PsiStep step(device(), network, kSampling, 2, 2);
     load_scene(step, scene);
-    const PsiStepSettings settings = settings_for(scene);
+    const training::PsiStepSettings settings = settings_for(scene);
     step.submit(settings);
     step.wait();
     const std::vector<glm::vec4> points = step.points();
@@ -280,11 +280,11 @@ class PsiShapes : public GpuTest, public ::testing::WithParamInterface<PsiOption
 
 TEST_P(PsiShapes, ForwardIsTheReference) {
     const Scene scene = psi_scene(42, GetParam().hh_degree);
-    const PsiNetwork network = random_psi(scene, GetParam());
-    PsiStep step(device(), network, kSampling, 2, 2);
+    const training::PsiNetwork network = random_psi(scene, GetParam());
+    training::PsiStep step(device(), network, kSampling, 2, 2);
     load_scene(step, scene);
     step.submit(settings_for(scene));
-    const StepResult result = step.wait();
+    const training::StepResult result = step.wait();
     const PsiChain chain(scene, network, step.points());
     const std::vector<glm::vec4> values = step.values();
     double worst_sigma = 0, worst_colour = 0, wrong = 0, whole = 0, largest = 0;
@@ -311,8 +311,8 @@ TEST_P(PsiShapes, ForwardIsTheReference) {
 
 TEST_P(PsiShapes, GradientsAreTheDifferencesOfTheReference) {
     const Scene scene = psi_scene(43, GetParam().hh_degree);
-    const PsiNetwork network = random_psi(scene, GetParam());
-    PsiStep step(device(), network, kSampling, 2, 2);
+    const training::PsiNetwork network = random_psi(scene, GetParam());
+    training::PsiStep step(device(), network, kSampling, 2, 2);
     load_scene(step, scene);
     step.submit(settings_for(scene));
     step.wait();
@@ -338,11 +338,11 @@ TEST_P(PsiShapes, GradientsAreTheDifferencesOfTheReference) {
 // with gradients through relu's dark side, which no difference shows.
 TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     const Scene scene = psi_scene(44, GetParam().hh_degree);
-    const PsiNetwork network = random_psi(scene, GetParam());
-    const PsiShape& shape = network.shape;
-    PsiStep step(device(), network, kSampling, 2, 2);
+    const training::PsiNetwork network = random_psi(scene, GetParam());
+    const training::PsiShape& shape = network.shape;
+    training::PsiStep step(device(), network, kSampling, 2, 2);
     load_scene(step, scene);
-    PsiStepSettings settings = settings_for(scene);
+    training::PsiStepSettings settings = settings_for(scene);
     settings.revival = 0.3f;
     step.submit(settings);
     step.wait();
@@ -390,8 +390,8 @@ INSTANTIATE_TEST_SUITE_P(Psi, PsiShapes,
 
 TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
     const Scene scene = psi_scene(45, 1);
-    const PsiNetwork network = random_psi(scene, {});
-    PsiStep step(device(), network, kSampling, 2, 1);  // smaller than the places: several runs
+    const training::PsiNetwork network = random_psi(scene, {});
+    training::PsiStep step(device(), network, kSampling, 2, 1);  // smaller than the places: several runs
     std::vector<glm::vec3> places;
     Random random(3);
     for (size_t i = 0; i < 1000; i++)
@@ -414,9 +414,9 @@ TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
 
 TEST_F(PsiTest, TheSameBatchGivesTheSameBits) {
     const Scene scene = psi_scene(46, 1);
-    PsiStep step(device(), random_psi(scene, {}), kSampling, 2, 2);
+    training::PsiStep step(device(), random_psi(scene, {}), kSampling, 2, 2);
     load_scene(step, scene);
-    PsiStepSettings settings = settings_for(scene);
+    training::PsiStepSettings settings = settings_for(scene);
     const auto gradients = [&] {
         step.submit(settings);
         step.wait();
@@ -430,11 +430,11 @@ TEST_F(PsiTest, TheSameBatchGivesTheSameBits) {
 
 TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
     const Scene scene = psi_scene(47, 1);
-    const PsiNetwork before = random_psi(scene, {});
-    const PsiShape& shape = before.shape;
-    PsiStep step(device(), before, kSampling, 2, 2);
+    const training::PsiNetwork before = random_psi(scene, {});
+    const training::PsiShape& shape = before.shape;
+    training::PsiStep step(device(), before, kSampling, 2, 2);
     load_scene(step, scene);
-    PsiStepSettings settings = settings_for(scene);
+    training::PsiStepSettings settings = settings_for(scene);
     settings.adam.emit_only = false;
     settings.rate = 3e-3f;
     settings.rows_rate = 1e-3f;
@@ -464,10 +464,11 @@ TEST_F(PsiTest, LearnsAFixedBatch) {
         const auto [enter, leave] = box_range(scene, ray_of(scene, scene.tiles[i / kTilePixels], i % kTilePixels));
         scene.target[i] = glm::vec4(0.2f + 0.5f * x, 0.7f - 0.5f * x, 0.3f, leave - enter > 0.5 ? 1 : -1);
     }
-    const PsiShape shape{.frequencies = 4, .width = 32, .layers = 2, .bases = 5, .hh_degree = 1, .frames = 5};
-    PsiStep step(device(), initial_psi(shape, scene.tree.box_min, scene.tree.box_size, 1), kSampling, 2, 2);
+    const training::PsiShape shape{.frequencies = 4, .width = 32, .layers = 2, .bases = 5, .hh_degree = 1, .frames = 5};
+    training::PsiStep step(device(), training::initial_psi(shape, scene.tree.box_min, scene.tree.box_size, 1),
+                           kSampling, 2, 2);
     load_scene(step, scene);
-    PsiStepSettings settings = settings_for(scene);
+    training::PsiStepSettings settings = settings_for(scene);
     settings.adam.emit_only = false;
     settings.revival = 1;
     settings.rate = 1e-2f;

@@ -20,8 +20,8 @@ glm::vec3 random_rgb(Random& random, double low, double high) {
 }  // namespace
 
 Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
-    std::vector<Tile> all = tiles_of_picture(0, kWidth, kHeight);
-    for (const Tile& tile : tiles_of_picture(1, kWidth, kHeight)) all.push_back(tile);
+    std::vector<Tile> all = render::tiles_of_picture(0, kWidth, kHeight);
+    for (const Tile& tile : render::tiles_of_picture(1, kWidth, kHeight)) all.push_back(tile);
     scene.tiles.clear();
     scene.target.clear();
     scene.background.clear();
@@ -55,8 +55,8 @@ Scene random_scene(const SceneOptions& options) {
     return with_tiles(std::move(scene), 3, 7, options.tree.seed + 100);
 }
 
-StepSettings settings_of(const Scene& scene) {
-    StepSettings settings;
+training::StepSettings settings_of(const Scene& scene) {
+    training::StepSettings settings;
     settings.frame = scene.frame;
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
     settings.lambda_grad = scene.lambda_grad;
@@ -73,35 +73,35 @@ reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane) {
                                  tile.y + lane / kTile + jitter.y);
 }
 
-std::vector<float> download_floats(const Device& device, const Buffer& buffer, size_t count) {
+std::vector<float> download_floats(const gpu::Device& device, const gpu::Buffer& buffer, size_t count) {
     std::vector<float> values(count);
-    download(device, buffer, values.data(), count * sizeof(float));
+    gpu::download(device, buffer, values.data(), count * sizeof(float));
     return values;
 }
 
-Gradients emitted_gradients(const Device& device, TrainingStep& step, const Scene& scene) {
-    const Moments& moments = step.moments();
+Gradients emitted_gradients(const gpu::Device& device, training::TrainingStep& step, const Scene& scene) {
+    const training::Moments& moments = step.moments();
     const size_t count = size_t{4} * step.field().planes() * scene.tree.leaf_count;
     const size_t rows = size_t{2} * scene.tree.frames * scene.tree.bases;
     const std::vector<float> first = download_floats(device, moments.first, count);
     const std::vector<float> rows_first = download_floats(device, moments.rows_first, rows);
-    run_once(device, "clear moments", [&](Commands& commands) {
-        fill(commands, moments.first, 0);
-        fill(commands, moments.rows_first, 0);
+    gpu::run_once(device, "clear moments", [&](gpu::Commands& commands) {
+        gpu::fill(commands, moments.first, 0);
+        gpu::fill(commands, moments.rows_first, 0);
     });
     load_scene(step, scene);
-    StepSettings settings = settings_of(scene);
+    training::StepSettings settings = settings_of(scene);
     settings.adam.emit_only = true;
     step.submit(settings);
     step.wait();
     Gradients gradients{download_floats(device, moments.first, count),
                         download_floats(device, moments.rows_first, rows)};
-    upload(device, moments.first, first.data(), count * sizeof(float));
-    upload(device, moments.rows_first, rows_first.data(), rows * sizeof(float));
+    gpu::upload(device, moments.first, first.data(), count * sizeof(float));
+    gpu::upload(device, moments.rows_first, rows_first.data(), rows * sizeof(float));
     return gradients;
 }
 
-size_t place_in_planes(const VOctree& tree, uint32_t leaf, uint32_t weight) {
+size_t place_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight) {
     const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
     uint32_t plane, part;
     if (weight < 2 * tree.bases) {

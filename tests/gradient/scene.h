@@ -11,8 +11,8 @@
 namespace neuvv::test {
 
 struct Scene {
-    VOctree tree;
-    std::vector<Camera> cameras;
+    voctree::VOctree tree;
+    std::vector<stage::Camera> cameras;
     std::vector<Tile> tiles;
     std::vector<glm::vec4> target, background;  // as LossBatch holds them
     float frame = 1.3f;                         // between two rows
@@ -34,7 +34,7 @@ Scene random_scene(const SceneOptions& options);
 Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed);
 
 // Settings of a step on the scene, rows included; rates are 0.
-StepSettings settings_of(const Scene& scene);
+training::StepSettings settings_of(const Scene& scene);
 
 // The ray of a lane of one of its tiles, jitter included.
 reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
@@ -43,7 +43,7 @@ reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
 template <typename Step>
 void load_scene(const Step& step, const Scene& scene) {
     for (size_t i = 0; i < scene.cameras.size(); i++)
-        step.rays().cameras.template as<ShaderCamera>()[i] = shader_camera(scene.cameras[i]);
+        step.rays().cameras.template as<ShaderCamera>()[i] = render::shader_camera(scene.cameras[i]);
     std::memcpy(step.rays().tiles.mapped, scene.tiles.data(), scene.tiles.size() * sizeof(Tile));
     std::memcpy(step.batch().target.mapped, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
     std::memcpy(step.batch().background.mapped, scene.background.data(), scene.background.size() * sizeof(glm::vec4));
@@ -54,11 +54,11 @@ struct Gradients {
     std::vector<float> rows;     // of A, then of B
 };
 // Runs one step that only emits. Leaves the moments as they were.
-Gradients emitted_gradients(const Device& device, TrainingStep& step, const Scene& scene);
+Gradients emitted_gradients(const gpu::Device& device, training::TrainingStep& step, const Scene& scene);
 
-std::vector<float> download_floats(const Device& device, const Buffer& buffer, size_t count);
+std::vector<float> download_floats(const gpu::Device& device, const gpu::Buffer& buffer, size_t count);
 
 // Where the plane order keeps a leaf's weight number `weight` (voctree.h).
-size_t place_in_planes(const VOctree& tree, uint32_t leaf, uint32_t weight);
+size_t place_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight);
 
 }  // namespace neuvv::test

@@ -20,32 +20,33 @@ struct SlotSums {
     std::vector<uint32_t> reach;   // per slot
 };
 
-SlotSums scatter_on(const Device& device, const Scene& scene, const std::vector<glm::vec4>& d_rays, AtomicAdd atomics) {
-    const Field field = upload_field(device, scene.tree, WeightPrecision::kFloat);
-    const Slice slice(device, field, field.leaf_count);
+SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::vector<glm::vec4>& d_rays,
+                    training::AtomicAdd atomics) {
+    const render::Field field = render::upload_field(device, scene.tree, render::WeightPrecision::kFloat);
+    const render::Slice slice(device, field, field.leaf_count);
     const auto tiles = static_cast<uint32_t>(scene.tiles.size());
-    const RayBatch rays(device, 2, tiles);
-    const LossBatch batch(device, tiles);
-    const SliceGradients gradients(device, field, slice);
-    const Slicer slicer(device, field, slice);
-    const Tracer tracer(device, field, slice, rays);
-    const TraceAdjoint adjoint(device, field, slice, rays, batch, gradients, atomics);
-    for (size_t i = 0; i < 2; i++) rays.cameras.as<ShaderCamera>()[i] = shader_camera(scene.cameras[i]);
+    const render::RayBatch rays(device, 2, tiles);
+    const training::LossBatch batch(device, tiles);
+    const training::SliceGradients gradients(device, field, slice);
+    const render::Slicer slicer(device, field, slice);
+    const render::Tracer tracer(device, field, slice, rays);
+    const training::TraceAdjoint adjoint(device, field, slice, rays, batch, gradients, atomics);
+    for (size_t i = 0; i < 2; i++) rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(scene.cameras[i]);
     std::copy(scene.tiles.begin(), scene.tiles.end(), rays.tiles.as<Tile>());
-    upload(device, batch.target, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
-    upload(device, batch.adjoint, d_rays.data(), d_rays.size() * sizeof(glm::vec4));
-    run_once(device, "trace adjoint", [&](Commands& commands) {
-        record_slice(commands, slicer, scene.frame);
-        record_trace(commands, tracer, tiles, scene.stop);
-        record_trace_adjoint(commands, adjoint, tiles, scene.stop, 0);
+    gpu::upload(device, batch.target, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
+    gpu::upload(device, batch.adjoint, d_rays.data(), d_rays.size() * sizeof(glm::vec4));
+    gpu::run_once(device, "trace adjoint", [&](gpu::Commands& commands) {
+        render::record_slice(commands, slicer, scene.frame);
+        render::record_trace(commands, tracer, tiles, scene.stop);
+        training::record_trace_adjoint(commands, adjoint, tiles, scene.stop, 0);
     });
     SlotSums sums;
     sums.head.resize(field.leaf_count);
     sums.gradients.resize(size_t{gradient_stride(field.hh_degree)} * slice.capacity);
     sums.reach.resize(slice.capacity);
-    download(device, slice.head, sums.head.data(), sums.head.size() * sizeof(glm::uvec2));
-    download(device, gradients.gradients, sums.gradients.data(), sums.gradients.size() * sizeof(float));
-    download(device, gradients.reach, sums.reach.data(), sums.reach.size() * sizeof(uint32_t));
+    gpu::download(device, slice.head, sums.head.data(), sums.head.size() * sizeof(glm::uvec2));
+    gpu::download(device, gradients.gradients, sums.gradients.data(), sums.gradients.size() * sizeof(float));
+    gpu::download(device, gradients.reach, sums.reach.data(), sums.reach.size() * sizeof(uint32_t));
     return sums;
 }
 
@@ -90,7 +91,7 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
     for (size_t i = 0; i < d_rays.size(); i++) {
         const Tile& tile = scene.tiles[i / kTilePixels];
         const size_t x = tile.x + i % kTile, y = tile.y + i % kTilePixels / kTile;
-        const Camera& camera = scene.cameras[tile.camera];
+        const stage::Camera& camera = scene.cameras[tile.camera];
         if (x >= camera.width || y >= camera.height || d_rays[i] == glm::vec4(0)) continue;
         add_ray(scene, slices, ray_of(scene, tile, i % kTilePixels), glm::dvec4(d_rays[i]), sums);
     }
@@ -116,10 +117,10 @@ void expect_scatter(const Scene& scene, const SlotSums& found, const LeafSums& t
     expect_gradients("reach", reaches);
 }
 
-class TraceAdjointTest : public GpuTest, public ::testing::WithParamInterface<AtomicAdd> {};
+class TraceAdjointTest : public GpuTest, public ::testing::WithParamInterface<training::AtomicAdd> {};
 
 TEST_P(TraceAdjointTest, ScattersWhatTheReferenceScatters) {
-    if (GetParam() == AtomicAdd::kNative && !device().float_atomics())
+    if (GetParam() == training::AtomicAdd::kNative && !device().float_atomics())
         GTEST_SKIP() << "this device has no atomic addition of floats";
     for (const float stop : {0.0f, 1.0f / 256}) {
         SCOPED_TRACE(stop);
@@ -134,9 +135,10 @@ TEST_P(TraceAdjointTest, ScattersWhatTheReferenceScatters) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Atomics, TraceAdjointTest, ::testing::Values(AtomicAdd::kNative, AtomicAdd::kCompareAndSwap),
+INSTANTIATE_TEST_SUITE_P(Atomics, TraceAdjointTest,
+                         ::testing::Values(training::AtomicAdd::kNative, training::AtomicAdd::kCompareAndSwap),
                          [](const auto& test) {
-                             return test.param == AtomicAdd::kNative ? "Native" : "CompareAndSwap";
+                             return test.param == training::AtomicAdd::kNative ? "Native" : "CompareAndSwap";
                          });
 
 }  // namespace

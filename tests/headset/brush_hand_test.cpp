@@ -13,19 +13,19 @@ namespace {
 struct BrushHandTest : HandsAtAStage {
     BrushHandTest() {
         select(kBen);
-        on.tool = HandTool::kPaint;
+        on.tool = headset::HandTool::kPaint;
         on.brush.radius_m = 0.15;
     }
     // The right hand so that its tip is there, pointing away.
     void tip_at(glm::dvec3 place) {
-        inputs[kRight].aim = inputs[kRight].grip = pointing(place, place + glm::dvec3(0, 0, -1));
-        inputs[kRight].aim->position += place - BrushHand::tip_of(*inputs[kRight].aim);
+        inputs[xr::kRight].aim = inputs[xr::kRight].grip = pointing(place, place + glm::dvec3(0, 0, -1));
+        inputs[xr::kRight].aim->position += place - headset::BrushHand::tip_of(*inputs[xr::kRight].aim);
     }
     void dab(glm::dvec3 place) {
         tip_at(place);
-        inputs[kRight].select = 1;
+        inputs[xr::kRight].select = 1;
         frame();
-        inputs[kRight].select = 0;
+        inputs[xr::kRight].select = 0;
         frame();
     }
     // Its head stays sound.
@@ -38,22 +38,22 @@ struct BrushHandTest : HandsAtAStage {
         std::set<uint32_t> leaves;
         EXPECT_EQ(on.editor.document().paint.size(), 1u);
         for (const auto& [path, layer] : on.editor.document().paint)
-            for (const LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
+            for (const voctree::LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
         return leaves;
     }
     // By the shape itself: leaves whose middles lie within `radius_m` (world) of a place, and are ever seen.
     std::set<uint32_t> within(const std::vector<glm::dvec3>& places, double radius_m) const {
-        const VOctree tree = figure_tree();
-        const Canvas canvas(tree);
+        const voctree::VOctree tree = figure_tree();
+        const edit::Canvas canvas(tree);
         const glm::dmat4 performer_from_world = glm::inverse(on.instant.performers[1].world_from_performer);
-        const EditLayer none{painted_field(tree), {}};
+        const voctree::EditLayer none{voctree::painted_field(tree), {}};
         std::set<uint32_t> leaves;
         for (const glm::dvec3& place : places) {
             const glm::vec3 middle(performer_from_world * glm::dvec4(place, 1));
-            PaintWork work;
-            work.frames = {0, 1, Follow::kNot};
-            for (const ChosenLeaf& leaf :
-                 chosen_in(canvas, none, sphere_region(middle, static_cast<float>(radius_m / 1.6)), work))
+            viewer::PaintWork work;
+            work.frames = {0, 1, edit::Follow::kNot};
+            for (const viewer::ChosenLeaf& leaf :
+                 viewer::chosen_in(canvas, none, edit::sphere_region(middle, static_cast<float>(radius_m / 1.6)), work))
                 leaves.insert(leaf.leaf);
         }
         return leaves;
@@ -98,26 +98,27 @@ TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
     EXPECT_FALSE(on.editor.modified());
     dab(head_of_ben + off);
     settle();
-    const auto layers = layers_of(on.editor.file(), node("ben"));
+    const auto layers = viewer::layers_of(on.editor.file(), node("ben"));
     ASSERT_EQ(layers->size(), 1u);
     std::set<uint32_t> leaves;
-    for (const LeafEdit& edit : on.editor.document().paint.at(layers->front().path)->edits) leaves.insert(edit.leaf);
+    for (const voctree::LeafEdit& edit : on.editor.document().paint.at(layers->front().path)->edits)
+        leaves.insert(edit.leaf);
     EXPECT_EQ(leaves, within({head_of_ben + off}, on.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, AHandThatHoldsPutsDownWhereTheOtherTakesTheBrush) {
-    on.tool = HandTool::kArrange;
+    on.tool = headset::HandTool::kArrange;
     const glm::dvec3 before = place("ben");
-    point(kLeft, kLeftHand, kBen);
-    inputs[kLeft].grab = 1;
+    point(xr::kLeft, kLeftHand, kBen);
+    inputs[xr::kLeft].grab = 1;
     frames(2);
-    point(kLeft, kLeftHand + glm::dvec3(0.3, 0, 0), kBen + glm::dvec3(0.3, 0, 0));
+    point(xr::kLeft, kLeftHand + glm::dvec3(0.3, 0, 0), kBen + glm::dvec3(0.3, 0, 0));
     frame();
-    on.tool = HandTool::kPaint;  // by the panel
+    on.tool = headset::HandTool::kPaint;  // by the panel
     frames(2);
     EXPECT_FALSE(interaction.holding.any());
     dab(head_of_ben + glm::dvec3(0.3, 0, 0));
-    inputs[kLeft].grab = 0;
+    inputs[xr::kLeft].grab = 0;
     settle();
     EXPECT_LT(glm::distance(place("ben"), before + glm::dvec3(0.3, 0, 0)), 1e-9);
     EXPECT_EQ(steps(), 2u) << "a move and a stroke";
@@ -126,11 +127,11 @@ TEST_F(BrushHandTest, AHandThatHoldsPutsDownWhereTheOtherTakesTheBrush) {
 TEST_F(BrushHandTest, APressInTheFrameOfAnEditIsAStroke) {
     settle();
     tip_at(head_of_ben);
-    inputs[kRight].select = 1;
-    inputs[kLeft].undo = true;
-    on.editor.edit([&](Document& document) { return rename_node(document.file, node("anna"), "berta"); });
+    inputs[xr::kRight].select = 1;
+    inputs[xr::kLeft].undo = true;
+    on.editor.edit([&](edit::Document& document) { return edit::rename_node(document.file, node("anna"), "berta"); });
     frame();
-    inputs[kRight].select = 0;
+    inputs[xr::kRight].select = 0;
     settle();
     EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
     EXPECT_EQ(on.stage->performers[0].name, "anna") << "it was undone";
@@ -138,11 +139,11 @@ TEST_F(BrushHandTest, APressInTheFrameOfAnEditIsAStroke) {
 
 TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
     tip_at(head_of_ben - glm::dvec3(0.3, 0, 0));
-    inputs[kRight].select = 1;
+    inputs[xr::kRight].select = 1;
     frame();
     tip_at(head_of_ben + glm::dvec3(0.3, 0, 0));
     frame();
-    inputs[kRight].select = 0;
+    inputs[xr::kRight].select = 0;
     settle();
     std::vector<glm::dvec3> way;
     for (int i = 0; i <= 600; i++) way.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
@@ -152,29 +153,29 @@ TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
 
 TEST_F(BrushHandTest, UndoDuringAStrokeEndsItAndIsRefusedUntilItIsLaid) {
     tip_at(head_of_ben);
-    inputs[kRight].select = 1;
+    inputs[xr::kRight].select = 1;
     frame();
-    inputs[kLeft].undo = true;
+    inputs[xr::kLeft].undo = true;
     frame();
     EXPECT_TRUE(was_told("still being laid"));
     settle();
     EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
-    inputs[kLeft].undo = true;
+    inputs[xr::kLeft].undo = true;
     frame();
     EXPECT_FALSE(on.editor.modified());
 }
 
 TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
     dab(head_of_ben);
-    on.tool = HandTool::kArrange;
+    on.tool = headset::HandTool::kArrange;
     select(kAnna);
-    on.tool = HandTool::kPaint;
+    on.tool = headset::HandTool::kPaint;
     settle();
     ASSERT_EQ(on.editor.document().paint.size(), 1u);
-    const auto layers = layers_of(on.editor.file(), node("ben"));
+    const auto layers = viewer::layers_of(on.editor.file(), node("ben"));
     ASSERT_TRUE(layers);
     EXPECT_EQ(layers->size(), 1u);
-    EXPECT_TRUE(layers_of(on.editor.file(), node("anna"))->empty());
+    EXPECT_TRUE(viewer::layers_of(on.editor.file(), node("anna"))->empty());
 }
 
 TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
@@ -185,7 +186,7 @@ TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
     EXPECT_FALSE(interaction.brush.busy());
     EXPECT_NE(interaction.brush.says().find("figure.nvv"), std::string::npos) << "as long as it is to be painted";
     EXPECT_FALSE(on.editor.modified());
-    inputs[kRight].duplicate = true;
+    inputs[xr::kRight].duplicate = true;
     frames(2);
     EXPECT_EQ(on.stage->performers.size(), 3u) << "other edits go on";
 }
@@ -193,27 +194,27 @@ TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
 TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
     const std::filesystem::path copy = folder.path / "copy.nvv";
     std::filesystem::copy_file(clip, copy);
-    PerformerEdit edit;
+    edit::PerformerEdit edit;
     edit.clip = copy;
-    on.editor.edit([&](Document& document) { return set_performer(document.file, node("anna"), edit); });
-    on.tool = HandTool::kArrange;  // ben's clip is not read yet
+    on.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node("anna"), edit); });
+    on.tool = headset::HandTool::kArrange;  // ben's clip is not read yet
     frames(2);
     damage(copy);
     select(kAnna);
-    on.tool = HandTool::kPaint;
+    on.tool = headset::HandTool::kPaint;
     dab(kAnna);
     settle();
     EXPECT_TRUE(was_told("copy.nvv"));
-    on.tool = HandTool::kArrange;
+    on.tool = headset::HandTool::kArrange;
     select(kBen);
-    on.tool = HandTool::kPaint;
+    on.tool = headset::HandTool::kPaint;
     dab(head_of_ben);
     settle();
     EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
-    on.brush.does = HandBrush::Does::kErase;
+    on.brush.does = headset::HandBrush::Does::kErase;
     on.brush.whole_clip = false;
     on.clock.scrub(on.clock.last_s());
     dab(head_of_ben);
@@ -221,7 +222,7 @@ TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
     ASSERT_EQ(on.editor.document().paint.size(), 1u);
     for (const auto& [path, layer] : on.editor.document().paint) {
         ASSERT_FALSE(layer->edits.empty());
-        for (const LeafEdit& edit : layer->edits) {
+        for (const voctree::LeafEdit& edit : layer->edits) {
             EXPECT_EQ(edit.sigma, 0);
             EXPECT_LE(edit.first, 1);
             EXPECT_GE(edit.last, 1);
@@ -230,14 +231,14 @@ TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
 }
 
 TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
-    on.tool = HandTool::kRegion;
+    on.tool = headset::HandTool::kRegion;
     settle();  // read
     tip_at(head_of_ben - glm::dvec3(0.1));
-    inputs[kRight].select = 1;
+    inputs[xr::kRight].select = 1;
     frame();
     tip_at(head_of_ben + glm::dvec3(0.1));
     frame();
-    inputs[kRight].select = 0;
+    inputs[xr::kRight].select = 0;
     frame();
     ASSERT_TRUE(interaction.brush.region());
     EXPECT_LT(glm::distance(interaction.brush.region()->low, kHead - glm::dvec3(0.1 / 1.6)), 1e-6);
@@ -245,21 +246,21 @@ TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
     settle();
     EXPECT_GT(painted().size(), 10u);
     ASSERT_TRUE(interaction.brush.region()) << "it can be used again";
-    inputs[kRight].duplicate = true;
+    inputs[xr::kRight].duplicate = true;
     frames(3);
     EXPECT_FALSE(interaction.brush.region()) << "numbers of nodes mean others now";
     EXPECT_EQ(steps(), 2u);
 }
 
 TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
-    on.tool = HandTool::kRegion;
+    on.tool = headset::HandTool::kRegion;
     settle();
     tip_at(glm::dvec3(0.05, 1.55, -2.75));
-    inputs[kRight].select = 1;
+    inputs[xr::kRight].select = 1;
     frame();
     tip_at(glm::dvec3(0.06, 1.56, -2.74));
     frame();
-    inputs[kRight].select = 0;
+    inputs[xr::kRight].select = 0;
     frame();
     interaction.brush.do_region(on);
     settle();
@@ -279,9 +280,9 @@ TEST_F(BrushHandTest, ItSaysWhatItPaintsOn) {
 }
 
 TEST_F(BrushHandTest, NobodyIsPaintedWhereItIsNotKnownWho) {
-    on.tool = HandTool::kArrange;
+    on.tool = headset::HandTool::kArrange;
     select({0, 5, -2});
-    on.tool = HandTool::kPaint;
+    on.tool = headset::HandTool::kPaint;
     dab(head_of_ben);
     EXPECT_FALSE(interaction.brush.busy());
     EXPECT_NE(interaction.brush.says().find("Select"), std::string::npos);

@@ -12,8 +12,8 @@ namespace {
 struct ChosenTest : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "config/headset.json";
-    OnStage on;
-    HoldSettings hold;
+    headset::OnStage on;
+    headset::HoldSettings hold;
 
     void write(const std::string& text) {
         std::filesystem::create_directories(file.parent_path());
@@ -26,27 +26,27 @@ struct ChosenTest : testing::Test {
 };
 
 TEST_F(ChosenTest, WhatWasChosenComesBack) {
-    Chosen chosen(file);
+    headset::Chosen chosen(file);
     chosen.load(on, hold);
     on.comfort.smooth_walk = true;
     on.comfort.vignette = false;
-    on.brush.tip = HandBrush::Tip::kBox;
-    on.brush.does = HandBrush::Does::kErase;
+    on.brush.tip = headset::HandBrush::Tip::kBox;
+    on.brush.does = headset::HandBrush::Does::kErase;
     on.brush.radius_m = 0.123;
     on.brush.colour = {0.1f, 0.5f, 1};
     on.panel_on_wrist = true;
     hold.upright = false;
     chosen.save(on, hold);
 
-    OnStage later;
-    HoldSettings held;
-    Chosen(file).load(later, held);
+    headset::OnStage later;
+    headset::HoldSettings held;
+    headset::Chosen(file).load(later, held);
     EXPECT_TRUE(later.editor.take_notices().empty());
     EXPECT_TRUE(later.comfort.smooth_walk);
     EXPECT_FALSE(later.comfort.smooth_turn);
     EXPECT_FALSE(later.comfort.vignette);
-    EXPECT_EQ(later.brush.tip, HandBrush::Tip::kBox);
-    EXPECT_EQ(later.brush.does, HandBrush::Does::kErase);
+    EXPECT_EQ(later.brush.tip, headset::HandBrush::Tip::kBox);
+    EXPECT_EQ(later.brush.does, headset::HandBrush::Does::kErase);
     EXPECT_EQ(later.brush.radius_m, 0.123);
     EXPECT_EQ(later.brush.colour, on.brush.colour);
     EXPECT_TRUE(later.panel_on_wrist);
@@ -55,11 +55,11 @@ TEST_F(ChosenTest, WhatWasChosenComesBack) {
 }
 
 TEST_F(ChosenTest, WhereNothingWasChosenNothingIsWritten) {
-    Chosen chosen(file);
+    headset::Chosen chosen(file);
     chosen.load(on, hold);
     chosen.save(on, hold);
     EXPECT_FALSE(std::filesystem::exists(file));
-    Chosen nowhere("");
+    headset::Chosen nowhere("");
     nowhere.load(on, hold);
     on.comfort.smooth_turn = true;
     nowhere.save(on, hold);
@@ -67,7 +67,7 @@ TEST_F(ChosenTest, WhereNothingWasChosenNothingIsWritten) {
 
 TEST_F(ChosenTest, WhatANewerProgramWroteStays) {
     write(R"({"comfort": {"snap_deg": 45, "seated": true}, "gloves": [1, 2]})");
-    Chosen chosen(file);
+    headset::Chosen chosen(file);
     chosen.load(on, hold);
     EXPECT_EQ(on.comfort.snap_deg, 45);
     on.comfort.smooth_turn = true;
@@ -82,27 +82,27 @@ TEST_F(ChosenTest, WhatANewerProgramWroteStays) {
 TEST_F(ChosenTest, WhatIsWrongIsToldAndHasItsDefault) {
     write(
         R"({"comfort": {"snap_deg": 1e9, "vignette": 3}, "brush": {"tip": "cone", "colour": {"red": -1}, "radius_m": 0.2}})");
-    Chosen(file).load(on, hold);
-    const std::vector<Notice> told = on.editor.take_notices();
+    headset::Chosen(file).load(on, hold);
+    const std::vector<viewer::Notice> told = on.editor.take_notices();
     ASSERT_EQ(told.size(), 1u);
     for (const char* name : {"comfort.snap_deg", "comfort.vignette", "brush.tip", "brush.colour.red"})
         EXPECT_NE(told[0].text.find(name), std::string::npos) << told[0].text;
-    EXPECT_EQ(on.comfort.snap_deg, Comfort().snap_deg);
+    EXPECT_EQ(on.comfort.snap_deg, headset::Comfort().snap_deg);
     EXPECT_TRUE(on.comfort.vignette);
-    EXPECT_EQ(on.brush.tip, HandBrush::Tip::kBall);
+    EXPECT_EQ(on.brush.tip, headset::HandBrush::Tip::kBall);
     EXPECT_EQ(on.brush.radius_m, 0.2) << "what is right beside it is taken";
 }
 
 TEST_F(ChosenTest, ADamagedFileIsTold) {
     write("{\"comfort\": ");
-    Chosen(file).load(on, hold);
-    const std::vector<Notice> told = on.editor.take_notices();
+    headset::Chosen(file).load(on, hold);
+    const std::vector<viewer::Notice> told = on.editor.take_notices();
     ASSERT_EQ(told.size(), 1u);
     EXPECT_NE(told[0].text.find("is damaged"), std::string::npos) << told[0].text;
 }
 
 TEST_F(ChosenTest, AFolderThatCannotBeWrittenIsAFailure) {
-    Chosen chosen(folder.path / "stage.gltf/headset.json");
+    headset::Chosen chosen(folder.path / "stage.gltf/headset.json");
     std::ofstream(folder.path / "stage.gltf") << "a file";
     chosen.load(on, hold);
     on.comfort.smooth_turn = true;

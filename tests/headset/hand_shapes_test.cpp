@@ -6,66 +6,67 @@ namespace neuvv::test {
 namespace {
 
 struct HandShapesTest : HandsAtAStage {
-    EyeShapes shapes;
+    xr::EyeShapes shapes;
     HandShapesTest() { shapes.begin(head.position, 0); }
     // Of one colour, however light falls on it.
-    static size_t corners_at(std::span<const ShapeVertex> list, glm::dvec3 place, double within_m) {
-        return static_cast<size_t>(std::count_if(list.begin(), list.end(), [&](const ShapeVertex& corner) {
+    static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 place, double within_m) {
+        return static_cast<size_t>(std::count_if(list.begin(), list.end(), [&](const xr::ShapeVertex& corner) {
             return glm::distance(glm::dvec3(corner.place), place) < within_m;
         }));
     }
 };
 
 TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
-    JointOverlay overlay;
+    headset::JointOverlay overlay;
     overlay.joints = {{"hip", {0.5, 0.5, 0.5}}, {"knee", {0.5, 0.3, 0.5}}, {"wrist", {0.9, 0.6, 0.5}}};
     overlay.bones = {{0, 1}};
     const glm::dmat4 world = on.instant.performers[1].world_from_performer;
-    draw_overlay(shapes, overlay, world);
+    headset::draw_overlay(shapes, overlay, world);
     const auto at = [&](glm::dvec3 place) { return glm::dvec3(world * glm::dvec4(place, 1)); };
-    for (const JointOverlay::Joint& joint : overlay.joints)
+    for (const headset::JointOverlay::Joint& joint : overlay.joints)
         EXPECT_GT(corners_at(shapes.solid(), at(joint.at), 0.026), 100u) << joint.name;
     const size_t with_bone = shapes.solid().size();
     overlay.bones.clear();
     shapes.begin(head.position, 0);
-    draw_overlay(shapes, overlay, world);
+    headset::draw_overlay(shapes, overlay, world);
     EXPECT_EQ(with_bone - shapes.solid().size(), 18u) << "one line";
 }
 
 TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
-    draw_interaction(shapes, on, interaction);
+    headset::draw_interaction(shapes, on, interaction);
     const size_t both = corners_at(shapes.solid(), kRightHand, 0.11);
     EXPECT_GT(both, 0u);
-    inputs[kRight].bare = true;
+    inputs[xr::kRight].bare = true;
     frame();
     shapes.begin(head.position, 0);
-    draw_interaction(shapes, on, interaction);
+    headset::draw_interaction(shapes, on, interaction);
     EXPECT_EQ(corners_at(shapes.solid(), kRightHand, 0.11), 0u);
     EXPECT_GT(corners_at(shapes.solid(), kLeftHand, 0.11), 0u);
 }
 
 TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
-    draw_floor(shapes, on);
+    headset::draw_floor(shapes, on);
     EXPECT_TRUE(shapes.clear_ones().empty()) << "a new stage has one";
-    for (int nodes = 10; nodes > 0 && has_set(*on.stage); nodes--) {
+    for (int nodes = 10; nodes > 0 && headset::has_set(*on.stage); nodes--) {
         for (uint32_t i = 0; i < on.stage->scene.nodes.size(); i++)
             if (on.stage->scene.nodes[i].draws_mesh()) {
-                ASSERT_TRUE(on.editor.edit([&](Document& document) { return remove_node(document.file, i); }));
+                ASSERT_TRUE(
+                    on.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, i); }));
                 break;
             }
         frame();
     }
-    ASSERT_FALSE(has_set(*on.stage));
-    draw_floor(shapes, on);
+    ASSERT_FALSE(headset::has_set(*on.stage));
+    headset::draw_floor(shapes, on);
     EXPECT_FALSE(shapes.clear_ones().empty());
-    for (const ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);
+    for (const xr::ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);
 }
 
 TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {
-    on.tool = HandTool::kPaint;
+    on.tool = headset::HandTool::kPaint;
     frame();
-    draw_interaction(shapes, on, interaction);
-    const glm::dvec3 tip = BrushHand::tip_of(*interaction.hands[kRight].aim);
+    headset::draw_interaction(shapes, on, interaction);
+    const glm::dvec3 tip = headset::BrushHand::tip_of(*interaction.hands[xr::kRight].aim);
     EXPECT_GT(corners_at(shapes.through_ones(), tip, on.brush.radius_m + 1e-6), 100u);
     EXPECT_EQ(corners_at(shapes.clear_ones(), tip, on.brush.radius_m + 1e-6), shapes.through_ones().size());
 }

@@ -18,25 +18,25 @@ namespace neuvv::test {
 // In the middle of anna and of ben, who stand 2 m before the user, 1.6 m high; and where hands are at first.
 constexpr glm::dvec3 kAnna(-0.8, 0.8, -2), kBen(0.8, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
 
-inline Pose pointing(glm::dvec3 from, glm::dvec3 to) {
+inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
     return {from, glm::quatLookAt(glm::normalize(to - from), glm::dvec3(0, 1, 0))};
 }
 
 class HandsAtAStage : public testing::Test {
   protected:
     HandsAtAStage() : work([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {
-        write_nvv(clip, figure_tree());
-        StageFile file = new_stage(folder.path / "stage.gltf");
+        voctree::write_nvv(clip, figure_tree());
+        stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
         for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
-            PerformerEdit performer;
+            edit::PerformerEdit performer;
             performer.clip = clip;
-            Placement place;
+            edit::Placement place;
             place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
-            add_performer(file, name, performer, place);
+            edit::add_performer(file, name, performer, place);
         }
         on.editor.open({std::move(file), {}, {}}, false);
-        point(kRight, kRightHand, kBen);
-        point(kLeft, kLeftHand, kAnna);
+        point(xr::kRight, kRightHand, kBen);
+        point(xr::kLeft, kLeftHand, kAnna);
         frame();
     }
     ~HandsAtAStage() override { work.stop(); }
@@ -48,7 +48,7 @@ class HandsAtAStage : public testing::Test {
         on.follow_document();
         on.look_at_instant();
         interaction.update(on, inputs, head, dt_s);
-        for (HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
+        for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
     void frames(int count) {
         for (int i = 0; i < count; i++) frame();
@@ -64,14 +64,14 @@ class HandsAtAStage : public testing::Test {
         } while (!work.idle() || work.has_told() || interaction.brush.busy() || on.is_behind());
     }
     void select(glm::dvec3 what) {
-        point(kRight, kRightHand, what);
-        inputs[kRight].select = 1;
+        point(xr::kRight, kRightHand, what);
+        inputs[xr::kRight].select = 1;
         frame();
-        inputs[kRight].select = 0;
+        inputs[xr::kRight].select = 0;
         frame();
     }
 
-    uint32_t node(const std::string& name) const { return find_node(on.editor.file(), name); }
+    uint32_t node(const std::string& name) const { return edit::find_node(on.editor.file(), name); }
     glm::dvec3 place(const std::string& name) const { return {on.instant.pose.world_from_node[node(name)][3]}; }
     size_t steps() {  // of the history; undoes them all
         size_t count = 0;
@@ -80,17 +80,18 @@ class HandsAtAStage : public testing::Test {
     }
     bool was_told(const std::string& part) {
         bool told = false;
-        for (const Notice& notice : on.editor.take_notices()) told |= notice.text.find(part) != std::string::npos;
+        for (const viewer::Notice& notice : on.editor.take_notices())
+            told |= notice.text.find(part) != std::string::npos;
         return told;
     }
 
     TemporaryFolder folder;
     std::filesystem::path clip = folder.path / "figure.nvv";
-    HandInputs inputs;
-    Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
-    OnStage on;
-    Work work;
-    Interaction interaction = Interaction(work);
+    xr::HandInputs inputs;
+    xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
+    headset::OnStage on;
+    viewer::Work work;
+    headset::Interaction interaction = headset::Interaction(work);
 };
 
 }  // namespace neuvv::test

@@ -10,16 +10,16 @@ constexpr glm::dvec3 kBeside(0.3, 0, -0.2);  // a hand's way
 struct InteractionTest : HandsAtAStage {
     // The right hand takes what it points at, and moves by kBeside.
     void take_and_move(glm::dvec3 what) {
-        point(kRight, kRightHand, what);
-        inputs[kRight].grab = 1;
+        point(xr::kRight, kRightHand, what);
+        inputs[xr::kRight].grab = 1;
         frame();
         for (int i = 1; i <= 4; i++) {
-            point(kRight, kRightHand + 0.25 * i * kBeside, what + 0.25 * i * kBeside);
+            point(xr::kRight, kRightHand + 0.25 * i * kBeside, what + 0.25 * i * kBeside);
             frame();
         }
     }
     void let_go() {
-        inputs[kRight].grab = 0;
+        inputs[xr::kRight].grab = 0;
         frames(2);
     }
 };
@@ -51,7 +51,7 @@ TEST_F(InteractionTest, AHeldPerformerGoesWithItsHandAndIsOneStep) {
 TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
     const glm::dvec3 before = place("ben");
     take_and_move(kBen);
-    inputs[kLeft].undo = true;
+    inputs[xr::kLeft].undo = true;
     frames(2);
     EXPECT_FALSE(interaction.holding.any());
     EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
@@ -63,7 +63,7 @@ TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
 TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
     const glm::dvec3 before = place("ben");
     take_and_move(kBen);
-    inputs[kRight].duplicate = true;
+    inputs[xr::kRight].duplicate = true;
     frames(2);
     EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
     ASSERT_EQ(on.stage->performers.size(), 3u);
@@ -72,7 +72,7 @@ TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
 }
 
 TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
-    on.editor.edit([&](Document& document) { return lock_node(document.file, node("ben"), true); });
+    on.editor.edit([&](edit::Document& document) { return edit::lock_node(document.file, node("ben"), true); });
     const glm::dvec3 before = place("ben");
     frame();
     take_and_move(kBen);
@@ -81,7 +81,7 @@ TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
     EXPECT_EQ(place("ben"), before);
     EXPECT_TRUE(was_told("locked"));
     select(kBen);
-    delete_selected(on);
+    headset::delete_selected(on);
     frame();
     EXPECT_EQ(on.stage->performers.size(), 2u);
     EXPECT_TRUE(was_told("locked"));
@@ -89,18 +89,18 @@ TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
 
 TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
     for (const double wider : {0.8, 0.3}) {
-        point(kRight, {1.05, 1.2, -0.3}, {1.05, 0.8, -2});
-        point(kLeft, {0.55, 1.2, -0.3}, {0.55, 0.8, -2});
-        inputs[kRight].grab = inputs[kLeft].grab = 1;
+        point(xr::kRight, {1.05, 1.2, -0.3}, {1.05, 0.8, -2});
+        point(xr::kLeft, {0.55, 1.2, -0.3}, {0.55, 0.8, -2});
+        inputs[xr::kRight].grab = inputs[xr::kLeft].grab = 1;
         frames(2);
-        ASSERT_TRUE(interaction.holding.holds(kLeft) && interaction.holding.holds(kRight));
+        ASSERT_TRUE(interaction.holding.holds(xr::kLeft) && interaction.holding.holds(xr::kRight));
         for (int i = 1; i <= 8; i++) {
             const double half = 0.5 * glm::mix(0.5, wider, i / 8.0);
-            point(kRight, {0.8 + half, 1.2, -0.3}, {0.8 + half, 0.8, -2});
-            point(kLeft, {0.8 - half, 1.2, -0.3}, {0.8 - half, 0.8, -2});
+            point(xr::kRight, {0.8 + half, 1.2, -0.3}, {0.8 + half, 0.8, -2});
+            point(xr::kLeft, {0.8 - half, 1.2, -0.3}, {0.8 - half, 0.8, -2});
             frame();
         }
-        inputs[kLeft].grab = 0;
+        inputs[xr::kLeft].grab = 0;
         frame();
         let_go();
         EXPECT_NEAR(on.instant.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
@@ -112,10 +112,10 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
 
 TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
     for (const double by_m : {0.5, -0.5}) {
-        point(kRight, kRightHand, kBen);
-        inputs[kRight].grab = 1;
+        point(xr::kRight, kRightHand, kBen);
+        inputs[xr::kRight].grab = 1;
         frames(2);
-        point(kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
+        point(xr::kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
         frames(2);
         let_go();
         EXPECT_NEAR(place("ben").y, std::max(by_m, 0.0), 1e-9);
@@ -123,10 +123,10 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
         frames(2);
     }
     interaction.holding.settings.snaps_to_floor = false;
-    point(kRight, kRightHand, kBen);
-    inputs[kRight].grab = 1;
+    point(xr::kRight, kRightHand, kBen);
+    inputs[xr::kRight].grab = 1;
     frames(2);
-    point(kRight, kRightHand - glm::dvec3(0, 0.1, 0), kBen - glm::dvec3(0, 0.1, 0));
+    point(xr::kRight, kRightHand - glm::dvec3(0, 0.1, 0), kBen - glm::dvec3(0, 0.1, 0));
     frames(2);
     let_go();
     EXPECT_NEAR(place("ben").y, -0.1, 1e-9) << "where it is asked not to";
@@ -135,8 +135,8 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
 TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
     const glm::dvec3 before = place("ben");
     take_and_move(kBen);
-    inputs[kRight].aim.reset();
-    inputs[kRight].grip.reset();
+    inputs[xr::kRight].aim.reset();
+    inputs[xr::kRight].grip.reset();
     frames(5);
     EXPECT_TRUE(interaction.holding.any());
     EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
@@ -147,11 +147,11 @@ TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
 
 TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLater) {
     select(kBen);
-    point(kRight, kRightHand, {0, 5, -2});
-    inputs[kRight].select = 1;
+    point(xr::kRight, kRightHand, {0, 5, -2});
+    inputs[xr::kRight].select = 1;
     frame();
-    inputs[kRight].select = 0;
-    inputs[kLeft].duplicate = true;
+    inputs[xr::kRight].select = 0;
+    inputs[xr::kLeft].duplicate = true;
     frames(2);
     select(kAnna);
     frames(2);
@@ -159,8 +159,8 @@ TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLate
 }
 
 TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
-    inputs[kRight].aim->position.x = std::numeric_limits<double>::quiet_NaN();
-    inputs[kRight].select = inputs[kRight].grab = 1;
+    inputs[xr::kRight].aim->position.x = std::numeric_limits<double>::quiet_NaN();
+    inputs[xr::kRight].select = inputs[xr::kRight].grab = 1;
     frames(3);
     EXPECT_FALSE(interaction.holding.any());
     EXPECT_FALSE(on.editor.selected());
@@ -168,10 +168,10 @@ TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
 
 TEST_F(InteractionTest, TheOtherHandDoesNotTakeAnotherPerformerMeanwhile) {
     take_and_move(kBen);
-    point(kLeft, kLeftHand, kAnna);
-    inputs[kLeft].grab = 1;
+    point(xr::kLeft, kLeftHand, kAnna);
+    inputs[xr::kLeft].grab = 1;
     frames(2);
-    EXPECT_FALSE(interaction.holding.holds(kLeft));
+    EXPECT_FALSE(interaction.holding.holds(xr::kLeft));
     let_go();
     EXPECT_EQ(steps(), 1u);
 }
@@ -179,10 +179,10 @@ TEST_F(InteractionTest, TheOtherHandDoesNotTakeAnotherPerformerMeanwhile) {
 TEST_F(InteractionTest, AStickThatPushesWhatIsHeldDoesNotTurnItsUser) {
     take_and_move(kBen);
     const glm::dvec3 before = place("ben");
-    inputs[kRight].stick = {0, 1};
+    inputs[xr::kRight].stick = {0, 1};
     frames(20);
     EXPECT_LT(place("ben").z, before.z - 0.1) << "it is pushed away";
-    inputs[kRight].stick = {1, 0};
+    inputs[xr::kRight].stick = {1, 0};
     frames(3);
     EXPECT_EQ(on.rig.yaw_rad, 0);
     EXPECT_EQ(on.clock.speed, 1);
@@ -192,9 +192,9 @@ TEST_F(InteractionTest, AStickOnThePanelIsItsWheelAlone) {
     on.panel_shown = true;
     frame();
     ASSERT_TRUE(interaction.panel);
-    point(kRight, kRightHand, interaction.panel->at({0.5, 0.5}));
+    point(xr::kRight, kRightHand, interaction.panel->at({0.5, 0.5}));
     frame();
-    inputs[kRight].stick = {0, 1};
+    inputs[xr::kRight].stick = {0, 1};
     frame();
     EXPECT_EQ(interaction.panel_pointer().wheel, 1);
     EXPECT_EQ(on.clock.speed, 1);
@@ -204,27 +204,27 @@ TEST_F(InteractionTest, ThePanelGoesWithTheHandThatGripsIt) {
     on.panel_shown = true;
     frame();
     const glm::dvec3 before = interaction.panel->world.position;
-    point(kRight, kRightHand, interaction.panel->at({0.5, 0.9}));
-    inputs[kRight].grab = 1;
+    point(xr::kRight, kRightHand, interaction.panel->at({0.5, 0.9}));
+    inputs[xr::kRight].grab = 1;
     frame();
-    const Pose held = *inputs[kRight].aim;
-    inputs[kRight].aim = inputs[kRight].grip = Pose{held.position + kBeside, held.rotation};
+    const xr::Pose held = *inputs[xr::kRight].aim;
+    inputs[xr::kRight].aim = inputs[xr::kRight].grip = xr::Pose{held.position + kBeside, held.rotation};
     frame();
     EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9);
     EXPECT_FALSE(interaction.holding.any()) << "what is behind it is not held";
-    inputs[kRight].grab = 0;
+    inputs[xr::kRight].grab = 0;
     frame();
-    inputs[kRight].aim = held;
+    inputs[xr::kRight].aim = held;
     frame();
     EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9) << "it was let go";
 }
 
 TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     select(kBen);
-    inputs[kLeft].lacks_menu = true;
-    inputs[kLeft].has_grab = false;
-    point(kLeft, kLeftHand, {-3, 3, 0});
-    inputs[kLeft].select = 1;
+    inputs[xr::kLeft].lacks_menu = true;
+    inputs[xr::kLeft].has_grab = false;
+    point(xr::kLeft, kLeftHand, {-3, 3, 0});
+    inputs[xr::kLeft].select = 1;
     frames(40);
     EXPECT_FALSE(interaction.panel) << "not yet";
     frames(40);
@@ -232,26 +232,26 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     EXPECT_EQ(on.editor.selected(), node("ben")) << "it is what the panel is for";
     frames(80);
     EXPECT_TRUE(interaction.panel) << "once for a pinch";
-    inputs[kLeft].select = 0;
+    inputs[xr::kLeft].select = 0;
     frame();
-    inputs[kLeft].select = 1;
+    inputs[xr::kLeft].select = 1;
     frames(80);
     EXPECT_FALSE(interaction.panel) << "the next one hides it";
-    inputs[kLeft].select = 0;
+    inputs[xr::kLeft].select = 0;
     frame();
     EXPECT_EQ(on.editor.selected(), node("ben"));
-    inputs[kLeft].select = 1;
+    inputs[xr::kLeft].select = 1;
     frames(3);
-    inputs[kLeft].select = 0;
+    inputs[xr::kLeft].select = 0;
     frame();
     EXPECT_FALSE(on.editor.selected()) << "a short one";
 }
 
 TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
     const auto push = [&](double up) {
-        inputs[kRight].stick = {0, up};
+        inputs[xr::kRight].stick = {0, up};
         frame();
-        inputs[kRight].stick = {0, 0};
+        inputs[xr::kRight].stick = {0, 0};
         frame();
     };
     push(1);

@@ -21,8 +21,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-LinearImage gradient(uint32_t width, uint32_t height) {
-    LinearImage image{width, height};
+media::LinearImage gradient(uint32_t width, uint32_t height) {
+    media::LinearImage image{width, height};
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {
             const float alpha = static_cast<float>(x) / static_cast<float>(width);
@@ -35,10 +35,10 @@ LinearImage gradient(uint32_t width, uint32_t height) {
 
 TEST(Exr, RoundTrips) {
     const TemporaryFolder folder;
-    const LinearImage image = gradient(37, 21);
-    write_exr(folder.path / "a.exr", image);
+    const media::LinearImage image = gradient(37, 21);
+    media::write_exr(folder.path / "a.exr", image);
     EXPECT_EQ(folder.entries(), 1u);
-    const LinearImage back = read_exr(folder.path / "a.exr");
+    const media::LinearImage back = media::read_exr(folder.path / "a.exr");
     ASSERT_EQ(back.width, 37u);
     ASSERT_EQ(back.height, 21u);
     ASSERT_EQ(back.rgba.size(), image.rgba.size());
@@ -49,15 +49,15 @@ TEST(Exr, RoundTrips) {
     }
     EXPECT_FALSE(exact) << "colours are halves";
     EXPECT_EQ(back.depth_m, image.depth_m) << "depth is float";
-    write_exr(folder.path / "b.exr", image);
+    media::write_exr(folder.path / "b.exr", image);
     EXPECT_EQ(read_text(folder.path / "a.exr"), read_text(folder.path / "b.exr"));
 }
 
 TEST(Exr, TheFileIsWhatOthersExpect) {
     const TemporaryFolder folder;
-    LinearImage image = gradient(8, 4);
+    media::LinearImage image = gradient(8, 4);
     image.pixel_aspect = 2;
-    write_exr(folder.path / "a.exr", image);
+    media::write_exr(folder.path / "a.exr", image);
     const Imf::InputFile file((folder.path / "a.exr").c_str());
     const Imf::Header& header = file.header();
     EXPECT_EQ(header.pixelAspectRatio(), 2);
@@ -67,18 +67,18 @@ TEST(Exr, TheFileIsWhatOthersExpect) {
         EXPECT_EQ(header.channels().findChannel(name)->type, Imf::HALF);
     }
     EXPECT_EQ(header.channels().findChannel("Z")->type, Imf::FLOAT);
-    EXPECT_EQ(read_exr(folder.path / "a.exr").pixel_aspect, 2);
+    EXPECT_EQ(media::read_exr(folder.path / "a.exr").pixel_aspect, 2);
     image.depth_m.clear();
-    write_exr(folder.path / "b.exr", image);
+    media::write_exr(folder.path / "b.exr", image);
     EXPECT_FALSE(Imf::InputFile((folder.path / "b.exr").c_str()).header().channels().findChannel("Z"));
-    EXPECT_TRUE(read_exr(folder.path / "b.exr").depth_m.empty());
+    EXPECT_TRUE(media::read_exr(folder.path / "b.exr").depth_m.empty());
 }
 
 TEST(Exr, BrightLightIsClampedToWhatAHalfHolds) {
     const TemporaryFolder folder;
-    LinearImage image{1, 1, {1e9f, -1e9f, 65504, 1}};
-    write_exr(folder.path / "a.exr", image);
-    EXPECT_EQ(read_exr(folder.path / "a.exr").rgba, (std::vector<float>{65504, -65504, 65504, 1}));
+    media::LinearImage image{1, 1, {1e9f, -1e9f, 65504, 1}};
+    media::write_exr(folder.path / "a.exr", image);
+    EXPECT_EQ(media::read_exr(folder.path / "a.exr").rgba, (std::vector<float>{65504, -65504, 65504, 1}));
 }
 
 // As other programs write them: floats, RGB alone, a data window that does not begin at 0.
@@ -102,7 +102,7 @@ TEST(Exr, FilesOfOthersAreRead) {
         file.writePixels(2);
     };
     write("R");
-    const LinearImage image = read_exr(path);
+    const media::LinearImage image = media::read_exr(path);
     ASSERT_EQ(image.width, 3u);
     ASSERT_EQ(image.height, 2u);
     for (size_t pixel = 0; pixel < 6; ++pixel) {
@@ -111,9 +111,9 @@ TEST(Exr, FilesOfOthersAreRead) {
     }
     values[4] = kInfinity;
     write("R");
-    expect_input_error([&] { read_exr(path); }, {"env.exr", "pixel 1, 0", "finite"});
+    expect_input_error([&] { media::read_exr(path); }, {"env.exr", "pixel 1, 0", "finite"});
     write("L");
-    expect_input_error([&] { read_exr(path); }, {"env.exr", "no R"});
+    expect_input_error([&] { media::read_exr(path); }, {"env.exr", "no R"});
 }
 
 TEST(Exr, HostileSizesAreRefused) {
@@ -125,7 +125,7 @@ TEST(Exr, HostileSizesAreRefused) {
         header.compression() = Imf::ZIP_COMPRESSION;
         for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::HALF));
         Imf::OutputFile(path.c_str(), header);  // the header and a table of lines, no pixels
-        expect_input_error([&] { read_exr(path); }, {"bomb.exr"});
+        expect_input_error([&] { media::read_exr(path); }, {"bomb.exr"});
     };
     Imf::Header::setMaxImageSize(0, 0);
     expect_refused_window(20000, 10);
@@ -137,13 +137,13 @@ TEST(Exr, HostileSizesAreRefused) {
 
 TEST(Exr, DamageIsNamed) {
     const TemporaryFolder folder;
-    write_exr(folder.path / "a.exr", gradient(40, 30));
+    media::write_exr(folder.path / "a.exr", gradient(40, 30));
     const std::string whole = read_text(folder.path / "a.exr");
     const auto path = folder.path / "bad.exr";
-    expect_input_error([&] { read_exr(folder.path / "none.exr"); }, {"none.exr", "cannot open"});
+    expect_input_error([&] { media::read_exr(folder.path / "none.exr"); }, {"none.exr", "cannot open"});
     for (const size_t size : {size_t{0}, size_t{3}, size_t{100}, whole.size() / 2, whole.size() - 1}) {
         write_text(path, whole.substr(0, size));
-        expect_input_error([&] { read_exr(path); }, {"bad.exr"});
+        expect_input_error([&] { media::read_exr(path); }, {"bad.exr"});
     }
     uint32_t state = 7;
     for (int round = 0; round < 200; ++round) {  // an InputError or a sound picture, nothing else
@@ -155,7 +155,7 @@ TEST(Exr, DamageIsNamed) {
         }
         write_text(path, bytes);
         try {
-            const LinearImage image = read_exr(path);
+            const media::LinearImage image = media::read_exr(path);
             EXPECT_EQ(image.rgba.size(), size_t{4} * image.width * image.height);
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find("bad.exr"), std::string::npos);
@@ -165,7 +165,7 @@ TEST(Exr, DamageIsNamed) {
 
 TEST(Exr, AnUnwritablePlaceFails) {
     const TemporaryFolder folder;
-    EXPECT_THROW(write_exr(folder.path / "no/such/a.exr", gradient(2, 2)), RuntimeFailure);
+    EXPECT_THROW(media::write_exr(folder.path / "no/such/a.exr", gradient(2, 2)), RuntimeFailure);
 }
 
 }  // namespace

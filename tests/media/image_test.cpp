@@ -15,9 +15,9 @@
 namespace neuvv {
 namespace {
 
-Image random_image(uint32_t width, uint32_t height, bool opaque) {
+media::Image random_image(uint32_t width, uint32_t height, bool opaque) {
     std::mt19937 random(width * 1000 + height);
-    Image image(width, height);
+    media::Image image(width, height);
     for (size_t i = 0; i < image.rgba.size(); ++i)
         image.rgba[i] = opaque && i % 4 == 3 ? 255 : static_cast<uint8_t>(random());
     return image;
@@ -53,11 +53,11 @@ void write_png_kind(const std::filesystem::path& path, const PngKind& kind, std:
     std::fclose(file);
 }
 
-void expect_pixel(const Image& image, uint32_t x, uint32_t y, std::array<int, 4> expected) {
+void expect_pixel(const media::Image& image, uint32_t x, uint32_t y, std::array<int, 4> expected) {
     for (size_t c = 0; c < 4; ++c) EXPECT_EQ(image.at(x, y)[c], expected[c]) << x << ',' << y << " channel " << c;
 }
 
-std::vector<uint8_t> encode_jpeg(const Image& image, int quality) {
+std::vector<uint8_t> encode_jpeg(const media::Image& image, int quality) {
     jpeg_compress_struct jpeg{};
     jpeg_error_mgr errors{};
     jpeg.err = jpeg_std_error(&errors);
@@ -84,19 +84,20 @@ std::vector<uint8_t> encode_jpeg(const Image& image, int quality) {
 }
 
 TEST(Image, TransferFunctionIsThatOfSrgb) {
-    EXPECT_NEAR(srgb_from_linear(0.5), 0.735357, 1e-6);
-    EXPECT_NEAR(srgb_from_linear(0.001), 0.01292, 1e-9);
-    EXPECT_NEAR(linear_from_srgb(0.5), 0.214041, 1e-6);
-    EXPECT_NEAR(linear_from_srgb(1), 1, 1e-12);
-    for (int i = 0; i <= 255; ++i) EXPECT_NEAR(srgb_from_linear(linear_from_srgb(i / 255.0)), i / 255.0, 1e-6);
+    EXPECT_NEAR(media::srgb_from_linear(0.5), 0.735357, 1e-6);
+    EXPECT_NEAR(media::srgb_from_linear(0.001), 0.01292, 1e-9);
+    EXPECT_NEAR(media::linear_from_srgb(0.5), 0.214041, 1e-6);
+    EXPECT_NEAR(media::linear_from_srgb(1), 1, 1e-12);
+    for (int i = 0; i <= 255; ++i)
+        EXPECT_NEAR(media::srgb_from_linear(media::linear_from_srgb(i / 255.0)), i / 255.0, 1e-6);
 }
 
 TEST(Image, PngRoundTripIsExact) {
     const TemporaryFolder folder;
     for (const bool opaque : {false, true}) {
-        const Image image = random_image(37, 11, opaque);
-        write_png(folder.path / "a.png", image);
-        const Image back = read_png(folder.path / "a.png");
+        const media::Image image = random_image(37, 11, opaque);
+        media::write_png(folder.path / "a.png", image);
+        const media::Image back = media::read_png(folder.path / "a.png");
         EXPECT_EQ(back.width, 37u);
         EXPECT_EQ(back.height, 11u);
         EXPECT_EQ(back.rgba, image.rgba);
@@ -109,20 +110,20 @@ TEST(Image, PngRoundTripIsExact) {
 
 TEST(Image, PicturesWithoutColourBecomeGreyPngs) {
     const TemporaryFolder folder;
-    Image image = random_image(37, 11, true);
+    media::Image image = random_image(37, 11, true);
     for (size_t i = 0; i < image.rgba.size(); i += 4) image.rgba[i + 1] = image.rgba[i + 2] = image.rgba[i];
-    write_png(folder.path / "grey.png", image);
-    EXPECT_EQ(read_png(folder.path / "grey.png").rgba, image.rgba);
+    media::write_png(folder.path / "grey.png", image);
+    EXPECT_EQ(media::read_png(folder.path / "grey.png").rgba, image.rgba);
     EXPECT_EQ(read_text(folder.path / "grey.png")[25], PNG_COLOR_TYPE_GRAY);
     image.rgba[image.rgba.size() - 2] ^= 1;  // the last pixel's blue
-    write_png(folder.path / "blueish.png", image);
-    EXPECT_EQ(read_png(folder.path / "blueish.png").rgba, image.rgba);
+    media::write_png(folder.path / "blueish.png", image);
+    EXPECT_EQ(media::read_png(folder.path / "blueish.png").rgba, image.rgba);
     EXPECT_EQ(read_text(folder.path / "blueish.png")[25], PNG_COLOR_TYPE_RGB);
 }
 
 TEST(Image, WritingWhereThereIsNoFolderFails) {
     const TemporaryFolder folder;
-    EXPECT_THROW(write_png(folder.path / "none" / "a.png", random_image(4, 4, true)), RuntimeFailure);
+    EXPECT_THROW(media::write_png(folder.path / "none" / "a.png", random_image(4, 4, true)), RuntimeFailure);
 }
 
 TEST(Image, PngOf16BitGreyIsScaledWithoutGamma) {
@@ -131,7 +132,7 @@ TEST(Image, PngOf16BitGreyIsScaledWithoutGamma) {
     // 0x80ff is 128.99 of 255 in exact proportion; a gamma of 1 in the file must change nothing.
     write_png_kind(path, {.width = 3, .height = 1, .depth = 16, .colour = PNG_COLOR_TYPE_GRAY, .gamma = 1.0},
                    {{0x00, 0x00, 0x80, 0xff, 0xff, 0xff}});
-    const Image image = read_png(path);
+    const media::Image image = media::read_png(path);
     expect_pixel(image, 0, 0, {0, 0, 0, 255});
     expect_pixel(image, 1, 0, {128, 128, 128, 255});
     expect_pixel(image, 2, 0, {255, 255, 255, 255});
@@ -141,8 +142,8 @@ TEST(Image, PngOf1BitGreyAndPaletteAreWidened) {
     const TemporaryFolder folder;
     const auto path = folder.path / "kind.png";
     write_png_kind(path, {.width = 3, .height = 1, .depth = 1, .colour = PNG_COLOR_TYPE_GRAY}, {{0xa0}});
-    expect_pixel(read_png(path), 0, 0, {255, 255, 255, 255});
-    expect_pixel(read_png(path), 1, 0, {0, 0, 0, 255});
+    expect_pixel(media::read_png(path), 0, 0, {255, 255, 255, 255});
+    expect_pixel(media::read_png(path), 1, 0, {0, 0, 0, 255});
     write_png_kind(path,
                    {.width = 2,
                     .height = 1,
@@ -151,39 +152,39 @@ TEST(Image, PngOf1BitGreyAndPaletteAreWidened) {
                     .palette = {{10, 20, 30}, {40, 50, 60}},
                     .palette_alpha = {7}},
                    {{1, 0}});
-    expect_pixel(read_png(path), 0, 0, {40, 50, 60, 255});
-    expect_pixel(read_png(path), 1, 0, {10, 20, 30, 7});
+    expect_pixel(media::read_png(path), 0, 0, {40, 50, 60, 255});
+    expect_pixel(media::read_png(path), 1, 0, {10, 20, 30, 7});
 }
 
 TEST(Image, InterlacedPngIsWhole) {
     const TemporaryFolder folder;
-    const Image image = random_image(19, 13, false);
+    const media::Image image = random_image(19, 13, false);
     std::vector<std::vector<uint8_t>> rows;
     for (uint32_t y = 0; y < 13; ++y) rows.emplace_back(image.at(0, y), image.at(0, y) + 4 * 19);
     write_png_kind(folder.path / "i.png",
                    {.width = 19, .height = 13, .depth = 8, .colour = PNG_COLOR_TYPE_RGBA, .interlaced = true}, rows);
-    EXPECT_EQ(read_png(folder.path / "i.png").rgba, image.rgba);
+    EXPECT_EQ(media::read_png(folder.path / "i.png").rgba, image.rgba);
 }
 
 TEST(Image, EveryTruncationOfAPngIsRefused) {
     const TemporaryFolder folder;
-    write_png(folder.path / "whole.png", random_image(9, 9, false));
+    media::write_png(folder.path / "whole.png", random_image(9, 9, false));
     const std::string bytes = read_text(folder.path / "whole.png");
     for (size_t size = 0; size < bytes.size(); ++size)
-        expect_input_error([&] { decode_image(reinterpret_cast<const uint8_t*>(bytes.data()), size, "cut.png"); },
-                           {"cut.png"});
+        expect_input_error(
+            [&] { media::decode_image(reinterpret_cast<const uint8_t*>(bytes.data()), size, "cut.png"); }, {"cut.png"});
 }
 
 TEST(Image, EveryDamagedByteIsRefusedOrHarmless) {
     const TemporaryFolder folder;
-    write_png(folder.path / "whole.png", random_image(9, 9, false));
+    media::write_png(folder.path / "whole.png", random_image(9, 9, false));
     const std::vector<uint8_t> whole = read_file(folder.path / "whole.png");
     size_t refused = 0;
     for (size_t i = 0; i < whole.size(); ++i) {
         std::vector<uint8_t> bytes = whole;
         bytes[i] ^= 0x5a;
         try {
-            EXPECT_EQ(decode_image(bytes.data(), bytes.size(), "d.png").rgba.size(), 4u * 9 * 9);
+            EXPECT_EQ(media::decode_image(bytes.data(), bytes.size(), "d.png").rgba.size(), 4u * 9 * 9);
         } catch (const InputError&) {
             ++refused;
         }
@@ -193,40 +194,41 @@ TEST(Image, EveryDamagedByteIsRefusedOrHarmless) {
 
 TEST(Image, BadSizesAreRefusedBeforeMemoryIsTaken) {
     const TemporaryFolder folder;
-    write_png(folder.path / "a.png", random_image(9, 9, false));
+    media::write_png(folder.path / "a.png", random_image(9, 9, false));
     std::string bytes = read_text(folder.path / "a.png");
     const auto with_width = [&](uint32_t width) {
         for (size_t i = 0; i < 4; ++i) bytes[16 + i] = static_cast<char>(width >> (24 - 8 * i));
         write_text(folder.path / "b.png", bytes);
         return folder.path / "b.png";
     };
-    expect_input_error([&] { read_png(with_width(0)); }, {"b.png", "zero size"});
-    expect_input_error([&] { read_png(with_width(kMaxImageSide + 1)); }, {"b.png", "16385"});
-    expect_input_error([&] { read_png(with_width(0xffffffff)); }, {"b.png", "4294967295"});
+    expect_input_error([&] { media::read_png(with_width(0)); }, {"b.png", "zero size"});
+    expect_input_error([&] { media::read_png(with_width(media::kMaxImageSide + 1)); }, {"b.png", "16385"});
+    expect_input_error([&] { media::read_png(with_width(0xffffffff)); }, {"b.png", "4294967295"});
     bytes[20] = 0, bytes[21] = 0, bytes[22] = 0x40, bytes[23] = 0;
     const uint64_t before = peak_memory_bytes();
-    expect_input_error([&] { read_png(with_width(kMaxImageSide)); }, {"b.png", "cannot hold 16384×16384"});
+    expect_input_error([&] { media::read_png(with_width(media::kMaxImageSide)); },
+                       {"b.png", "cannot hold 16384×16384"});
     EXPECT_LT(peak_memory_bytes() - before, uint64_t{64} << 20);
 }
 
 TEST(Image, WhatIsNoPictureIsNamed) {
     const TemporaryFolder folder;
-    expect_input_error([&] { read_png(folder.path / "none.png"); }, {"none.png", "No such file"});
+    expect_input_error([&] { media::read_png(folder.path / "none.png"); }, {"none.png", "No such file"});
     write_text(folder.path / "text.png", "GIF89a and so on");
-    expect_input_error([&] { read_png(folder.path / "text.png"); }, {"text.png", "neither a PNG nor a JPEG"});
+    expect_input_error([&] { media::read_png(folder.path / "text.png"); }, {"text.png", "neither a PNG nor a JPEG"});
     write_text(folder.path / "empty.png", "");
-    expect_input_error([&] { read_png(folder.path / "empty.png"); }, {"empty.png", "empty"});
+    expect_input_error([&] { media::read_png(folder.path / "empty.png"); }, {"empty.png", "empty"});
 }
 
 TEST(Image, JpegIsDecodedOpaque) {
-    Image image(32, 16);
+    media::Image image(32, 16);
     for (uint32_t y = 0; y < 16; ++y)
         for (uint32_t x = 0; x < 32; ++x) {
             const uint8_t colour[4] = {200, static_cast<uint8_t>(8 * x), 40, 0};
             std::copy(colour, colour + 4, image.at(x, y));
         }
     const std::vector<uint8_t> bytes = encode_jpeg(image, 95);
-    const Image back = decode_image(bytes.data(), bytes.size(), "a.jpg");
+    const media::Image back = media::decode_image(bytes.data(), bytes.size(), "a.jpg");
     ASSERT_EQ(back.width, 32u);
     ASSERT_EQ(back.height, 16u);
     for (uint32_t x = 0; x < 32; ++x) {
@@ -234,15 +236,15 @@ TEST(Image, JpegIsDecodedOpaque) {
         EXPECT_EQ(back.at(x, 8)[3], 255);
     }
     for (size_t size = 0; size + 2 < bytes.size(); ++size)  // the last two bytes are only the end mark
-        expect_input_error([&] { decode_image(bytes.data(), size, "cut.jpg"); }, {"cut.jpg"});
+        expect_input_error([&] { media::decode_image(bytes.data(), size, "cut.jpg"); }, {"cut.jpg"});
 }
 
 TEST(Image, CompositeBlendsEncodedValues) {
-    Image image(3, 1);
+    media::Image image(3, 1);
     const uint8_t pixels[12] = {100, 0, 255, 128, 9, 9, 9, 0, 9, 9, 9, 255};
     std::copy(pixels, pixels + 12, image.rgba.begin());
     const uint8_t background[3] = {255, 100, 0};
-    const Image over = composite_over(image, background);
+    const media::Image over = media::composite_over(image, background);
     expect_pixel(over, 0, 0, {177, 50, 128, 255});  // 255 − 155·128/255 = 177.2; 100·127/255 = 49.8
     expect_pixel(over, 1, 0, {255, 100, 0, 255});
     expect_pixel(over, 2, 0, {9, 9, 9, 255});

@@ -16,8 +16,8 @@ extern "C" {
 namespace neuvv {
 namespace {
 
-Image plain(uint32_t width, uint32_t height, uint8_t r, uint8_t g, uint8_t b) {
-    Image image(width, height);
+media::Image plain(uint32_t width, uint32_t height, uint8_t r, uint8_t g, uint8_t b) {
+    media::Image image(width, height);
     for (size_t i = 0; i < image.rgba.size(); i += 4) {
         const uint8_t colour[4] = {r, g, b, 255};
         std::copy(colour, colour + 4, image.rgba.begin() + static_cast<ptrdiff_t>(i));
@@ -26,7 +26,7 @@ Image plain(uint32_t width, uint32_t height, uint8_t r, uint8_t g, uint8_t b) {
 }
 
 void write_video(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps, int frames) {
-    VideoWriter video(path, width, height, fps);
+    media::VideoWriter video(path, width, height, fps);
     for (int i = 0; i < frames; ++i) video.add(plain(width, height, static_cast<uint8_t>(9 * i), 80, 160));
     video.finish();
 }
@@ -35,7 +35,7 @@ TEST(Video, SummaryIsWhatWasWritten) {
     const TemporaryFolder folder;
     const auto path = folder.path / "a:b.mp4";  // a colon must not become a protocol
     write_video(path, 64, 48, 25, 24);
-    const VideoSummary summary = summarise_video(path);
+    const media::VideoSummary summary = media::summarise_video(path);
     EXPECT_EQ(summary.width, 64u);
     EXPECT_EQ(summary.height, 48u);
     EXPECT_EQ(summary.frames, 24u);
@@ -46,7 +46,7 @@ TEST(Video, SummaryIsWhatWasWritten) {
 TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
     const TemporaryFolder folder;
     write_video(folder.path / "odd.mp4", 33, 17, 30000.0 / 1001, 7);
-    const VideoSummary summary = summarise_video(folder.path / "odd.mp4");
+    const media::VideoSummary summary = media::summarise_video(folder.path / "odd.mp4");
     EXPECT_EQ(summary.width, 34u);
     EXPECT_EQ(summary.height, 18u);
     EXPECT_EQ(summary.frames, 7u);
@@ -90,7 +90,7 @@ TEST(Video, TimestampsAreExact) {
 TEST(Video, OneFrameIsAVideo) {
     const TemporaryFolder folder;
     write_video(folder.path / "one.mp4", 16, 16, 10, 1);
-    EXPECT_EQ(summarise_video(folder.path / "one.mp4").frames, 1u);
+    EXPECT_EQ(media::summarise_video(folder.path / "one.mp4").frames, 1u);
 }
 
 // Decodes the first frame and looks at its Y, Cb, Cr and tags: pure red is (63, 102, 240) in BT.709 and (81, 90, 240)
@@ -98,7 +98,7 @@ TEST(Video, OneFrameIsAVideo) {
 TEST(Video, ColoursAreBt709) {
     const TemporaryFolder folder;
     const auto path = folder.path / "red.mp4";
-    VideoWriter writer(path, 64, 64, 25);
+    media::VideoWriter writer(path, 64, 64, 25);
     for (int i = 0; i < 3; ++i) writer.add(plain(64, 64, 255, 0, 0));
     writer.finish();
 
@@ -145,9 +145,9 @@ TEST(Video, IndexStandsBeforeTheFrames) {
 TEST(Video, WithoutFinishNothingStays) {
     const TemporaryFolder folder;
     {
-        VideoWriter video(folder.path / "a.mp4", 32, 32, 25);
+        media::VideoWriter video(folder.path / "a.mp4", 32, 32, 25);
         video.add(plain(32, 32, 1, 2, 3));
-        VideoWriter moved(std::move(video));
+        media::VideoWriter moved(std::move(video));
         EXPECT_EQ(folder.entries(), 1u);
     }
     EXPECT_EQ(folder.entries(), 0u);
@@ -156,25 +156,25 @@ TEST(Video, WithoutFinishNothingStays) {
 TEST(Video, WhatCannotBeWrittenIsRefused) {
     const TemporaryFolder folder;
     const auto path = folder.path / "a.mp4";
-    EXPECT_THROW(VideoWriter(path, 0, 32, 25), RuntimeFailure);
-    EXPECT_THROW(VideoWriter(path, 32, 32, 0), RuntimeFailure);
-    EXPECT_THROW(VideoWriter(path, 32, 32, NAN), RuntimeFailure);
-    EXPECT_THROW(VideoWriter(folder.path / "none" / "a.mp4", 32, 32, 25), RuntimeFailure);
-    VideoWriter video(path, 32, 32, 25);
+    EXPECT_THROW(media::VideoWriter(path, 0, 32, 25), RuntimeFailure);
+    EXPECT_THROW(media::VideoWriter(path, 32, 32, 0), RuntimeFailure);
+    EXPECT_THROW(media::VideoWriter(path, 32, 32, NAN), RuntimeFailure);
+    EXPECT_THROW(media::VideoWriter(folder.path / "none" / "a.mp4", 32, 32, 25), RuntimeFailure);
+    media::VideoWriter video(path, 32, 32, 25);
     EXPECT_THROW(video.add(plain(32, 31, 0, 0, 0)), RuntimeFailure);
     EXPECT_THROW(video.finish(), RuntimeFailure);
 }
 
 TEST(Video, WhatCannotBeReadIsNamed) {
     const TemporaryFolder folder;
-    expect_input_error([&] { summarise_video(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
+    expect_input_error([&] { media::summarise_video(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
     write_text(folder.path / "text.mp4", "#EXTM3U\nhttp://example.org/a.ts\n");
-    expect_input_error([&] { summarise_video(folder.path / "text.mp4"); }, {"text.mp4", "cannot open"});
+    expect_input_error([&] { media::summarise_video(folder.path / "text.mp4"); }, {"text.mp4", "cannot open"});
     write_video(folder.path / "a.mp4", 64, 64, 25, 24);
     const std::string bytes = read_text(folder.path / "a.mp4");
     for (const double part : {0.01, 0.3, 0.6, 0.9}) {
         write_text(folder.path / "cut.mp4", bytes.substr(0, static_cast<size_t>(part * double(bytes.size()))));
-        expect_input_error([&] { summarise_video(folder.path / "cut.mp4"); }, {"cut.mp4"});
+        expect_input_error([&] { media::summarise_video(folder.path / "cut.mp4"); }, {"cut.mp4"});
     }
 }
 
@@ -182,11 +182,11 @@ TEST(VideoReader, FramesAreThoseWritten) {
     const TemporaryFolder folder;
     const auto path = folder.path / "a.mp4";
     write_video(path, 66, 34, 12.5, 20);
-    VideoReader reader(path);
-    EXPECT_EQ(reader.size(), (ImageSize{66, 34}));
+    media::VideoReader reader(path);
+    EXPECT_EQ(reader.size(), (media::ImageSize{66, 34}));
     EXPECT_EQ(reader.frames(), 20u);
     EXPECT_NEAR(reader.fps(), 12.5, 1e-6);
-    Image frame;
+    media::Image frame;
     for (int i = 0; i < 20; ++i) {
         if (i % 3 == 2) {
             ASSERT_TRUE(reader.skip());
@@ -213,13 +213,13 @@ TEST(VideoReader, AShortFileIsNoticedAtItsEnd) {
     write_text(folder.path / "cut.mp4", bytes.substr(0, bytes.size() * 9 / 10));
     expect_input_error(
         [&] {
-            VideoReader reader(folder.path / "cut.mp4");
-            Image frame;
+            media::VideoReader reader(folder.path / "cut.mp4");
+            media::Image frame;
             while (reader.next(frame)) {
             }
         },
         {"cut.mp4"});
-    expect_input_error([&] { VideoReader reader(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
+    expect_input_error([&] { media::VideoReader reader(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
 }
 
 // Any bytes may be damaged: an InputError or frames of the right size, nothing else.
@@ -236,8 +236,8 @@ TEST(VideoReader, DamagedBytesDoNoHarm) {
         }
         write_text(folder.path / "bad.mp4", bytes);
         try {
-            VideoReader reader(folder.path / "bad.mp4");
-            Image frame;
+            media::VideoReader reader(folder.path / "bad.mp4");
+            media::Image frame;
             while (reader.next(frame)) ASSERT_EQ(frame.rgba.size(), size_t{4} * frame.width * frame.height);
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find("bad.mp4"), std::string::npos);

@@ -2,7 +2,7 @@
 
 namespace neuvv::reference {
 
-Ray camera_ray(const Camera& camera, double px, double py) {
+Ray camera_ray(const stage::Camera& camera, double px, double py) {
     // Pixels count y downwards, OpenGL's camera axes upwards.
     const glm::dvec3 in_camera{(px + 0.5 - camera.cx) / camera.fx, -(py + 0.5 - camera.cy) / camera.fy, -1.0};
     Ray ray;

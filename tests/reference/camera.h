@@ -8,6 +8,6 @@ namespace neuvv::reference {
 
 // Through the centre of pixel (px, py), counted from the picture's top left corner; px and py may lie outside the
 // picture.
-Ray camera_ray(const Camera& camera, double px, double py);
+Ray camera_ray(const stage::Camera& camera, double px, double py);
 
 }  // namespace neuvv::reference

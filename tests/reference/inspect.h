@@ -16,13 +16,13 @@ struct WalkNode {
 };
 struct WalkNodes {
     std::vector<WalkNode> nodes;
-    std::vector<LeafPlace> leaves;        // of the tree
-    uint32_t levels_above = 0;            // octree levels by which the root lies above the tree's
-    uint32_t grid_levels = 0;             // nodes of so many levels are found by place, whether they live or not
-    glm::uvec3 box_first{0}, box_end{0};  // cells of the grid, 4^grid_levels a side, around all leaves
+    std::vector<voctree::LeafPlace> leaves;  // of the tree
+    uint32_t levels_above = 0;               // octree levels by which the root lies above the tree's
+    uint32_t grid_levels = 0;                // nodes of so many levels are found by place, whether they live or not
+    glm::uvec3 box_first{0}, box_end{0};     // cells of the grid, 4^grid_levels a side, around all leaves
 };
 // `pruned`: walks do not meet leaves without density; else all nodes live.
-WalkNodes walk_nodes(const VOctree& tree, const std::vector<LeafSlice>& slices, uint32_t levels_above,
+WalkNodes walk_nodes(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, uint32_t levels_above,
                      uint32_t grid_levels, bool pruned);
 
 struct Inspected {
@@ -36,8 +36,8 @@ struct InspectedRay {
     Interval range{0, 1e30};  // metres that are walked
     double opacity = 1, stop = 0;
 };
-Inspected inspect(const VOctree& tree, const std::vector<LeafSlice>& slices, const WalkNodes& nodes, bool pruned,
-                  const InspectedRay& ray);
+Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const WalkNodes& nodes,
+                  bool pruned, const InspectedRay& ray);
 
 // sRGB of 0..1, as colour_map.glsl has it.
 glm::dvec3 viridis(double at);

@@ -6,8 +6,8 @@
 
 namespace neuvv::reference {
 
-glm::dvec3 light_at(const SetLight& light, glm::dvec3 world, glm::dvec3& to_light) {
-    if (light.kind == SetLightKind::kDirectional) {
+glm::dvec3 light_at(const render::SetLight& light, glm::dvec3 world, glm::dvec3& to_light) {
+    if (light.kind == render::SetLightKind::kDirectional) {
         to_light = -light.direction;
         return light.colour;
     }
@@ -15,7 +15,7 @@ glm::dvec3 light_at(const SetLight& light, glm::dvec3 world, glm::dvec3& to_ligh
     to_light = (light.position - world) / distance;
     double attenuation = 1 / (distance * distance);
     if (light.range_m > 0) attenuation *= std::max(std::min(1 - std::pow(distance / light.range_m, 4), 1.0), 0.0);
-    if (light.kind == SetLightKind::kSpot) {
+    if (light.kind == render::SetLightKind::kSpot) {
         const double scale = 1 / std::max(0.001, light.inner_cos - light.outer_cos);
         const double cone = std::clamp((glm::dot(light.direction, -to_light) - light.outer_cos) * scale, 0.0, 1.0);
         attenuation *= cone * cone;

@@ -9,7 +9,7 @@
 namespace neuvv::reference {
 
 // On a surface that faces the light, without shadows; `to_light` is unit.
-glm::dvec3 light_at(const SetLight& light, glm::dvec3 world, glm::dvec3& to_light);
+glm::dvec3 light_at(const render::SetLight& light, glm::dvec3 world, glm::dvec3& to_light);
 
 // What a white diffuse surface returns of light from around: ∫ L(d) max(n·d, 0) dω / π, by quadrature over `rows`
 // bands.

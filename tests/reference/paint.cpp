@@ -23,7 +23,7 @@ glm::dvec3 with_luminance(glm::dvec3 colour, double wanted) {
     return glm::dvec3(wanted) + saturation * (scaled - wanted);
 }
 
-void paint_leaf(LeafSlice& leaf, uint32_t degree, const PaintStep& step, const LeafEdit& edit) {
+void paint_leaf(LeafSlice& leaf, uint32_t degree, const PaintStep& step, const voctree::LeafEdit& edit) {
     if (edit.sigma >= 0) leaf.sigma += step.opacity * (double{edit.sigma} - leaf.sigma);
     const double part = step.opacity * double{edit.alpha};
     if (part == 0) return;
@@ -54,7 +54,7 @@ glm::dvec3 blend(uint32_t mode, glm::dvec3 colour, glm::dvec3 target) {
 
 void paint(std::vector<LeafSlice>& slices, uint32_t degree, const std::vector<PaintStep>& steps, double frame) {
     for (const PaintStep& step : steps)
-        for (const LeafEdit& edit : step.layer->edits)
+        for (const voctree::LeafEdit& edit : step.layer->edits)
             if (double{edit.first} <= frame && frame <= double{edit.last})
                 paint_leaf(slices[edit.leaf], degree, step, edit);
 }

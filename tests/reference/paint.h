@@ -10,7 +10,7 @@
 namespace neuvv::reference {
 
 struct PaintStep {
-    const EditLayer* layer = nullptr;
+    const voctree::EditLayer* layer = nullptr;
     uint32_t blend = kPaintNormal;
     double opacity = 1;
 };

@@ -4,7 +4,7 @@
 
 namespace neuvv::reference {
 
-std::optional<PickResult> pick(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
+std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                                double alpha) {
     double transmittance = 1;
     for (const Segment& segment : intersect(tree, ray)) {

@@ -12,6 +12,7 @@ struct PickResult {
     double distance_m = 0;
 };
 // None where the ray gathers less.
-std::optional<PickResult> pick(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray, double alpha);
+std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
+                               double alpha);
 
 }  // namespace neuvv::reference

@@ -43,7 +43,7 @@ std::vector<double> basis_row(const std::vector<float>& basis, uint32_t bases, c
     return row;
 }
 
-LeafWeights leaf_weights(const VOctree& tree, uint32_t leaf) {
+LeafWeights leaf_weights(const voctree::VOctree& tree, uint32_t leaf) {
     const float* next = tree.leaf(leaf);
     const auto take = [&next](uint32_t count) {
         std::vector<double> values(next, next + count);
@@ -75,7 +75,7 @@ LeafSlice slice(const LeafWeights& weights, const std::vector<double>& row_a, co
     return result;
 }
 
-std::vector<LeafSlice> slice_tree(const VOctree& tree, double frame) {
+std::vector<LeafSlice> slice_tree(const voctree::VOctree& tree, double frame) {
     const FrameRows rows = frame_rows(frame, tree.frames);
     const std::vector<double> row_a = basis_row(tree.sigma_basis, tree.bases, rows);
     const std::vector<double> row_b = basis_row(tree.gamma_basis, tree.bases, rows);

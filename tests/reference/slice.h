@@ -29,7 +29,7 @@ struct LeafWeights {
     std::vector<double> gamma;              // w^γ, C
     std::array<std::vector<double>, 3> hh;  // w^HH of R, G, B, N each
 };
-LeafWeights leaf_weights(const VOctree& tree, uint32_t leaf);
+LeafWeights leaf_weights(const voctree::VOctree& tree, uint32_t leaf);
 
 struct LeafSlice {
     double sigma = 0;  // 1/m
@@ -38,7 +38,7 @@ struct LeafSlice {
 };
 LeafSlice slice(const LeafWeights& weights, const std::vector<double>& row_a, const std::vector<double>& row_b,
                 uint32_t degree);
-std::vector<LeafSlice> slice_tree(const VOctree& tree, double frame);  // by leaf index
+std::vector<LeafSlice> slice_tree(const voctree::VOctree& tree, double frame);  // by leaf index
 
 // Derivatives of a loss by a leaf's weights and, this leaf's share, by the rows A_t and B_t.
 struct SliceGradient {

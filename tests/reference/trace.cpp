@@ -41,7 +41,7 @@ Interval box_interval(const TreeRay& ray, glm::uvec3 first, glm::uvec3 end, doub
 }
 
 // The child entry of cell 0..63 of a node (shared/tree.h), if occupied.
-std::optional<uint32_t> child_of(const VOctree& tree, uint32_t node_index, uint32_t cell) {
+std::optional<uint32_t> child_of(const voctree::VOctree& tree, uint32_t node_index, uint32_t cell) {
     const TreeNode& node = tree.nodes[node_index];
     const uint64_t mask = uint64_t{node.mask_hi} << 32 | node.mask_lo;
     if ((mask >> cell & 1) == 0) return std::nullopt;
@@ -50,7 +50,7 @@ std::optional<uint32_t> child_of(const VOctree& tree, uint32_t node_index, uint3
 }
 
 // The leaf that fills all eight cells of an octant, if one does.
-std::optional<uint32_t> octant_leaf(const VOctree& tree, uint32_t node_index, uint32_t octant) {
+std::optional<uint32_t> octant_leaf(const voctree::VOctree& tree, uint32_t node_index, uint32_t octant) {
     const std::optional<uint32_t> first = child_of(tree, node_index, octant * 8);
     if (!first || (*first & kLeafBit) == 0) return std::nullopt;
     for (uint32_t i = 1; i < 8; ++i) {
@@ -65,7 +65,7 @@ glm::uvec3 offset_of(uint32_t bits) {
 }
 
 // `corner` counts nodes of this level, of which the box has `side` an axis.
-void visit_node(const VOctree& tree, const TreeRay& ray, uint32_t node_index, glm::uvec3 corner, double side,
+void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_index, glm::uvec3 corner, double side,
                 std::vector<Segment>& segments) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
         const glm::uvec3 octant_cell = corner * 2u + offset_of(octant);
@@ -94,18 +94,18 @@ Sample sample_of(const Segment& segment, double sigma, glm::dvec3 colour) {
     return {sigma, colour, segment.t_exit - segment.t_enter, 0.5 * (segment.t_enter + segment.t_exit)};
 }
 
-TreeRay in_tree(const VOctree& tree, const Ray& ray) {
+TreeRay in_tree(const voctree::VOctree& tree, const Ray& ray) {
     const glm::dvec3 box_size(tree.box_size);
     return {(ray.origin - glm::dvec3(tree.box_min)) / box_size, ray.direction / box_size, ray.t_min};
 }
 
 }  // namespace
 
-Interval intersect_box(const VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side) {
+Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side) {
     return box_interval(in_tree(tree, ray), first, end, side);
 }
 
-std::vector<Segment> intersect(const VOctree& tree, const Ray& ray) {
+std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray) {
     std::vector<Segment> segments;
     if (tree.nodes.empty()) return segments;
     visit_node(tree, in_tree(tree, ray), 0, glm::uvec3(0), 1, segments);
@@ -114,7 +114,7 @@ std::vector<Segment> intersect(const VOctree& tree, const Ray& ray) {
     return segments;
 }
 
-std::vector<Sample> ray_samples(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray) {
+std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray) {
     std::vector<Sample> samples;
     for (const Segment& segment : intersect(tree, ray)) {
         const LeafSlice& leaf = slices[segment.leaf];
@@ -123,11 +123,11 @@ std::vector<Sample> ray_samples(const VOctree& tree, const std::vector<LeafSlice
     return samples;
 }
 
-std::vector<Sample> ray_samples_shaded(const VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<LeafPlace>& places, glm::dvec3 eye, const Ray& ray) {
+std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
+                                       const std::vector<voctree::LeafPlace>& places, glm::dvec3 eye, const Ray& ray) {
     std::vector<Sample> samples;
     for (const Segment& segment : intersect(tree, ray)) {
-        const LeafPlace& place = places[segment.leaf];
+        const voctree::LeafPlace& place = places[segment.leaf];
         const glm::dvec3 middle_tree = (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
         const glm::dvec3 middle = glm::dvec3(tree.box_min) + middle_tree * glm::dvec3(tree.box_size);
         const LeafSlice& leaf = slices[segment.leaf];
@@ -137,7 +137,7 @@ std::vector<Sample> ray_samples_shaded(const VOctree& tree, const std::vector<Le
     return samples;
 }
 
-std::vector<Sample> ray_samples_direct(const VOctree& tree, double frame, const Ray& ray) {
+std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double frame, const Ray& ray) {
     const FrameRows rows = frame_rows(frame, tree.frames);
     const std::vector<double> row_a = basis_row(tree.sigma_basis, tree.bases, rows);
     const std::vector<double> row_b = basis_row(tree.gamma_basis, tree.bases, rows);
@@ -151,16 +151,18 @@ std::vector<Sample> ray_samples_direct(const VOctree& tree, double frame, const 
     return samples;
 }
 
-RayResult trace(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray, double stop_transmittance) {
+RayResult trace(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
+                double stop_transmittance) {
     return composite(ray_samples(tree, slices, ray), stop_transmittance);
 }
 
-RayResult trace_direct(const VOctree& tree, double frame, const Ray& ray, double stop_transmittance) {
+RayResult trace_direct(const voctree::VOctree& tree, double frame, const Ray& ray, double stop_transmittance) {
     return composite(ray_samples_direct(tree, frame, ray), stop_transmittance);
 }
 
-std::vector<LeafSliceGradient> trace_adjoint(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
-                                             glm::dvec3 d_colour, double d_alpha, double stop_transmittance) {
+std::vector<LeafSliceGradient> trace_adjoint(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
+                                             const Ray& ray, glm::dvec3 d_colour, double d_alpha,
+                                             double stop_transmittance) {
     const std::vector<Segment> segments = intersect(tree, ray);
     const std::vector<SampleGradient> by_sample =
         composite_adjoint(ray_samples(tree, slices, ray), d_colour, d_alpha, stop_transmittance);

@@ -30,23 +30,23 @@ struct Interval {
 };
 // Where it is inside the cells from `first` up to before `end` of a grid of `side` cells an axis over the tree's box.
 // Boxes that share a face share the very number there, whatever their sizes.
-Interval intersect_box(const VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side);
+Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side);
 
 // All segments of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
 // Neighbours share the very number at their border.
-std::vector<Segment> intersect(const VOctree& tree, const Ray& ray);
+std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray);
 
 // The samples of a ray at one instant, from slices (by leaf index) or from all weights.
-std::vector<Sample> ray_samples(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
-std::vector<Sample> ray_samples_direct(const VOctree& tree, double frame, const Ray& ray);
+std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
+std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double frame, const Ray& ray);
 
 // The same with the colour of a leaf as seen from `eye` at its middle (shading), whatever the ray's direction.
-std::vector<Sample> ray_samples_shaded(const VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<LeafPlace>& places, glm::dvec3 eye, const Ray& ray);
+std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
+                                       const std::vector<voctree::LeafPlace>& places, glm::dvec3 eye, const Ray& ray);
 
-RayResult trace(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
+RayResult trace(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                 double stop_transmittance = 0);
-RayResult trace_direct(const VOctree& tree, double frame, const Ray& ray, double stop_transmittance = 0);
+RayResult trace_direct(const voctree::VOctree& tree, double frame, const Ray& ray, double stop_transmittance = 0);
 
 // What a ray's loss says to one leaf's slice.
 struct LeafSliceGradient {
@@ -55,7 +55,8 @@ struct LeafSliceGradient {
     ShCoefficients k{};
 };
 // One entry for each segment of intersect().
-std::vector<LeafSliceGradient> trace_adjoint(const VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
-                                             glm::dvec3 d_colour, double d_alpha, double stop_transmittance = 0);
+std::vector<LeafSliceGradient> trace_adjoint(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
+                                             const Ray& ray, glm::dvec3 d_colour, double d_alpha,
+                                             double stop_transmittance = 0);
 
 }  // namespace neuvv::reference

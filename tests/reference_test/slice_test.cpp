@@ -73,7 +73,7 @@ TEST(Slice, FrameRowsInterpolateAndClamp) {
 }
 
 TEST(Slice, ReadsALeafInFileOrder) {
-    VOctree tree;
+    voctree::VOctree tree;
     tree.bases = 2;
     tree.hh_degree = 1;
     tree.leaf_count = 2;

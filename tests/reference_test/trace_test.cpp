@@ -10,22 +10,22 @@ namespace neuvv::reference::test {
 namespace {
 
 struct TreeAndPlaces {
-    VOctree tree;
-    std::vector<LeafPlace> places;  // by leaf index
+    voctree::VOctree tree;
+    std::vector<voctree::LeafPlace> places;  // by leaf index
 };
 
 TreeAndPlaces tree_and_places(uint64_t seed, uint32_t node_levels, uint32_t degree = 2) {
     TreeAndPlaces result;
     result.tree =
         neuvv::test::random_tree({.seed = seed, .node_levels = node_levels, .leaves = 300, .hh_degree = degree});
-    result.places = leaf_places(result.tree);
+    result.places = voctree::leaf_places(result.tree);
     return result;
 }
 
 // By search over all places, without the tree: the leaf at a tree-space position, or UINT32_MAX.
-uint32_t leaf_at(const std::vector<LeafPlace>& places, glm::dvec3 position_tree) {
+uint32_t leaf_at(const std::vector<voctree::LeafPlace>& places, glm::dvec3 position_tree) {
     for (uint32_t leaf = 0; leaf < places.size(); ++leaf) {
-        const LeafPlace& place = places[leaf];
+        const voctree::LeafPlace& place = places[leaf];
         const glm::dvec3 p = position_tree * static_cast<double>(1u << place.depth);
         const glm::dvec3 low(place.x, place.y, place.z);
         if (glm::all(glm::lessThanEqual(low, p)) && glm::all(glm::lessThan(p, low + 1.0))) return leaf;
@@ -33,16 +33,16 @@ uint32_t leaf_at(const std::vector<LeafPlace>& places, glm::dvec3 position_tree)
     return UINT32_MAX;
 }
 
-glm::dvec3 world_of(const VOctree& tree, glm::dvec3 tree_position) {
+glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 tree_position) {
     return glm::dvec3(tree.box_min) + tree_position * glm::dvec3(tree.box_size);
 }
 
-glm::dvec3 tree_of(const VOctree& tree, glm::dvec3 world) {
+glm::dvec3 tree_of(const voctree::VOctree& tree, glm::dvec3 world) {
     return (world - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
 }
 
 // From around the box, or from inside it, through a point of the box.
-Ray random_ray(Random& random, const VOctree& tree) {
+Ray random_ray(Random& random, const voctree::VOctree& tree) {
     const glm::dvec3 target = world_of(tree, random_point(random, 0, 1));
     Ray ray;
     if (random.below(4) == 0) {
@@ -160,7 +160,7 @@ TEST(Trace, MissesGiveNothing) {
     const RayResult r = trace(small.tree, slices, away);
     EXPECT_EQ(r.alpha, 0);
     EXPECT_TRUE(std::isinf(r.depth_m));
-    EXPECT_TRUE(intersect(VOctree{}, away).empty());
+    EXPECT_TRUE(intersect(voctree::VOctree{}, away).empty());
 }
 
 TEST(Trace, SlicedEqualsDirect) {
@@ -186,7 +186,7 @@ TEST(Trace, SlicedEqualsDirect) {
 }
 
 TEST(Trace, OneLeafByHand) {
-    VOctree tree;
+    voctree::VOctree tree;
     tree.box_size = {1, 1, 4};  // a cell is 1 m deep
     tree.nodes = {{1, 0, 0, 0}};
     tree.children = {kLeafBit};
@@ -203,7 +203,7 @@ TEST(Trace, OneLeafByHand) {
 TEST(Trace, AdjointIsTheGradientOfEverySlice) {
     Random random(6);
     const TreeAndPlaces small = tree_and_places(random.engine(), 1);
-    const VOctree& tree = small.tree;
+    const voctree::VOctree& tree = small.tree;
     std::vector<LeafSlice> slices = slice_tree(tree, 1.25);
     for (LeafSlice& s : slices) s.sigma += 0.2;  // away from 0, where a density cannot be lowered
     size_t checked = 0;

@@ -129,7 +129,7 @@ TEST(Adam, ZeroGradientTouchesNothing) {
 }
 
 TEST(Camera, LooksAlongMinusZWithYUp) {
-    Camera camera;
+    stage::Camera camera;
     camera.width = camera.height = 4;
     camera.fx = camera.fy = 2;
     camera.cx = camera.cy = 2;
@@ -142,7 +142,7 @@ TEST(Camera, LooksAlongMinusZWithYUp) {
 }
 
 TEST(Camera, PoseTurnsTheRay) {
-    Camera camera;
+    stage::Camera camera;
     camera.world_from_camera = glm::dmat4({0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, 0, 1});
     const glm::dvec3 d = camera_ray(camera, -0.5, -0.5).direction;  // the principal ray: −Z of the camera is −X here
     EXPECT_NEAR(d.x, -1, 1e-15);

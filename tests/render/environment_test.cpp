@@ -14,19 +14,20 @@ glm::dvec3 smooth_light(glm::dvec3 d) {
     return {0.4 + 0.3 * d.y, 0.35 + 0.2 * d.x - 0.1 * d.z, 0.3 + 0.2 * d.x * d.z + 0.15 * d.y * d.y};
 }
 
-Image smooth_picture(uint32_t height) {
-    Image picture(2 * height, height);
+media::Image smooth_picture(uint32_t height) {
+    media::Image picture(2 * height, height);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < 2 * height; x++) {
             const glm::dvec3 light =
-                smooth_light(environment_direction((x + 0.5) / (2.0 * height), (y + 0.5) / height));
-            for (int c = 0; c < 3; c++) picture.at(x, y)[c] = srgb_byte_from_linear(static_cast<float>(light[c]));
+                smooth_light(render::environment_direction((x + 0.5) / (2.0 * height), (y + 0.5) / height));
+            for (int c = 0; c < 3; c++)
+                picture.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
             picture.at(x, y)[3] = 255;
         }
     return picture;
 }
 
-glm::dvec3 value_of(const Irradiance& irradiance, glm::dvec3 n) {
+glm::dvec3 value_of(const render::Irradiance& irradiance, glm::dvec3 n) {
     const double basis[9] = {
         1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
     glm::dvec3 sum(0);
@@ -46,7 +47,7 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
 }
 
 TEST(EnvironmentLight, IrradianceIsTheIntegral) {
-    const Environment environment = make_environment(smooth_picture(128));
+    const render::Environment environment = render::make_environment(smooth_picture(128));
     for (const glm::dvec3& n : some_directions())
         // 8 bits of sRGB are 0.002 of light at most, and average out.
         expect_near(value_of(environment.irradiance, n), reference::irradiance(smooth_light, n, 256), 5e-4);
@@ -55,23 +56,23 @@ TEST(EnvironmentLight, IrradianceIsTheIntegral) {
 }
 
 TEST(EnvironmentLight, WidePicturesAreTakenDown) {
-    Image picture(8200, 12);  // four times as wide as may be, and a little
+    media::Image picture(8200, 12);  // four times as wide as may be, and a little
     for (uint32_t y = 0; y < picture.height; y++)
         for (uint32_t x = 0; x < picture.width; x++) picture.at(x, y)[x % 2] = 255;  // red, green, red, ...
-    const Environment environment = make_environment(picture);
+    const render::Environment environment = render::make_environment(picture);
     EXPECT_EQ(environment.width, 1025u);
     EXPECT_EQ(environment.height, 1u);
     for (size_t i = 0; i < environment.levels[0].size(); i += 4) {
-        EXPECT_EQ(float_from_half(environment.levels[0][i]), 0.5f);
-        EXPECT_EQ(float_from_half(environment.levels[0][i + 1]), 0.5f);
+        EXPECT_EQ(voctree::float_from_half(environment.levels[0][i]), 0.5f);
+        EXPECT_EQ(voctree::float_from_half(environment.levels[0][i + 1]), 0.5f);
     }
     expect_near(value_of(environment.irradiance, {0, 0, 1}), {0.5, 0.5, 0}, 1e-4);
 }
 
 TEST(EnvironmentLight, TurnsWithItsPicture) {
-    const Environment environment = make_environment(smooth_picture(64));
+    const render::Environment environment = render::make_environment(smooth_picture(64));
     const double angle = 0.7;
-    const Irradiance by_angle = turned(environment.irradiance, angle);
+    const render::Irradiance by_angle = render::turned(environment.irradiance, angle);
     const glm::dmat3 back(std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle));
     for (const glm::dvec3& n : some_directions())
         expect_near(value_of(by_angle, n), value_of(environment.irradiance, back * n), 1e-12);
@@ -86,7 +87,7 @@ glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
     for (int row = 0; row < kRows; row++)
         for (int column = 0; column < 2 * kRows; column++) {
             const double v = (row + 0.5) / kRows;
-            const glm::dvec3 d = environment_direction((column + 0.5) / (2.0 * kRows), v);
+            const glm::dvec3 d = render::environment_direction((column + 0.5) / (2.0 * kRows), v);
             const double nl = glm::dot(n, d);
             if (nl <= 0) continue;
             const double nh = glm::dot(n, glm::normalize(n + d)), lobe = nh * nh * (alpha2 - 1) + 1;
@@ -98,15 +99,16 @@ glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
 }
 
 TEST(EnvironmentLight, LevelsAreBlurredAsRoughSurfacesMirror) {
-    const Environment environment = make_environment(smooth_picture(128));
+    const render::Environment environment = render::make_environment(smooth_picture(128));
     ASSERT_EQ(environment.levels.size(), 5u);
     for (size_t level = 1; level < environment.levels.size(); level++) {
         const uint32_t width = environment.width >> level, height = environment.height >> level;
         for (const auto& [x, y] : {std::pair{3u, 2u}, {width / 2, height / 2}, {width - 1, height - 2}}) {
             const uint16_t* texel = &environment.levels[level][4 * (size_t{y} * width + x)];
-            const glm::dvec3 n = environment_direction((x + 0.5) / width, (y + 0.5) / height);
+            const glm::dvec3 n = render::environment_direction((x + 0.5) / width, (y + 0.5) / height);
             // The light differs by 0.6 over the sphere, and a sample is as wide as its texel of a coarse level.
-            expect_near({float_from_half(texel[0]), float_from_half(texel[1]), float_from_half(texel[2])},
+            expect_near({voctree::float_from_half(texel[0]), voctree::float_from_half(texel[1]),
+                         voctree::float_from_half(texel[2])},
                         mirrored(n, static_cast<double>(level) / 4), 0.012);
         }
     }
@@ -129,12 +131,12 @@ TEST(EnvironmentLight, TheFitOfTheSplitSumIsNearTheIntegral) {
 TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     GlbBuilder glb;
     add_mesh(glb, rectangle({-0.2f, -0.2f, 0}, {0.4f, 0, 0}, {0, 0.4f, 0}), pbr_material(glm::vec4(1), 0, 1));
-    const GltfScene scene = scene_of(glb);
-    const Image picture = smooth_picture(128);
-    SetRaster set(device(), scene, kSide, kSide, 1, &picture);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
-    const Camera camera = look_at({0.3, 0.8, 1.6}, {0, 0, 0}, kSide, kSide, 0.5);
-    SetAmbient ambient;
+    const stage::GltfScene scene = scene_of(glb);
+    const media::Image picture = smooth_picture(128);
+    render::SetRaster set(device(), scene, kSide, kSide, 1, &picture);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
+    const stage::Camera camera = look_at({0.3, 0.8, 1.6}, {0, 0, 0}, kSide, kSide, 0.5);
+    render::SetAmbient ambient;
     ambient.environment_intensity = 2;
     ambient.environment_rotation = 0.9;
     set.light({}, ambient);

@@ -20,19 +20,19 @@ namespace {
 constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
 
 // Looks along world −Z with directions whose x and y are exactly 0 in the middle column and row.
-Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
-    Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
+stage::Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
+    stage::Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
     camera.fx = camera.fy = focal_pixels;
     return camera;
 }
 
 struct View {
     std::string name;
-    Camera camera;
+    stage::Camera camera;
     bool sees = true;  // hits the volume
 };
 
-std::vector<View> views(const VOctree& tree) {
+std::vector<View> views(const voctree::VOctree& tree) {
     const double side = std::exp2(2.0 * tree.node_levels);  // finest cells
     const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
     const auto looking = [](glm::dvec3 eye, glm::dvec3 at, double focal) {
@@ -54,19 +54,19 @@ std::vector<View> views(const VOctree& tree) {
     return all;
 }
 
-size_t wide_leaves(const VOctree& tree) {
+size_t wide_leaves(const voctree::VOctree& tree) {
     size_t count = 0;
-    for (const LeafPlace& place : leaf_places(tree)) count += place.depth % 2;
+    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) count += place.depth % 2;
     return count;
 }
 
-void expect_agreement(const VOctree& tree, const View& view, FrameRenderer& renderer, float frame) {
+void expect_agreement(const voctree::VOctree& tree, const View& view, render::FrameRenderer& renderer, float frame) {
     const Traced truth = trace_by_reference(tree, view.camera, frame, 0);
-    const Traced trace = trace_on_device(renderer, view.camera, frame, TraceMode::kSlice, 0);
-    const Traced direct = trace_on_device(renderer, view.camera, frame, TraceMode::kDirect, 0);
-    const Traced paper = trace_on_device(renderer, view.camera, frame, TraceMode::kPaper, 0);
-    const Traced in_tree = trace_on_device(renderer, view.camera, frame, TraceMode::kTree, 0);
-    const Traced shaded = trace_on_device(renderer, view.camera, frame, TraceMode::kShaded, 0);
+    const Traced trace = trace_on_device(renderer, view.camera, frame, render::TraceMode::kSlice, 0);
+    const Traced direct = trace_on_device(renderer, view.camera, frame, render::TraceMode::kDirect, 0);
+    const Traced paper = trace_on_device(renderer, view.camera, frame, render::TraceMode::kPaper, 0);
+    const Traced in_tree = trace_on_device(renderer, view.camera, frame, render::TraceMode::kTree, 0);
+    const Traced shaded = trace_on_device(renderer, view.camera, frame, render::TraceMode::kShaded, 0);
     const Traced shaded_truth = shade_by_reference(tree, view.camera, frame);
     for (const auto& [name, a, b, steps] :
          {std::tuple("trace", &trace, &truth, kSteps), std::tuple("direct", &direct, &truth, kSteps),
@@ -94,19 +94,20 @@ glm::dvec2 rook(uint32_t column, uint32_t row, double samples) {
 // Rays of a pixel stand inside it so that no two share a column or a row, and the picture is their mean.
 TEST_F(FrameTest, SeveralRaysAPixel) {
     constexpr uint32_t kSamples = 3;
-    const VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
-    Camera camera = look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 1.1);
+    const voctree::VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
+    stage::Camera camera =
+        look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 1.1);
     camera.cx += 3.25;
     camera.cy -= 2.5;
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight, kSamples});
-    FrameSettings settings;
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight, kSamples});
+    render::FrameSettings settings;
     settings.instances[0].frame = 1.5f;
     settings.width = kWidth;
     settings.height = kHeight;
     settings.samples = kSamples;
     settings.stop = 0;
-    const Image picture = renderer.render(camera, settings);
+    const media::Image picture = renderer.render(camera, settings);
     const std::vector<glm::vec4> rays = renderer.radiance();
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
     double alpha_mean = 0;
@@ -141,11 +142,11 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     };
     for (const RandomTreeOptions& options : kTrees) {
         SCOPED_TRACE("node levels " + std::to_string(options.node_levels));
-        const VOctree tree = random_tree(options);
+        const voctree::VOctree tree = random_tree(options);
         ASSERT_GT(wide_leaves(tree), 0u);
         ASSERT_LT(wide_leaves(tree), tree.leaf_count);
-        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-        FrameRenderer renderer(device(), field, {kWidth, kHeight});
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
         for (const View& view : views(tree)) expect_agreement(tree, view, renderer, 1.3f);
     }
 }
@@ -154,83 +155,85 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
 // spare.
 TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
     for (const uint32_t node_levels : {2u, 3u, 5u}) {
-        VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});
-        std::vector<LeafPlace> odd;
+        voctree::VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});
+        std::vector<voctree::LeafPlace> odd;
         std::vector<const float*> weights;
-        const std::vector<LeafPlace> places = leaf_places(tree);
+        const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
             if (places[leaf].depth % 2 == 0) continue;
             odd.push_back(places[leaf]);
             weights.push_back(tree.leaf(leaf));
         }
-        replace_leaves(tree, odd, weights);
+        voctree::replace_leaves(tree, odd, weights);
         ASSERT_GT(tree.leaf_count, 4u);
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         EXPECT_EQ(field.box_size, 2.0f * tree.box_size);
-        FrameRenderer renderer(device(), field, {kWidth, kHeight});
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
         expect_agreement(tree, views(tree)[0], renderer, 1.3f);
     }
 }
 
 TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
     for (const glm::vec3 size : {glm::vec3(1), glm::vec3(0.2f, 3.0f, 1.1f)}) {
-        VOctree tree = random_tree({.seed = 8, .node_levels = 2, .leaves = 700});
+        voctree::VOctree tree = random_tree({.seed = 8, .node_levels = 2, .leaves = 700});
         tree.box_size = size;
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 3;
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-        FrameRenderer renderer(device(), field, {kWidth, kHeight});
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
         expect_agreement(tree, views(tree)[0], renderer, 3);
     }
 }
 
 TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
-    VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
+    voctree::VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    const Camera camera = views(tree)[0].camera;
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const stage::Camera camera = views(tree)[0].camera;
     const Traced whole = trace_by_reference(tree, camera, 2, 0);
-    for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect, TraceMode::kPaper}) {
-        const Traced stopped = trace_on_device(renderer, camera, 2, mode, kStopTransmittance);
+    for (const render::TraceMode mode :
+         {render::TraceMode::kSlice, render::TraceMode::kDirect, render::TraceMode::kPaper}) {
+        const Traced stopped = trace_on_device(renderer, camera, 2, mode, render::kStopTransmittance);
         EXPECT_LE(difference(stopped, whole).steps, 1);
         double lost = 0;
         for (size_t i = 0; i < whole.radiance.size(); i++)
             lost = std::max(lost, static_cast<double>(whole.radiance[i].a - stopped.radiance[i].a));
-        EXPECT_GT(lost, 0.05 * kStopTransmittance) << "no ray was ended early";
-        EXPECT_LE(lost, kStopTransmittance);
+        EXPECT_GT(lost, 0.05 * render::kStopTransmittance) << "no ray was ended early";
+        EXPECT_LE(lost, render::kStopTransmittance);
         EXPECT_LE(difference(trace_on_device(renderer, camera, 2, mode, 0), whole).steps, kSteps);
     }
 }
 
 // The worst case: what is left out is white, what stands before it is black, where sRGB is steepest.
 TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
-    VOctree tree;
+    voctree::VOctree tree;
     tree.bases = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    build_topology(tree, {{0, 0, 1, 1}, {0, 0, 0, 1}});
-    const float front[] = {-std::log(0.99f * kStopTransmittance) / 0.5f, 0, -60, -60, -60};
+    voctree::build_topology(tree, {{0, 0, 1, 1}, {0, 0, 0, 1}});
+    const float front[] = {-std::log(0.99f * render::kStopTransmittance) / 0.5f, 0, -60, -60, -60};
     const float back[] = {1e4f, 0, 60, 60, 60};
     std::copy(std::begin(front), std::end(front), tree.leaf(0));
     std::copy(std::begin(back), std::end(back), tree.leaf(1));
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    const Camera camera = axis_camera({0.25, 0.25, 3}, 512);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const stage::Camera camera = axis_camera({0.25, 0.25, 3}, 512);
     const Traced whole = trace_by_reference(tree, camera, 0, 0);
-    const Traced stopped = trace_on_device(renderer, camera, 0, TraceMode::kSlice, kStopTransmittance);
+    const Traced stopped = trace_on_device(renderer, camera, 0, render::TraceMode::kSlice, render::kStopTransmittance);
     EXPECT_GT(difference(stopped, whole).steps, 0.1) << "nothing was left out";
     EXPECT_LE(difference(stopped, whole).steps, 1);
 }
 
 // More tiles than one dimension of a dispatch may hold on many devices.
 TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
-    const VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    const Camera camera = look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), 2402, 1763, 0.7);
-    FrameRenderer renderer(device(), field, {camera.width, camera.height});
-    const Traced traced = trace_on_device(renderer, camera, 0, TraceMode::kSlice, 0);
+    const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    const stage::Camera camera =
+        look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), 2402, 1763, 0.7);
+    render::FrameRenderer renderer(device(), field, {camera.width, camera.height});
+    const Traced traced = trace_on_device(renderer, camera, 0, render::TraceMode::kSlice, 0);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     size_t hits = 0;
     for (size_t i = 0; i < traced.radiance.size(); i += 997) {
@@ -243,12 +246,13 @@ TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
 }
 
 TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
-    const VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 3000});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    EXPECT_EQ(play_shading(field, world_of(tree, {30, 1, 1}), 1e6), Shading::kPerLeaf);
-    EXPECT_EQ(play_shading(field, world_of(tree, {1.1, 0.5, 0.5}), 1e6), Shading::kPerRay);
-    EXPECT_EQ(play_shading(field, world_of(tree, {0.5, 0.5, 0.5}), 1e6), Shading::kPerRay);
-    EXPECT_EQ(play_shading(field, world_of(tree, {30, 1, 1}), field.leaf_count / 10.0), Shading::kPerRay)
+    const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 3000});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    EXPECT_EQ(render::play_shading(field, world_of(tree, {30, 1, 1}), 1e6), render::Shading::kPerLeaf);
+    EXPECT_EQ(render::play_shading(field, world_of(tree, {1.1, 0.5, 0.5}), 1e6), render::Shading::kPerRay);
+    EXPECT_EQ(render::play_shading(field, world_of(tree, {0.5, 0.5, 0.5}), 1e6), render::Shading::kPerRay);
+    EXPECT_EQ(render::play_shading(field, world_of(tree, {30, 1, 1}), field.leaf_count / 10.0),
+              render::Shading::kPerRay)
         << "few rays are less work than many leaves";
 }
 
@@ -256,15 +260,18 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
 // leaves are shaded at all.
 TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     for (uint32_t degree = 1; degree <= kMaxHhDegree; degree++) {
-        const VOctree tree = random_tree({.seed = 60 + degree, .node_levels = 3, .leaves = 3000, .hh_degree = degree});
-        const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+        const voctree::VOctree tree =
+            random_tree({.seed = 60 + degree, .node_levels = 3, .leaves = 3000, .hh_degree = degree});
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
         double distance = 0.5;
         const auto eye = [&] { return world_of(tree, glm::dvec3(0.5) + distance * glm::dvec3(0.6, 0.3, 0.74)); };
-        while (play_shading(field, eye(), 1e6) != Shading::kPerLeaf) distance *= 1.02;
-        const Camera camera = look_at(eye(), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 4);
-        FrameRenderer renderer(device(), field, {kWidth, kHeight});
-        const Traced by_ray = trace_on_device(renderer, camera, 2, TraceMode::kTree, kStopTransmittance);
-        const Traced shaded = trace_on_device(renderer, camera, 2, TraceMode::kShaded, kStopTransmittance);
+        while (render::play_shading(field, eye(), 1e6) != render::Shading::kPerLeaf) distance *= 1.02;
+        const stage::Camera camera = look_at(eye(), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 4);
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+        const Traced by_ray =
+            trace_on_device(renderer, camera, 2, render::TraceMode::kTree, render::kStopTransmittance);
+        const Traced shaded =
+            trace_on_device(renderer, camera, 2, render::TraceMode::kShaded, render::kStopTransmittance);
         double sum = 0, covered = 0;
         for (size_t i = 0; i < by_ray.radiance.size(); i++) {
             if (by_ray.radiance[i].a <= 1.0f / 255) continue;
@@ -281,23 +288,24 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
 
 // A slice tree and what an empty picture shows stay for the next picture: only while they are the same.
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
-    const VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer kept(device(), field, {kWidth, kHeight, 2});
-    const Camera camera = views(tree)[0].camera;
-    const auto render = [&](FrameRenderer& renderer, float frame, uint32_t samples, glm::vec4 background, Show show) {
-        FrameSettings settings{.instances = {{frame}}, .width = kWidth, .height = kHeight, .samples = samples};
+    const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer kept(device(), field, {kWidth, kHeight, 2});
+    const stage::Camera camera = views(tree)[0].camera;
+    const auto render = [&](render::FrameRenderer& renderer, float frame, uint32_t samples, glm::vec4 background,
+                            render::Show show) {
+        render::FrameSettings settings{.instances = {{frame}}, .width = kWidth, .height = kHeight, .samples = samples};
         settings.resolve = {.show = show, .background = background, .depth_near_m = 1, .depth_far_m = 6};
         return renderer.render(camera, settings).rgba;
     };
     const glm::vec4 clear(0), white(1), red(1, 0, 0, 0.5f);
     std::pmr::vector<uint8_t> last;
     for (const auto& [frame, samples, background, show] :
-         {std::tuple(0.0f, 1u, clear, Show::kColour), std::tuple(2.5f, 1u, clear, Show::kColour),
-          std::tuple(2.5f, 1u, white, Show::kColour), std::tuple(2.5f, 2u, white, Show::kColour),
-          std::tuple(2.5f, 2u, red, Show::kColour), std::tuple(2.5f, 2u, red, Show::kDepth),
-          std::tuple(2.5f, 2u, red, Show::kAlpha)}) {
-        FrameRenderer fresh(device(), field, {kWidth, kHeight, 2});
+         {std::tuple(0.0f, 1u, clear, render::Show::kColour), std::tuple(2.5f, 1u, clear, render::Show::kColour),
+          std::tuple(2.5f, 1u, white, render::Show::kColour), std::tuple(2.5f, 2u, white, render::Show::kColour),
+          std::tuple(2.5f, 2u, red, render::Show::kColour), std::tuple(2.5f, 2u, red, render::Show::kDepth),
+          std::tuple(2.5f, 2u, red, render::Show::kAlpha)}) {
+        render::FrameRenderer fresh(device(), field, {kWidth, kHeight, 2});
         const std::pmr::vector<uint8_t> picture = render(kept, frame, samples, background, show);
         EXPECT_EQ(picture, render(fresh, frame, samples, background, show));
         EXPECT_NE(picture, last);
@@ -305,23 +313,23 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     }
 }
 
-bool has_sliced(const FrameRenderer& renderer) {
-    const std::vector<PassTime> passes = renderer.pass_times();
+bool has_sliced(const render::FrameRenderer& renderer) {
+    const std::vector<gpu::PassTime> passes = renderer.pass_times();
     return std::any_of(passes.begin(), passes.end(),
-                       [](const PassTime& pass) { return pass.name.starts_with("slice"); });
+                       [](const gpu::PassTime& pass) { return pass.name.starts_with("slice"); });
 }
 
 TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
-    const VOctree tree = random_tree({.seed = 9, .node_levels = 2, .leaves = 900, .frames = 6});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = views(tree)[0].camera;
-    const auto render = [&](FrameRenderer& renderer, float frame) {
+    const voctree::VOctree tree = random_tree({.seed = 9, .node_levels = 2, .leaves = 900, .frames = 6});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = views(tree)[0].camera;
+    const auto render = [&](render::FrameRenderer& renderer, float frame) {
         return renderer.render(camera, {.instances = {{frame}}, .width = kWidth, .height = kHeight}).rgba;
     };
-    const uint64_t one = slice_bytes(field, most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
     for (const uint32_t slices : {1u, 2u, 3u}) {
-        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slices * one});
-        FrameRenderer reference(device(), field, {kWidth, kHeight, 1, 1, 1});
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slices * one});
+        render::FrameRenderer reference(device(), field, {kWidth, kHeight, 1, 1, 1});
         std::vector<float> kept;  // the frames of the slices, those shown last in front
         for (const float frame : {0.0f, 1.0f, 0.0f, 2.5f, 0.0f, 1.0f, 2.5f, 2.5f, 5.0f, 1.0f, 0.0f}) {
             EXPECT_EQ(render(renderer, frame), render(reference, frame)) << slices << " slices, frame " << frame;
@@ -337,21 +345,21 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
 
 // Room is made for a quarter of a clip's leaves at first.
 TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
-    VOctree tree = random_tree({.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3});
+    voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3});
     for (float& row : tree.sigma_basis) row = std::abs(row) + 0.01f;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    ASSERT_GT(field.leaf_count, most_entries(field) / 4 + 4096);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    ASSERT_GT(field.leaf_count, render::most_entries(field) / 4 + 4096);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
     expect_agreement(tree, views(tree)[0], renderer, 1.3f);
 }
 
 TEST_F(FrameTest, ARendererRefusesLargerPictures) {
-    const VOctree tree = random_tree({.seed = 6, .leaves = 20});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    FrameRenderer renderer(device(), field, {16, 16});
-    FrameSettings settings;
+    const voctree::VOctree tree = random_tree({.seed = 6, .leaves = 20});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    render::FrameRenderer renderer(device(), field, {16, 16});
+    render::FrameSettings settings;
     settings.width = 16;
     settings.height = 17;
     EXPECT_THROW(renderer.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 17), settings), RuntimeFailure);
@@ -361,18 +369,19 @@ TEST_F(FrameTest, ARendererRefusesLargerPictures) {
 TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     const char* file = std::getenv("NEUVV_TEST_NVV");
     if (!file || !*file) GTEST_SKIP() << "set NEUVV_TEST_NVV to a trained .nvv";
-    const VOctree tree = read_nvv(file);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const voctree::VOctree tree = voctree::read_nvv(file);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const float frame = 0.5f * static_cast<float>(tree.frames - 1) + 0.3f;
     const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
     const double radius_m = 1.2 * glm::length(glm::dvec3(tree.box_size));
     for (const glm::dvec3 from : {glm::dvec3(0.3, 0.2, 1), glm::dvec3(-0.9, 0.1, -0.4), glm::dvec3(0.5, 0.9, -0.6)}) {
-        const Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
+        const stage::Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
         const Traced truth = trace_by_reference(tree, camera, frame, 0);
-        for (const TraceMode mode : {TraceMode::kSlice, TraceMode::kDirect, TraceMode::kTree}) {
+        for (const render::TraceMode mode :
+             {render::TraceMode::kSlice, render::TraceMode::kDirect, render::TraceMode::kTree}) {
             const Difference found =
-                difference(trace_on_device(renderer, camera, frame, mode, kStopTransmittance), truth);
+                difference(trace_on_device(renderer, camera, frame, mode, render::kStopTransmittance), truth);
             EXPECT_LE(found.steps, 1);
             EXPECT_LE(found.depth_m, 1e-2);  // the tail that early termination leaves out counts in the mean
             EXPECT_GT(found.alpha_mean, 0.001) << "this camera sees nothing";

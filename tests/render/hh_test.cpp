@@ -33,19 +33,19 @@ std::vector<glm::vec4> probe_points() {
     return points;
 }
 
-std::vector<HhProbe> probe(const Device& device, const std::vector<glm::vec4>& points, uint32_t degree) {
-    const Buffer in(device, "points", points.size() * sizeof(glm::vec4), MemoryKind::kDevice);
-    const Buffer out(device, "probes", points.size() * sizeof(HhProbe), MemoryKind::kDevice);
-    upload(device, in, points.data(), points.size() * sizeof(glm::vec4));
-    const ComputePass pass(device, "HH probe", hh_probe_comp, {degree});
-    const BindingSet set(pass, {{kHhProbePoints, &in}, {kHhProbeOut, &out}});
+std::vector<HhProbe> probe(const gpu::Device& device, const std::vector<glm::vec4>& points, uint32_t degree) {
+    const gpu::Buffer in(device, "points", points.size() * sizeof(glm::vec4), gpu::MemoryKind::kDevice);
+    const gpu::Buffer out(device, "probes", points.size() * sizeof(HhProbe), gpu::MemoryKind::kDevice);
+    gpu::upload(device, in, points.data(), points.size() * sizeof(glm::vec4));
+    const gpu::ComputePass pass(device, "HH probe", hh_probe_comp, {degree});
+    const gpu::BindingSet set(pass, {{kHhProbePoints, &in}, {kHhProbeOut, &out}});
     const auto count = static_cast<uint32_t>(points.size());
-    run_once(device, "HH probe", [&](Commands& commands) {
-        dispatch(commands, pass, set, (count + 63) / 64, count);
-        compute_barrier(commands);
+    gpu::run_once(device, "HH probe", [&](gpu::Commands& commands) {
+        gpu::dispatch(commands, pass, set, (count + 63) / 64, count);
+        gpu::compute_barrier(commands);
     });
     std::vector<HhProbe> probes(points.size());
-    download(device, out, probes.data(), probes.size() * sizeof(HhProbe));
+    gpu::download(device, out, probes.data(), probes.size() * sizeof(HhProbe));
     return probes;
 }
 

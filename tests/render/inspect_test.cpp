@@ -22,23 +22,23 @@ constexpr float kFrame = 1.5f;
 using InspectTest = GpuTest;
 
 // Dense enough that most rays that meet leaves pass alpha 0.5, some of them more than one leaf deep.
-VOctree dense_tree(uint64_t seed, uint32_t node_levels) {
-    VOctree tree = random_tree({.seed = seed, .node_levels = node_levels, .leaves = 1500});
+voctree::VOctree dense_tree(uint64_t seed, uint32_t node_levels) {
+    voctree::VOctree tree = random_tree({.seed = seed, .node_levels = node_levels, .leaves = 1500});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 8;
     return tree;
 }
 
-Camera camera_on(double away = 1) {
+stage::Camera camera_on(double away = 1) {
     return look_at(away * glm::dvec3(2.2, 1.9, 2.6), {0, 0.4, 0}, kWidth, kHeight, 1.1);
 }
 
-FrameSettings settings_of(std::vector<Instance> instances, Show show = Show::kLevel) {
-    FrameSettings settings;
+render::FrameSettings settings_of(std::vector<render::Instance> instances, render::Show show = render::Show::kLevel) {
+    render::FrameSettings settings;
     settings.instances = std::move(instances);
     settings.width = kWidth;
     settings.height = kHeight;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     settings.resolve.show = show;
     return settings;
 }
@@ -54,39 +54,40 @@ reference::Interval range_of(glm::uvec2 bits) {
     return {double{std::bit_cast<float>(bits.x)}, double{std::bit_cast<float>(~bits.y)}};
 }
 
-Rays inspect_on_device(const Device& device, FrameRenderer& renderer, const Camera& camera,
-                       const FrameSettings& settings) {
+Rays inspect_on_device(const gpu::Device& device, render::FrameRenderer& renderer, const stage::Camera& camera,
+                       const render::FrameSettings& settings) {
     renderer.render(camera, settings);
     Rays rays{renderer.radiance(), renderer.depth(), {}};
     const uint32_t across = (kWidth + kTile - 1) / kTile, down = (kHeight + kTile - 1) / kTile;
     std::vector<glm::uvec2> tiles(size_t{across} * down);
-    download(device, renderer.ranges().ranges, tiles.data(), tiles.size() * sizeof(glm::uvec2));
+    gpu::download(device, renderer.ranges().ranges, tiles.data(), tiles.size() * sizeof(glm::uvec2));
     for (uint32_t y = 0; y < kHeight; y++)
         for (uint32_t x = 0; x < kWidth; x++) rays.ranges.push_back(range_of(tiles[y / kTile * across + x / kTile]));
     return rays;
 }
 
 // σ as slice trees hold it, so that rays end in the same leaves.
-std::vector<reference::LeafSlice> slices_of(const VOctree& tree, bool half) {
+std::vector<reference::LeafSlice> slices_of(const voctree::VOctree& tree, bool half) {
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, double{kFrame});
     for (reference::LeafSlice& slice : slices)
-        if (half) slice.sigma = double{float_from_half(half_from_float(static_cast<float>(slice.sigma)))};
+        if (half)
+            slice.sigma = double{voctree::float_from_half(voctree::half_from_float(static_cast<float>(slice.sigma)))};
     return slices;
 }
 
 // The twin of all rays of one instance, with the ranges that the device walked.
 struct Truth {
-    const VOctree& tree;
+    const voctree::VOctree& tree;
     std::vector<reference::LeafSlice> slices;
     reference::WalkNodes nodes;
     bool pruned;
-    Truth(const VOctree& of, const Field& field, bool is_pruned)
+    Truth(const voctree::VOctree& of, const render::Field& field, bool is_pruned)
         : tree(of),
           slices(slices_of(of, is_pruned)),
           nodes(walk_nodes(of, slices, field.box_size.x > of.box_size.x ? 1 : 0, field.top_levels, is_pruned)),
           pruned(is_pruned) {}
 
-    reference::Inspected at(const Camera& camera, const Instance& instance, uint32_t x, uint32_t y,
+    reference::Inspected at(const stage::Camera& camera, const render::Instance& instance, uint32_t x, uint32_t y,
                             reference::Interval range) const {
         reference::Ray ray = reference::camera_ray(camera, x, y);
         const glm::dmat4 performer_from_world = glm::inverse(glm::dmat4(instance.world_from_performer));
@@ -94,7 +95,7 @@ struct Truth {
         const glm::dvec3 direction = glm::dmat3(performer_from_world) * ray.direction;
         ray.direction = glm::normalize(direction);
         reference::Inspected result = reference::inspect(
-            tree, slices, nodes, pruned, {ray, range, double{instance.opacity}, double{kStopTransmittance}});
+            tree, slices, nodes, pruned, {ray, range, double{instance.opacity}, double{render::kStopTransmittance}});
         if (range.empty()) result.nodes = result.leaves = 0;
         result.distance_m /= glm::length(direction);
         return result;
@@ -106,7 +107,7 @@ struct Agreement {
     double worst_m = 0, worst_alpha = 0;
 };
 
-Agreement compare(const Truth& truth, const Camera& camera, const Instance& instance, const Rays& rays) {
+Agreement compare(const Truth& truth, const stage::Camera& camera, const render::Instance& instance, const Rays& rays) {
     Agreement agreement;
     for (uint32_t i = 0; i < kWidth * kHeight; i++) {
         const reference::Inspected one = truth.at(camera, instance, i % kWidth, i / kWidth, rays.ranges[i]);
@@ -128,15 +129,15 @@ constexpr uint32_t kTies = kWidth * kHeight / 500;
 TEST_F(InspectTest, LevelsAndStepsAreThoseOfTheReference) {
     for (const uint32_t node_levels : {1u, 2u, 3u})
         for (const uint64_t seed : {3u, 4u}) {
-            const VOctree tree = dense_tree(seed, node_levels);
-            const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-            const Camera camera = camera_on();
-            for (const uint64_t budget : {kSliceBudget, uint64_t{0}})
+            const voctree::VOctree tree = dense_tree(seed, node_levels);
+            const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+            const stage::Camera camera = camera_on();
+            for (const uint64_t budget : {render::kSliceBudget, uint64_t{0}})
                 for (const float opacity : {1.0f, 0.7f}) {
                     SCOPED_TRACE(::testing::Message() << node_levels << " levels, seed " << seed << ", budget "
                                                       << budget << ", " << opacity);
-                    FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
-                    Instance instance{kFrame};
+                    render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+                    render::Instance instance{kFrame};
                     instance.opacity = opacity;
                     const Rays rays = inspect_on_device(device(), renderer, camera, settings_of({instance}));
                     const Truth truth(tree, field, budget > 0);
@@ -146,7 +147,7 @@ TEST_F(InspectTest, LevelsAndStepsAreThoseOfTheReference) {
                     EXPECT_LE(agreement.other_levels, kTies);
                     EXPECT_LE(agreement.other_steps, kTies);
                     EXPECT_LE(agreement.worst_m, 1e-3);
-                    Instance other = instance;
+                    render::Instance other = instance;
                     other.opacity *= 0.9f;
                     const Agreement wrong = compare(truth, camera, other, rays);
                     EXPECT_GT(wrong.worst_alpha, 0.05) << "the comparison notices another opacity";
@@ -160,18 +161,19 @@ TEST_F(InspectTest, LevelsAndStepsAreThoseOfTheReference) {
 
 // In each other, before each other, and far from each other.
 TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
-    const VOctree tree = dense_tree(5, 2);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = camera_on(1.6);
+    const voctree::VOctree tree = dense_tree(5, 2);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = camera_on(1.6);
     const glm::mat4 turned = glm::rotate(glm::mat4(1), 0.6f, glm::vec3(0.1f, 1, 0.2f));
     const Truth truth(tree, field, true);
     for (const glm::vec3 shift : {glm::vec3(0.2f, 0.1f, 0), glm::vec3(-2.1f, -1.5f, -2.4f), glm::vec3(2.5f, 0, -2.5f)})
-        for (const Blend blend : {Blend::kExact, Blend::kPaper}) {
-            const Instance here{kFrame};
-            const Instance there{kFrame, glm::scale(glm::translate(glm::mat4(1), shift) * turned, glm::vec3(1.2f))};
-            FrameRenderer renderer(device(), field, {kWidth, kHeight});
-            const auto inspected = [&](std::vector<Instance> instances) {
-                FrameSettings settings = settings_of(std::move(instances));
+        for (const render::Blend blend : {render::Blend::kExact, render::Blend::kPaper}) {
+            const render::Instance here{kFrame};
+            const render::Instance there{kFrame,
+                                         glm::scale(glm::translate(glm::mat4(1), shift) * turned, glm::vec3(1.2f))};
+            render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+            const auto inspected = [&](std::vector<render::Instance> instances) {
+                render::FrameSettings settings = settings_of(std::move(instances));
                 settings.blend = blend;
                 return inspect_on_device(device(), renderer, camera, settings);
             };
@@ -185,7 +187,7 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
                 uint32_t steps = near.nodes + near.leaves + far.nodes + far.leaves;
                 // What lies behind something solid, all of it, is not walked through. `there` is farther off.
                 const double begins = 1.2 * second.ranges[i].enter;
-                if (near.alpha > 1 - double{kStopTransmittance} && near.distance_m < begins && far.nodes > 0) {
+                if (near.alpha > 1 - double{render::kStopTransmittance} && near.distance_m < begins && far.nodes > 0) {
                     steps = near.nodes + near.leaves;
                     hidden++;
                 }
@@ -207,22 +209,22 @@ void expect_colour(const uint8_t* shown, bool any, double place) {
 }
 
 TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
-    const VOctree tree = dense_tree(6, 2);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = camera_on();
+    const voctree::VOctree tree = dense_tree(6, 2);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = camera_on();
     uint32_t coarsest = 99, finest = 0;
-    for (const LeafPlace& place : leaf_places(tree)) {
+    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) {
         coarsest = std::min(coarsest, place.depth);
         finest = std::max(finest, place.depth);
     }
     ASSERT_LT(coarsest, finest);
     for (const uint32_t samples : {1u, 2u})
-        for (const Show show : {Show::kLevel, Show::kCost}) {
-            FrameRenderer renderer(device(), field, {kWidth, kHeight, samples});
-            FrameSettings settings = settings_of({{kFrame}}, show);
+        for (const render::Show show : {render::Show::kLevel, render::Show::kCost}) {
+            render::FrameRenderer renderer(device(), field, {kWidth, kHeight, samples});
+            render::FrameSettings settings = settings_of({{kFrame}}, show);
             settings.samples = samples;
             settings.resolve.cost_max = 20;
-            const Image picture = renderer.render(camera, settings);
+            const media::Image picture = renderer.render(camera, settings);
             const std::vector<glm::vec4> walks = renderer.radiance();
             const std::vector<float> metres = renderer.depth();
             for (uint32_t y = 0; y < kHeight; y++)
@@ -235,7 +237,7 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
                         if (double{metres[ray]} < nearest) level = double{walks[ray].x};
                         nearest = std::min(nearest, double{metres[ray]});
                     }
-                    if (show == Show::kLevel)
+                    if (show == render::Show::kLevel)
                         expect_colour(picture.at(x, y), level > 0, (level - coarsest) / (finest - coarsest));
                     else
                         expect_colour(picture.at(x, y), steps > 0, steps / 20);
@@ -263,13 +265,13 @@ TEST_F(InspectTest, TheMapIsViridis) {
 
 // Where rays are fewer than pixels each pixel shows the ray that is nearest.
 TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
-    const VOctree tree = dense_tree(7, 2);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    FrameSettings settings = settings_of({{kFrame}}, Show::kCost);
+    const voctree::VOctree tree = dense_tree(7, 2);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    render::FrameSettings settings = settings_of({{kFrame}}, render::Show::kCost);
     settings.scale = 0.5;
     settings.resolve.cost_max = 20;
-    const Image picture = renderer.render(camera_on(), settings);
+    const media::Image picture = renderer.render(camera_on(), settings);
     const std::vector<glm::vec4> walks = renderer.radiance();
     const auto across = static_cast<uint32_t>(std::ceil(0.5 * kWidth));
     const auto ray_of = [](uint32_t pixel, uint32_t pixels) {
@@ -285,18 +287,19 @@ TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
 
 // The next picture of light is what it would have been.
 TEST_F(InspectTest, LightComesBackAsItWas) {
-    const VOctree tree = dense_tree(8, 2);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    const voctree::VOctree tree = dense_tree(8, 2);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const glm::mat4 beside = glm::translate(glm::mat4(1), glm::vec3(0.5f, 0.2f, 0.1f));
-    const auto picture = [&](Show show) {
+    const auto picture = [&](render::Show show) {
         return renderer.render(camera_on(1.4), settings_of({{kFrame}, {0.5f, beside}}, show)).rgba;
     };
-    const auto light = picture(Show::kColour), level = picture(Show::kLevel), cost = picture(Show::kCost);
+    const auto light = picture(render::Show::kColour), level = picture(render::Show::kLevel),
+               cost = picture(render::Show::kCost);
     EXPECT_NE(level, light);
     EXPECT_NE(level, cost);
-    EXPECT_EQ(picture(Show::kColour), light);
-    EXPECT_EQ(picture(Show::kLevel), level);
+    EXPECT_EQ(picture(render::Show::kColour), light);
+    EXPECT_EQ(picture(render::Show::kLevel), level);
 }
 
 }  // namespace

@@ -30,12 +30,13 @@ struct Rays {
 // A tree of one instant, drawn both ways.
 class Drawn {
   public:
-    Drawn(const Device& device, const VOctree& tree, uint32_t width, uint32_t height, uint32_t pairs = kPairs)
-        : field(upload_field(device, tree, WeightPrecision::kFloat)),
+    Drawn(const gpu::Device& device, const voctree::VOctree& tree, uint32_t width, uint32_t height,
+          uint32_t pairs = kPairs)
+        : field(render::upload_field(device, tree, render::WeightPrecision::kFloat)),
           live(device, field, field.leaf_count),
-          trees(device, field, most_entries(field), 2),
-          shaded(shaded_entries(device, trees.capacity)),
-          tiles(tiles_of_picture(0, width, height)),
+          trees(device, field, render::most_entries(field), 2),
+          shaded(render::shaded_entries(device, trees.capacity)),
+          tiles(render::tiles_of_picture(0, width, height)),
           target(device, 1, static_cast<uint32_t>(tiles.size()), 1),
           rays(target.rays),
           rasterizer(device, field, trees, shaded, rays, pairs),
@@ -43,36 +44,37 @@ class Drawn {
           slicer_(device, field, live, trees),
           shader_(device, field, trees, shaded),
           ranger_(device, field, &trees, rays, target.ranges),
-          tracer_(device, field, trees, shaded, target, Shading::kPerLeaf) {
+          tracer_(device, field, trees, shaded, target, render::Shading::kPerLeaf) {
         std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
-        run_once(device, "slice", [&](Commands& commands) { record_slice_tree(commands, slicer_, kSlice, kFrame); });
+        gpu::run_once(device, "slice",
+                      [&](gpu::Commands& commands) { render::record_slice_tree(commands, slicer_, kSlice, kFrame); });
     }
 
-    Rays raster(const Camera& camera, float stop, uint32_t samples = 1) {
-        return draw(camera, samples, [&](Commands& commands, const ShaderCamera& seen) {
-            record_leaf_raster(commands, rasterizer, kSlice, seen, stop);
+    Rays raster(const stage::Camera& camera, float stop, uint32_t samples = 1) {
+        return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
+            render::record_leaf_raster(commands, rasterizer, kSlice, seen, stop);
         });
     }
 
-    Rays trace(const Camera& camera, float stop, uint32_t samples = 1) {
-        return draw(camera, samples, [&](Commands& commands, const ShaderCamera& seen) {
-            *target.ranges.views.as<RangeView>() = range_view(seen);
-            record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
-            record_unseen(commands, target.ranges);
-            record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
-                               {camera.width, camera.height, samples});
-            record_trace_tree(commands, tracer_, kSlice, {.stop = stop});
+    Rays trace(const stage::Camera& camera, float stop, uint32_t samples = 1) {
+        return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
+            *target.ranges.views.as<RangeView>() = render::range_view(seen);
+            render::record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
+            render::record_unseen(commands, target.ranges);
+            render::record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
+                                       {camera.width, camera.height, samples});
+            render::record_trace_tree(commands, tracer_, kSlice, {.stop = stop});
         });
     }
 
     // Leaves of a tile in the order in which they are composited.
     std::vector<std::vector<uint32_t>> leaves_of_tiles() const {
-        const uint32_t sorted = sorted_buffer(rasterizer.key_bits());
+        const uint32_t sorted = render::sorted_buffer(rasterizer.key_bits());
         std::vector<glm::uvec2> bounds(tiles.size());
         std::vector<uint32_t> entries(rasterizer.pairs().capacity), leaf_of(size_t{2} * trees.capacity);
-        download(device_, rasterizer.tile_pairs(), bounds.data(), bounds.size() * sizeof(glm::uvec2));
-        download(device_, rasterizer.pairs().values[sorted], entries.data(), entries.size() * sizeof(uint32_t));
-        download(device_, trees.entry_leaf, leaf_of.data(), leaf_of.size() * sizeof(uint32_t));
+        gpu::download(device_, rasterizer.tile_pairs(), bounds.data(), bounds.size() * sizeof(glm::uvec2));
+        gpu::download(device_, rasterizer.pairs().values[sorted], entries.data(), entries.size() * sizeof(uint32_t));
+        gpu::download(device_, trees.entry_leaf, leaf_of.data(), leaf_of.size() * sizeof(uint32_t));
         std::vector<std::vector<uint32_t>> leaves;
         for (const glm::uvec2 pairs : bounds) {
             leaves.emplace_back();
@@ -83,36 +85,36 @@ class Drawn {
     }
 
     static constexpr uint32_t kSlice = 1;
-    const Field field;
-    const LiveLeaves live;
-    const SliceTrees trees;
-    const Buffer shaded;
+    const render::Field field;
+    const render::LiveLeaves live;
+    const render::SliceTrees trees;
+    const gpu::Buffer shaded;
     const std::vector<Tile> tiles;
-    const RayTarget target;
-    const RayBatch& rays;
-    const LeafRasterizer rasterizer;
+    const render::RayTarget target;
+    const render::RayBatch& rays;
+    const render::LeafRasterizer rasterizer;
 
   private:
     template <typename Record>
-    Rays draw(const Camera& camera, uint32_t samples, const Record& record) {
-        const ShaderCamera seen = shader_camera(enlarged(camera, samples), samples);
+    Rays draw(const stage::Camera& camera, uint32_t samples, const Record& record) {
+        const ShaderCamera seen = render::shader_camera(stage::enlarged(camera, samples), samples);
         *rays.cameras.as<ShaderCamera>() = seen;
-        run_once(device_, "draw", [&](Commands& commands) {
-            record_shade(commands, shader_, kSlice, 0, glm::vec3(seen.origin));
+        gpu::run_once(device_, "draw", [&](gpu::Commands& commands) {
+            render::record_shade(commands, shader_, kSlice, 0, glm::vec3(seen.origin));
             record(commands, seen);
         });
         const size_t count = tiles.size() * kTilePixels;
         Rays drawn{std::vector<glm::vec4>(count), std::vector<float>(count)};
-        download(device_, rays.radiance, drawn.radiance.data(), count * sizeof(glm::vec4));
-        download(device_, rays.depth, drawn.depth.data(), count * sizeof(float));
+        gpu::download(device_, rays.radiance, drawn.radiance.data(), count * sizeof(glm::vec4));
+        gpu::download(device_, rays.depth, drawn.depth.data(), count * sizeof(float));
         return drawn;
     }
 
-    const Device& device_;
-    const TreeSlicer slicer_;
-    const Shader shader_;
-    const TileRanger ranger_;
-    const TreeTracer tracer_;
+    const gpu::Device& device_;
+    const render::TreeSlicer slicer_;
+    const render::Shader shader_;
+    const render::TileRanger ranger_;
+    const render::TreeTracer tracer_;
 };
 
 size_t ray_of_pixel(uint32_t x, uint32_t y, uint32_t width) {
@@ -121,9 +123,9 @@ size_t ray_of_pixel(uint32_t x, uint32_t y, uint32_t width) {
 }
 
 // Rays beyond the picture's edges see nothing.
-Rays shade_by_reference(const VOctree& tree, const Camera& camera, size_t rays) {
+Rays shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, size_t rays) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, kFrame);
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Rays truth{std::vector<glm::vec4>(rays, glm::vec4(0)), std::vector<float>(rays, INFINITY)};
     for (uint32_t y = 0; y < camera.height; y++)
@@ -167,28 +169,28 @@ constexpr double kHalfLight = 5e-4;
 constexpr double kSameLight = 3e-4;
 constexpr double kDepth_m = 1e-3;
 
-glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
 }
 
 // Looks along world −Z: the middle column's and row's rays lie in planes.
-Camera axis_camera(glm::dvec3 eye) {
-    Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
+stage::Camera axis_camera(glm::dvec3 eye) {
+    stage::Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
     camera.fx = camera.fy = 64;
     return camera;
 }
 
 struct View {
     const char* name;
-    Camera camera;
+    stage::Camera camera;
     bool sees = true;
 };
 
-std::vector<View> views(const VOctree& tree) {
+std::vector<View> views(const voctree::VOctree& tree) {
     const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {
         return look_at(world_of(tree, from), world_of(tree, at), kWidth, kHeight, focal);
     };
-    Camera off_centre = look({1.7, 1.4, 2.1}, glm::dvec3(0.5), 1.1);
+    stage::Camera off_centre = look({1.7, 1.4, 2.1}, glm::dvec3(0.5), 1.1);
     off_centre.cx += 9.25;
     off_centre.cy -= 6.5;
     return {{"outside", look({1.7, 1.4, 2.1}, glm::dvec3(0.5), 1.1)},
@@ -214,12 +216,12 @@ using LeafRasterTest = GpuTest;
 
 TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
     for (const RandomTreeOptions& options : kTrees) {
-        const VOctree tree = random_tree(options);
+        const voctree::VOctree tree = random_tree(options);
         Drawn drawn(device(), tree, kWidth, kHeight);
         for (const View& view : views(tree)) {
             SCOPED_TRACE(std::string(view.name) + ", node levels " + std::to_string(options.node_levels));
             const Rays raster = drawn.raster(view.camera, 0);
-            ASSERT_LE(pairs_wanted(device(), drawn.rasterizer), kPairs);
+            ASSERT_LE(render::pairs_wanted(device(), drawn.rasterizer), kPairs);
             const Difference found = difference(raster, shade_by_reference(tree, view.camera, raster.radiance.size()));
             EXPECT_LE(found.light, kHalfLight);
             EXPECT_LE(found.depth_m, kDepth_m);
@@ -230,15 +232,15 @@ TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
 
 // Also where rays end early, and where a pixel has several.
 TEST_F(LeafRasterTest, EveryRayIsTheTraces) {
-    VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 3000});
+    voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 3000});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
     for (const uint32_t samples : {1u, 3u}) {
         Drawn drawn(device(), tree, samples * kWidth, samples * kHeight);
         for (const View& view : views(tree)) {
             SCOPED_TRACE(view.name);
-            const Rays trace = drawn.trace(view.camera, kStopTransmittance, samples);
-            const Difference found = difference(drawn.raster(view.camera, kStopTransmittance, samples), trace);
+            const Rays trace = drawn.trace(view.camera, render::kStopTransmittance, samples);
+            const Difference found = difference(drawn.raster(view.camera, render::kStopTransmittance, samples), trace);
             EXPECT_LE(found.light, kSameLight);
             EXPECT_LE(found.depth_m, kDepth_m);
         }
@@ -248,7 +250,7 @@ TEST_F(LeafRasterTest, EveryRayIsTheTraces) {
 // Every ray finds all of its leaves in its tile's list, near to far.
 TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
     for (const RandomTreeOptions& options : kTrees) {
-        const VOctree tree = random_tree(options);
+        const voctree::VOctree tree = random_tree(options);
         Drawn drawn(device(), tree, kWidth, kHeight);
         const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, kFrame);
         for (const View& view : views(tree)) {
@@ -284,13 +286,13 @@ TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
 }
 
 TEST_F(LeafRasterTest, PairsWithoutRoomAreCounted) {
-    const VOctree tree = random_tree(kTrees[1]);
-    const Camera camera = views(tree)[0].camera;
+    const voctree::VOctree tree = random_tree(kTrees[1]);
+    const stage::Camera camera = views(tree)[0].camera;
     Drawn all(device(), tree, kWidth, kHeight), some(device(), tree, kWidth, kHeight, 50);
     const Rays truth = all.raster(camera, 0), part = some.raster(camera, 0);
-    const uint32_t wanted = pairs_wanted(device(), all.rasterizer);
+    const uint32_t wanted = render::pairs_wanted(device(), all.rasterizer);
     EXPECT_GT(wanted, 50u);
-    EXPECT_EQ(pairs_wanted(device(), some.rasterizer), wanted);
+    EXPECT_EQ(render::pairs_wanted(device(), some.rasterizer), wanted);
     EXPECT_GT(difference(part, truth).light, 0.1) << "as if nothing were missing";
     Drawn fitting(device(), tree, kWidth, kHeight, wanted);
     EXPECT_EQ(fitting.raster(camera, 0).radiance, truth.radiance);

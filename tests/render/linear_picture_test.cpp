@@ -16,7 +16,7 @@ const std::vector<glm::vec4> kRays = {{0.4f, 0, 0, 0.5f}, {0, 0.4f, 0, 0.25f}, {
 const std::vector<float> kDepth = {2, 4, kInfinity, kInfinity, kInfinity, 8, kInfinity, kInfinity};
 
 TEST(LinearPicture, IsTheMeanOfItsRays) {
-    const LinearImage image = linear_picture(kRays, kDepth, 2, 1, 2);
+    const media::LinearImage image = render::linear_picture(kRays, kDepth, 2, 1, 2);
     ASSERT_EQ(image.width, 2u);
     ASSERT_EQ(image.height, 1u);
     const double expected[] = {1.4 / 4, 1.4 / 4, 1.0 / 4, 1.75 / 4, 0, 0, 0, 0};
@@ -26,7 +26,7 @@ TEST(LinearPicture, IsTheMeanOfItsRays) {
 }
 
 TEST(LinearPicture, ABackgroundIsBehindTheColourAlone) {
-    const LinearImage image = linear_picture(kRays, kDepth, 2, 1, 2, {0.2f, 0.4f, 0.8f, 0.5f});
+    const media::LinearImage image = render::linear_picture(kRays, kDepth, 2, 1, 2, {0.2f, 0.4f, 0.8f, 0.5f});
     const double clear = 1 - 1.75 / 4;
     const double expected[] = {1.4 / 4 + clear * 0.1,
                                1.4 / 4 + clear * 0.2,

@@ -21,7 +21,8 @@ constexpr uint32_t kWidth = 61, kHeight = 43;
 using MergeTest = GpuTest;
 
 // A pixel's ray through all instances together.
-reference::RayResult march_together(const std::vector<const VOctree*>& trees, const std::vector<Instance>& instances,
+reference::RayResult march_together(const std::vector<const voctree::VOctree*>& trees,
+                                    const std::vector<render::Instance>& instances,
                                     const std::vector<std::vector<reference::LeafSlice>>& slices,
                                     const reference::Ray& ray) {
     std::vector<std::vector<reference::Sample>> all;
@@ -37,10 +38,10 @@ reference::RayResult march_together(const std::vector<const VOctree*>& trees, co
     return reference::composite(reference::merge(all));
 }
 
-Traced together_by_reference(const std::vector<const VOctree*>& trees, const std::vector<Instance>& instances,
-                             const Camera& camera) {
+Traced together_by_reference(const std::vector<const voctree::VOctree*>& trees,
+                             const std::vector<render::Instance>& instances, const stage::Camera& camera) {
     std::vector<std::vector<reference::LeafSlice>> slices;
-    for (const Instance& instance : instances)
+    for (const render::Instance& instance : instances)
         slices.push_back(reference::slice_tree(*trees[instance.field], instance.frame));
     Traced traced;
     for (uint32_t y = 0; y < camera.height; y++)
@@ -58,7 +59,7 @@ glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
 }
 
 // Three that stand in each other, of two fields, one of them translucent; one before them and one behind.
-std::vector<Instance> a_crowd() {
+std::vector<render::Instance> a_crowd() {
     return {{1.3f, glm::mat4(1), 0, 0, 1},
             {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 0, 1, 1},
             {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0, 0.6f},
@@ -66,8 +67,8 @@ std::vector<Instance> a_crowd() {
             {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 0, 1}};
 }
 
-FrameSettings settings_of(std::vector<Instance> instances, Blend blend) {
-    FrameSettings settings;
+render::FrameSettings settings_of(std::vector<render::Instance> instances, render::Blend blend) {
+    render::FrameSettings settings;
     settings.instances = std::move(instances);
     settings.width = kWidth;
     settings.height = kHeight;
@@ -76,33 +77,33 @@ FrameSettings settings_of(std::vector<Instance> instances, Blend blend) {
     return settings;
 }
 
-Camera crowd_camera() {
+stage::Camera crowd_camera() {
     return look_at({1.2, 1.5, 8}, {0, 0.4, 0}, kWidth, kHeight, 0.9);
 }
 
 struct Crowd {
-    VOctree first = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
-    VOctree second = random_tree({.seed = 9, .node_levels = 2, .leaves = 400, .bases = 4, .hh_degree = 1});
-    std::vector<const VOctree*> trees{&first, &second};
-    Field fields[2];
-    explicit Crowd(const Device& device)
-        : fields{upload_field(device, first, WeightPrecision::kHalf),
-                 upload_field(device, second, WeightPrecision::kHalf)} {}
+    voctree::VOctree first = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
+    voctree::VOctree second = random_tree({.seed = 9, .node_levels = 2, .leaves = 400, .bases = 4, .hh_degree = 1});
+    std::vector<const voctree::VOctree*> trees{&first, &second};
+    render::Field fields[2];
+    explicit Crowd(const gpu::Device& device)
+        : fields{render::upload_field(device, first, render::WeightPrecision::kHalf),
+                 render::upload_field(device, second, render::WeightPrecision::kHalf)} {}
 };
 
-size_t passes(const FrameRenderer& renderer, const std::string& name) {
-    const std::vector<PassTime> times = renderer.pass_times();
+size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
+    const std::vector<gpu::PassTime> times = renderer.pass_times();
     return static_cast<size_t>(
-        std::count_if(times.begin(), times.end(), [&](const PassTime& pass) { return pass.name == name; }));
+        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
 }
 
 TEST_F(MergeTest, InstancesThatStandInEachOtherAreOneMedium) {
     const Crowd crowd(device());
     const Traced truth = together_by_reference(crowd.trees, a_crowd(), crowd_camera());
-    for (const uint64_t budget : {kSliceBudget, uint64_t{0}}) {
+    for (const uint64_t budget : {render::kSliceBudget, uint64_t{0}}) {
         SCOPED_TRACE("slice budget " + std::to_string(budget));
-        FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight, 1, 1, budget});
-        renderer.render(crowd_camera(), settings_of(a_crowd(), Blend::kExact));
+        render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight, 1, 1, budget});
+        renderer.render(crowd_camera(), settings_of(a_crowd(), render::Blend::kExact));
         ASSERT_EQ(renderer.drawn().size(), 3u);
         EXPECT_EQ(renderer.drawn()[0].size(), 1u);
         EXPECT_EQ(renderer.drawn()[1].size(), 3u);
@@ -119,8 +120,8 @@ TEST_F(MergeTest, InstancesThatStandInEachOtherAreOneMedium) {
 TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     const Crowd crowd(device());
     const Traced truth = together_by_reference(crowd.trees, a_crowd(), crowd_camera());
-    FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
-    renderer.render(crowd_camera(), settings_of(a_crowd(), Blend::kPaper));
+    render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
+    renderer.render(crowd_camera(), settings_of(a_crowd(), render::Blend::kPaper));
     EXPECT_EQ(passes(renderer, "merge"), 0u);
     const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
     EXPECT_GT(found.steps, 10);
@@ -134,31 +135,31 @@ TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
 // More segments than fit at first.
 constexpr uint32_t kSide = 256;
 
-VOctree a_thicket() {
+voctree::VOctree a_thicket() {
     return random_tree({.seed = 3, .node_levels = 4, .leaves = 60000, .bases = 5, .hh_degree = 0});
 }
 
-Camera thicket_camera() {
+stage::Camera thicket_camera() {
     return look_at({0, 0.5, 2.2}, {0, 0.5, 0}, kSide, kSide, 1);
 }
 
-FrameSettings thicket_settings() {
-    FrameSettings settings = settings_of(
+render::FrameSettings thicket_settings() {
+    render::FrameSettings settings = settings_of(
         {{0}, {1, placed({0.1f, 0, 0}, 0.1f, glm::vec3(1))}, {2, placed({-0.1f, 0, 0.1f}, 0.2f, glm::vec3(1))}},
-        Blend::kExact);
+        render::Blend::kExact);
     settings.width = settings.height = kSide;
     return settings;
 }
 
 TEST_F(MergeTest, SegmentsFindRoom) {
-    const VOctree tree = a_thicket();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = thicket_camera();
-    FrameSettings settings = thicket_settings();
-    FrameRenderer renderer(device(), field, {kSide, kSide});
+    const voctree::VOctree tree = a_thicket();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = thicket_camera();
+    render::FrameSettings settings = thicket_settings();
+    render::FrameRenderer renderer(device(), field, {kSide, kSide});
     renderer.render(camera, settings);
     const std::vector<glm::vec4> grown = renderer.radiance();
-    const Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // fits at once
+    const stage::Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // fits at once
     settings.width = settings.height = 16;
     const Traced truth = together_by_reference({&tree}, settings.instances, part);
     renderer.render(part, settings);
@@ -173,39 +174,39 @@ TEST_F(MergeTest, SegmentsFindRoom) {
 
 // One that stands apart is drawn by passes of its own, which must not hold on to room that was too little.
 TEST_F(MergeTest, AnInstanceBesideAGroupSeesRoomGrow) {
-    const Field field = upload_field(device(), a_thicket(), WeightPrecision::kHalf);
-    FrameSettings settings = thicket_settings();
+    const render::Field field = render::upload_field(device(), a_thicket(), render::WeightPrecision::kHalf);
+    render::FrameSettings settings = thicket_settings();
     settings.instances.push_back({1, placed({0, 0, -9}, 0.3f, glm::vec3(2))});
-    FrameRenderer grows(device(), field, {kSide, kSide});
+    render::FrameRenderer grows(device(), field, {kSide, kSide});
     grows.render(thicket_camera(), settings);
     ASSERT_EQ(grows.drawn().size(), 2u);
     EXPECT_EQ(grows.drawn()[1].size(), 1u);
     const std::vector<glm::vec4> grown = grows.radiance();
     grows.render(thicket_camera(), settings);
     EXPECT_EQ(grows.radiance(), grown);
-    FrameCapacity tight_capacity{kSide, kSide};
+    render::FrameCapacity tight_capacity{kSide, kSide};
     tight_capacity.segment_budget = uint64_t{4} << 20;
-    FrameRenderer tight(device(), field, tight_capacity);
+    render::FrameRenderer tight(device(), field, tight_capacity);
     tight.render(thicket_camera(), settings);
     EXPECT_EQ(tight.radiance(), grown);
 }
 
 TEST_F(MergeTest, RaysGoInBandsWhereSegmentsFindNoRoom) {
-    const Field field = upload_field(device(), a_thicket(), WeightPrecision::kHalf);
-    FrameRenderer roomy(device(), field, {kSide, kSide});
+    const render::Field field = render::upload_field(device(), a_thicket(), render::WeightPrecision::kHalf);
+    render::FrameRenderer roomy(device(), field, {kSide, kSide});
     roomy.render(thicket_camera(), thicket_settings());
     EXPECT_EQ(passes(roomy, "merge"), 1u);
-    FrameCapacity tight_capacity{kSide, kSide};
+    render::FrameCapacity tight_capacity{kSide, kSide};
     tight_capacity.segment_budget = uint64_t{4} << 20;
-    FrameRenderer tight(device(), field, tight_capacity);
+    render::FrameRenderer tight(device(), field, tight_capacity);
     tight.render(thicket_camera(), thicket_settings());
     EXPECT_GE(passes(tight, "merge"), 4u);
     EXPECT_EQ(tight.radiance(), roomy.radiance());
     EXPECT_EQ(tight.depth(), roomy.depth());
     tight_capacity = {32, 32};
     tight_capacity.segment_budget = uint64_t{4} << 10;
-    FrameRenderer hopeless(device(), field, tight_capacity);
-    FrameSettings small = thicket_settings();
+    render::FrameRenderer hopeless(device(), field, tight_capacity);
+    render::FrameSettings small = thicket_settings();
     small.width = small.height = 32;
     try {
         hopeless.render(look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 32, 32, 1), small);
@@ -217,9 +218,9 @@ TEST_F(MergeTest, RaysGoInBandsWhereSegmentsFindNoRoom) {
 
 TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     const Crowd crowd(device());
-    FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
+    render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
     const auto radiance = [&](float opacity) {
-        renderer.render(crowd_camera(), settings_of({{1.3f, glm::mat4(1), 0, 0, opacity}}, Blend::kExact));
+        renderer.render(crowd_camera(), settings_of({{1.3f, glm::mat4(1), 0, 0, opacity}}, render::Blend::kExact));
         return renderer.radiance();
     };
     const std::vector<glm::vec4> solid = radiance(1), half = radiance(0.5f);
@@ -227,58 +228,60 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
 }
 
-PlacedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
+render::PlacedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
     const glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), at), turn, glm::dvec3(0, 1, 0));
-    return placed_box(-half, half, place);
+    return render::placed_box(-half, half, place);
 }
 
 using Groups = std::vector<std::vector<uint32_t>>;
 
 TEST(DrawOrder, IsNearToFarWhereBoxesStandApart) {
-    const std::vector<PlacedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
-    EXPECT_EQ(draw_order(row, std::vector{glm::dvec3(0)}), (Groups{{1}, {2}, {0}}));
-    EXPECT_EQ(draw_order(row, std::vector{glm::dvec3(0, 0, -10)}), (Groups{{0}, {2}, {1}}));
-    EXPECT_EQ(draw_order({}, std::vector{glm::dvec3(0)}), Groups{});
+    const std::vector<render::PlacedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
+    EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0)}), (Groups{{1}, {2}, {0}}));
+    EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0, 0, -10)}), (Groups{{0}, {2}, {1}}));
+    EXPECT_EQ(render::draw_order({}, std::vector{glm::dvec3(0)}), Groups{});
 }
 
 // A long wall whose middle is nearer than a box before its far end.
 TEST(DrawOrder, IsNotThatOfMiddles) {
-    const PlacedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
-    EXPECT_EQ(draw_order(std::vector{wall, before}, std::vector{glm::dvec3(0)}), (Groups{{1}, {0}}));
+    const render::PlacedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
+    EXPECT_EQ(render::draw_order(std::vector{wall, before}, std::vector{glm::dvec3(0)}), (Groups{{1}, {0}}));
 }
 
 TEST(DrawOrder, BoxesThatOverlapAreOneGroup) {
-    const std::vector<PlacedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
-                                          box_at({3, 0, -5})};
-    EXPECT_EQ(draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0, 1, 2}, {3}}));
+    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
+                                                  box_at({3, 0, -5})};
+    EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0, 1, 2}, {3}}));
     // Touching is not overlapping.
-    EXPECT_EQ(draw_order(std::vector{box_at({0, 0, -5}), box_at({0, 0, -6})}, std::vector{glm::dvec3(0)}).size(), 2u);
+    EXPECT_EQ(
+        render::draw_order(std::vector{box_at({0, 0, -5}), box_at({0, 0, -6})}, std::vector{glm::dvec3(0)}).size(), 2u);
 }
 
 TEST(DrawOrder, TurnedBoxesPartAlongAnEdgeOfEach) {
     // Boxes whose boxes along the axes overlap.
-    const std::vector<PlacedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4), box_at({1.15, 0, -5.75}, 0.9)};
-    EXPECT_EQ(draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0}, {1}}));
+    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4),
+                                                  box_at({1.15, 0, -5.75}, 0.9)};
+    EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0}, {1}}));
 }
 
 // Three beams, each before the next at one end and behind the third at the other.
 TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
-    std::vector<PlacedBox> beams;
+    std::vector<render::PlacedBox> beams;
     for (int i = 0; i < 3; i++) {
         const double angle = 2 * std::numbers::pi * i / 3;
         const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.35), across(-std::sin(angle), std::cos(angle), 0);
         const glm::dvec3 middle = glm::dvec3(0, 0, -8) + 0.6 * across;
         beams.push_back({middle, glm::dmat3(2.0 * along, 0.12 * across, glm::dvec3(0, 0, 0.05))});
     }
-    EXPECT_EQ(draw_order(beams, std::vector{glm::dvec3(0)}).size(), 1u);
+    EXPECT_EQ(render::draw_order(beams, std::vector{glm::dvec3(0)}).size(), 1u);
     beams.pop_back();
-    EXPECT_EQ(draw_order(beams, std::vector{glm::dvec3(0)}).size(), 2u);
+    EXPECT_EQ(render::draw_order(beams, std::vector{glm::dvec3(0)}).size(), 2u);
 }
 
 TEST(DrawOrder, MustHoldForAllEyes) {
-    const std::vector<PlacedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
-    EXPECT_EQ(draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(-5, 0, 1)}), (Groups{{0}, {1}}));
-    EXPECT_EQ(draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(5, 0, 0)}), (Groups{{0, 1}}));
+    const std::vector<render::PlacedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
+    EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(-5, 0, 1)}), (Groups{{0}, {1}}));
+    EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(5, 0, 0)}), (Groups{{0, 1}}));
 }
 
 // Random boxes and lines: whatever the line meets first is in no later group.
@@ -286,7 +289,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
     Random random(5);
     uint32_t met = 0, groups_of_one = 0;
     for (int scene = 0; scene < 20; scene++) {
-        std::vector<PlacedBox> boxes;
+        std::vector<render::PlacedBox> boxes;
         for (int i = 0; i < 12; i++) {
             const auto vector = [&](double size) {
                 return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size),
@@ -296,7 +299,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
             boxes.push_back({middle, glm::dmat3(vector(1), vector(1), vector(1))});
         }
         const glm::dvec3 eye(0, 0, 9);
-        const Groups groups = draw_order(boxes, std::vector{eye});
+        const Groups groups = render::draw_order(boxes, std::vector{eye});
         for (const auto& group : groups) groups_of_one += group.size() == 1;
         for (int line = 0; line < 300; line++) {
             const glm::dvec3 direction =

@@ -19,15 +19,15 @@ namespace {
 constexpr uint32_t kBlends = 4;
 
 double as_half(double value) {
-    return double{float_from_half(half_from_float(static_cast<float>(value)))};
+    return double{voctree::float_from_half(voctree::half_from_float(static_cast<float>(value)))};
 }
 
 // Colours, densities, both, erased leaves, revived ones; at parts of the clip, fractions included.
-EditLayer random_layer(const VOctree& tree, Random& random) {
-    EditLayer layer{painted_field(tree), {}};
-    std::vector<LeafEdit> edits;
+voctree::EditLayer random_layer(const voctree::VOctree& tree, Random& random) {
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
+    std::vector<voctree::LeafEdit> edits;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
-        LeafEdit edit;
+        voctree::LeafEdit edit;
         edit.leaf = random.below(tree.leaf_count);
         const double last = tree.frames - 1.0;
         edit.first = static_cast<float>(std::floor(8 * random.uniform(0, last)) / 8);
@@ -39,21 +39,21 @@ EditLayer random_layer(const VOctree& tree, Random& random) {
         if (random.below(2)) edit.sigma = random.below(3) ? static_cast<float>(random.below(256)) / 16 : 0.0f;
         edits.push_back(edit);
     }
-    add_edits(layer, edits);
-    EXPECT_EQ(defect_of(layer), "");
+    voctree::add_edits(layer, edits);
+    EXPECT_EQ(voctree::defect_of(layer), "");
     return layer;
 }
 
 // Where edits covered each other, colours are not of few bits any more.
-void round_to_halves(EditLayer& layer) {
-    for (LeafEdit& edit : layer.edits) {
+void round_to_halves(voctree::EditLayer& layer) {
+    for (voctree::LeafEdit& edit : layer.edits) {
         for (int c = 0; c < 3; c++) edit.colour[c] = static_cast<float>(as_half(double{edit.colour[c]}));
         edit.alpha = static_cast<float>(as_half(double{edit.alpha}));
     }
 }
 
 // As entries hold them before paint.
-std::vector<reference::LeafSlice> slices_in_halves(const VOctree& tree, double frame) {
+std::vector<reference::LeafSlice> slices_in_halves(const voctree::VOctree& tree, double frame) {
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
     for (reference::LeafSlice& leaf : slices)
         for (auto& channel : leaf.k)
@@ -63,24 +63,24 @@ std::vector<reference::LeafSlice> slices_in_halves(const VOctree& tree, double f
 
 struct PaintTest : GpuTest {
     // How far the painted tree's entries are off at worst, in what they may be off by.
-    static double worst_entry(const VOctree& tree, const std::vector<PaintUse>& uses, float frame, bool in_parts,
-                              const std::vector<PaintUse>& expected_uses) {
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-        const LiveLeaves live(device(), field, field.leaf_count);
-        const SliceTrees sliced(device(), field, most_entries(field), 1);
-        const TreeSlicer slicer(device(), field, live, sliced);
-        const Paint paint(device(), tree.leaf_count, uses);
-        const Painter painter(device(), field, live, sliced);
-        const SlicePaint bound(painter, paint);
-        run_once(device(), "slice", [&](Commands& commands) {
-            if (!in_parts) record_slice_tree(commands, slicer, 0, frame, &bound);
-            for (uint32_t part = 0; in_parts && part < kSliceParts; part++)
-                record_slice_part(commands, slicer, 0, frame, part, &bound);
+    static double worst_entry(const voctree::VOctree& tree, const std::vector<render::PaintUse>& uses, float frame,
+                              bool in_parts, const std::vector<render::PaintUse>& expected_uses) {
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+        const render::LiveLeaves live(device(), field, field.leaf_count);
+        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::TreeSlicer slicer(device(), field, live, sliced);
+        const render::Paint paint(device(), tree.leaf_count, uses);
+        const render::Painter painter(device(), field, live, sliced);
+        const render::SlicePaint bound(painter, paint);
+        gpu::run_once(device(), "slice", [&](gpu::Commands& commands) {
+            if (!in_parts) render::record_slice_tree(commands, slicer, 0, frame, &bound);
+            for (uint32_t part = 0; in_parts && part < render::kSliceParts; part++)
+                render::record_slice_part(commands, slicer, 0, frame, part, &bound);
         });
         const HostTree host = download_tree(device(), field, sliced);
         std::vector<reference::LeafSlice> truth = slices_in_halves(tree, double{frame});
         std::vector<reference::PaintStep> steps;
-        for (const PaintUse& use : expected_uses)
+        for (const render::PaintUse& use : expected_uses)
             steps.push_back({use.layer, static_cast<uint32_t>(use.blend), double{use.opacity}});
         reference::paint(truth, tree.hh_degree, steps, double{frame});
         TreeCheck check{host, tree, truth};
@@ -100,40 +100,41 @@ constexpr double kWorstEntry = 1;
 TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
     constexpr uint32_t kLevels[] = {1, 2, 4, 3};
     for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
-        const VOctree tree = random_tree(
+        const voctree::VOctree tree = random_tree(
             {.seed = degree + 40, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         Random random(degree);
-        std::vector<EditLayer> layers;
+        std::vector<voctree::EditLayer> layers;
         for (uint32_t i = 0; i < kBlends; i++) layers.push_back(random_layer(tree, random));
-        for (EditLayer& layer : layers) round_to_halves(layer);
+        for (voctree::EditLayer& layer : layers) round_to_halves(layer);
         for (uint32_t mode = 0; mode < kBlends; mode++)
             for (const float frame : {0.0f, 2.5f, 4.0f}) {
                 SCOPED_TRACE(testing::Message() << "degree " << degree << " blend " << mode << " frame " << frame);
-                const std::vector<PaintUse> one = {{&layers[mode], static_cast<PaintBlend>(mode), 1}};
+                const std::vector<render::PaintUse> one = {{&layers[mode], static_cast<stage::PaintBlend>(mode), 1}};
                 EXPECT_LE(worst_entry(tree, one, frame, false, one), kWorstEntry);
             }
-        const std::vector<PaintUse> all = {{&layers[0], PaintBlend::kTint, 0.75f},
-                                           {&layers[1], PaintBlend::kNormal, 0.5f},
-                                           {&layers[2], PaintBlend::kRecolour, 1},
-                                           {&layers[3], PaintBlend::kMultiply, 0.25f}};
+        const std::vector<render::PaintUse> all = {{&layers[0], stage::PaintBlend::kTint, 0.75f},
+                                                   {&layers[1], stage::PaintBlend::kNormal, 0.5f},
+                                                   {&layers[2], stage::PaintBlend::kRecolour, 1},
+                                                   {&layers[3], stage::PaintBlend::kMultiply, 0.25f}};
         for (const bool in_parts : {false, true})
             EXPECT_LE(worst_entry(tree, all, 1.5f, in_parts, all), kWorstEntry) << "degree " << degree;
     }
 }
 
 TEST_F(PaintTest, TheComparisonNoticesAnotherBlendOrOrderOrOpacity) {
-    const VOctree tree = random_tree({.seed = 7, .node_levels = 2, .leaves = 300, .hh_degree = 1});
+    const voctree::VOctree tree = random_tree({.seed = 7, .node_levels = 2, .leaves = 300, .hh_degree = 1});
     Random random(7);
-    EditLayer a = random_layer(tree, random), b = random_layer(tree, random);
-    for (LeafEdit& edit : a.edits) edit.sigma = kKeepSigma;
+    voctree::EditLayer a = random_layer(tree, random), b = random_layer(tree, random);
+    for (voctree::LeafEdit& edit : a.edits) edit.sigma = voctree::kKeepSigma;
     b.edits = a.edits;
-    for (LeafEdit& edit : b.edits) edit.colour = 1.0f - edit.colour;
+    for (voctree::LeafEdit& edit : b.edits) edit.colour = 1.0f - edit.colour;
     round_to_halves(a);
     round_to_halves(b);
-    const std::vector<PaintUse> used = {{&a, PaintBlend::kTint, 0.5f}, {&b, PaintBlend::kNormal, 0.5f}};
+    const std::vector<render::PaintUse> used = {{&a, stage::PaintBlend::kTint, 0.5f},
+                                                {&b, stage::PaintBlend::kNormal, 0.5f}};
     EXPECT_LE(worst_entry(tree, used, 2, false, used), kWorstEntry);
-    std::vector<PaintUse> wrong = used;
-    wrong[0].blend = PaintBlend::kRecolour;
+    std::vector<render::PaintUse> wrong = used;
+    wrong[0].blend = stage::PaintBlend::kRecolour;
     EXPECT_GT(worst_entry(tree, used, 2, false, wrong), 10 * kWorstEntry);
     wrong = used;
     wrong[1].opacity = 0.6f;
@@ -143,12 +144,13 @@ TEST_F(PaintTest, TheComparisonNoticesAnotherBlendOrOrderOrOpacity) {
 
 constexpr uint32_t kWidth = 61, kHeight = 43;
 
-Camera stage_camera() {
+stage::Camera stage_camera() {
     return look_at({0.2, 1.5, 9}, {0, 0.4, 0}, kWidth, kHeight, 1.0);
 }
 
-FrameSettings settings_of(std::vector<Instance> instances, TraceMode mode = TraceMode::kTree) {
-    FrameSettings settings;
+render::FrameSettings settings_of(std::vector<render::Instance> instances,
+                                  render::TraceMode mode = render::TraceMode::kTree) {
+    render::FrameSettings settings;
     settings.instances = std::move(instances);
     settings.width = kWidth;
     settings.height = kHeight;
@@ -161,8 +163,8 @@ glm::mat4 at(float x) {
 }
 
 struct Copies {
-    VOctree tree = random_tree({.seed = 9, .node_levels = 3, .leaves = 3000, .bases = 5, .hh_degree = 1});
-    EditLayer red{painted_field(tree), {}}, gone{painted_field(tree), {}};
+    voctree::VOctree tree = random_tree({.seed = 9, .node_levels = 3, .leaves = 3000, .bases = 5, .hh_degree = 1});
+    voctree::EditLayer red{voctree::painted_field(tree), {}}, gone{voctree::painted_field(tree), {}};
     Copies() {
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
             red.edits.push_back({leaf, 0, 4, {1, 0, 0}, 1});
@@ -171,20 +173,20 @@ struct Copies {
     }
 };
 
-size_t passes(const FrameRenderer& renderer, const std::string& name) {
-    const std::vector<PassTime> times = renderer.pass_times();
+size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
+    const std::vector<gpu::PassTime> times = renderer.pass_times();
     return static_cast<size_t>(
-        std::count_if(times.begin(), times.end(), [&](const PassTime& pass) { return pass.name == name; }));
+        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
 }
 
 TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
     const Copies copies;
-    const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight}), plain(device(), field, {kWidth, kHeight});
-    const PaintUse red{&copies.red, PaintBlend::kRecolour, 1}, gone{&copies.gone};
+    const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight}), plain(device(), field, {kWidth, kHeight});
+    const render::PaintUse red{&copies.red, stage::PaintBlend::kRecolour, 1}, gone{&copies.gone};
     const uint32_t red_paint = renderer.paints().add({&red, 1}), gone_paint = renderer.paints().add({&gone, 1});
-    for (const TraceMode mode : {TraceMode::kTree, TraceMode::kShaded}) {
-        const auto alone = [&](FrameRenderer& with, uint32_t paint, float x) {
+    for (const render::TraceMode mode : {render::TraceMode::kTree, render::TraceMode::kShaded}) {
+        const auto alone = [&](render::FrameRenderer& with, uint32_t paint, float x) {
             return with.render(stage_camera(), settings_of({{1.5f, at(x), paint}}, mode)).rgba;
         };
         const auto truth = alone(plain, 0, 0);
@@ -194,11 +196,12 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
         EXPECT_NE(alone(renderer, gone_paint, 0), alone(renderer, red_paint, 0));
         EXPECT_EQ(alone(renderer, 0, 0), truth) << "and stays so";
         // Three copies beside each other: the third one's half of the picture is that of a picture without paint.
-        const std::vector<Instance> three = {{.frame = 1.5f, .world_from_performer = at(-3.2f), .paint = red_paint},
-                                             {.frame = 1.5f, .world_from_performer = at(0), .paint = gone_paint},
-                                             {.frame = 1.5f, .world_from_performer = at(3.2f)}};
-        const Image with = renderer.render(stage_camera(), settings_of(three, mode));
-        const Image without =
+        const std::vector<render::Instance> three = {
+            {.frame = 1.5f, .world_from_performer = at(-3.2f), .paint = red_paint},
+            {.frame = 1.5f, .world_from_performer = at(0), .paint = gone_paint},
+            {.frame = 1.5f, .world_from_performer = at(3.2f)}};
+        const media::Image with = renderer.render(stage_camera(), settings_of(three, mode));
+        const media::Image without =
             plain.render(stage_camera(), settings_of({{1.5f, at(-3.2f)}, {1.5f, at(0)}, {1.5f, at(3.2f)}}, mode));
         bool same_left = true;
         for (uint32_t y = 0; y < kHeight; y++)
@@ -213,17 +216,17 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
 
 TEST_F(PaintTest, IsSeenWhateverTheBudget) {
     const Copies copies;
-    const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
-    const PaintUse red{&copies.red, PaintBlend::kNormal, 0.5f}, gone{&copies.gone},
+    const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
+    const render::PaintUse red{&copies.red, stage::PaintBlend::kNormal, 0.5f}, gone{&copies.gone},
         both[] = {{&copies.red}, {&copies.gone}};
-    const uint64_t one = slice_bytes(field, most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
     std::pmr::vector<uint8_t> truth;
-    for (const uint64_t budget : {kSliceBudget, 3 * one, 2 * one, one, uint64_t{0}}) {
+    for (const uint64_t budget : {render::kSliceBudget, 3 * one, 2 * one, one, uint64_t{0}}) {
         SCOPED_TRACE(testing::Message() << "budget " << budget);
-        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
-        Paints& paints = renderer.paints();
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+        render::Paints& paints = renderer.paints();
         const uint32_t ids[] = {paints.add({&red, 1}), paints.add({&gone, 1}), paints.add(both)};
-        const FrameSettings settings = settings_of(
+        const render::FrameSettings settings = settings_of(
             {{1, at(-3), ids[0]}, {1, at(-1), ids[1]}, {1, at(1), ids[2]}, {1, at(2), ids[0]}, {2.5f, at(3), ids[0]}});
         for (int again = 0; again < 2; again++) {
             const std::pmr::vector<uint8_t> picture = renderer.render(stage_camera(), settings).rgba;
@@ -236,15 +239,15 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
         EXPECT_GE(built_again, places == 4 ? 0 : 4 - (places - 1)) << "slices that share a place";
         EXPECT_LE(built_again, places == 4 ? 0u : 5u) << "slices stay";
         // A picture without paint afterwards, and one of both kinds.
-        FrameRenderer plain(device(), field, {kWidth, kHeight});
+        render::FrameRenderer plain(device(), field, {kWidth, kHeight});
         EXPECT_EQ(renderer.render(stage_camera(), settings_of({{3}})).rgba.size(), truth.size());
-        const FrameSettings mixed = settings_of({{1, at(-2), ids[1]}, {3, at(2)}});
+        const render::FrameSettings mixed = settings_of({{1, at(-2), ids[1]}, {3, at(2)}});
         renderer.render(stage_camera(), mixed);
         EXPECT_EQ(passes(renderer, "direct") + passes(renderer, "trace"), 2u);
     }
     EXPECT_THROW(
         {
-            FrameRenderer renderer(device(), field, {kWidth, kHeight});
+            render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
             renderer.render(stage_camera(), settings_of({{1, at(0), 7}}));
         },
         RuntimeFailure);
@@ -252,15 +255,15 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
 
 // All leaves live at once, of which hardly any did: more than slices have room for at first, wherever they are built.
 TEST_F(PaintTest, RevivedLeavesFindRoom) {
-    VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
+    voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    EditLayer layer{painted_field(tree), {}};
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         layer.edits.push_back({leaf, 2, 3, {0, leaf % 2 ? 1.0f : 0.5f, 0}, 0.5f, 2});
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 2.5);
     reference::paint(slices, 1, {{&layer}}, 2.5);
-    const Camera camera = look_at({0.2, 1.5, 5}, {0, 0.4, 0}, kWidth, kHeight, 1.0);
+    const stage::Camera camera = look_at({0.2, 1.5, 5}, {0, 0.4, 0}, kWidth, kHeight, 1.0);
     Traced truth;
     for (uint32_t y = 0; y < kHeight; y++)
         for (uint32_t x = 0; x < kWidth; x++) {
@@ -268,11 +271,11 @@ TEST_F(PaintTest, RevivedLeavesFindRoom) {
             truth.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
             truth.depth.push_back(static_cast<float>(ray.depth_m));
         }
-    for (const uint64_t budget : {kSliceBudget, uint64_t{0}}) {
-        FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
-        const PaintUse use{&layer};
+    for (const uint64_t budget : {render::kSliceBudget, uint64_t{0}}) {
+        render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
+        const render::PaintUse use{&layer};
         const uint32_t paint = renderer.paints().add({&use, 1});
-        FrameSettings settings = settings_of({{2.5f, glm::mat4(1), paint}});
+        render::FrameSettings settings = settings_of({{2.5f, glm::mat4(1), paint}});
         settings.stop = 0;
         renderer.render(camera, settings);
         const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
@@ -287,30 +290,31 @@ TEST_F(PaintTest, RevivedLeavesFindRoom) {
 
 TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     const Copies copies;
-    const Field field = upload_field(device(), copies.tree, WeightPrecision::kHalf);
-    FrameRenderer ahead(device(), field, {kWidth, kHeight}), fresh(device(), field, {kWidth, kHeight});
-    const PaintUse uses[] = {{&copies.red, PaintBlend::kTint, 1}, {&copies.gone}};
+    const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer ahead(device(), field, {kWidth, kHeight}), fresh(device(), field, {kWidth, kHeight});
+    const render::PaintUse uses[] = {{&copies.red, stage::PaintBlend::kTint, 1}, {&copies.gone}};
     const uint32_t paint = ahead.paints().add(uses);
     ASSERT_EQ(fresh.paints().add(uses), paint);
-    FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
+    render::FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
     settings.next_slices = {{2.5f, paint}};
     settings.parts_ahead = 1;
-    for (uint32_t part = 0; part < kSliceParts; part++) ahead.render(stage_camera(), settings);
-    const FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});
+    for (uint32_t part = 0; part < render::kSliceParts; part++) ahead.render(stage_camera(), settings);
+    const render::FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});
     EXPECT_EQ(ahead.render(stage_camera(), later).rgba, fresh.render(stage_camera(), later).rgba);
     EXPECT_EQ(passes(ahead, "slice nodes"), 0u) << "it was ready";
     EXPECT_EQ(passes(fresh, "paint colour"), 1u);
 }
 
 TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
-    VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 1});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    EditLayer layer{painted_field(tree), {}};
+    voctree::VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 1});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 10) layer.edits.push_back({leaf, 0, 0, {0, 0, 1}, 1});
-    FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slice_bytes(field, most_entries(field))});
+    render::FrameRenderer renderer(device(), field,
+                                   {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
     renderer.render(stage_camera(), settings_of({{}, {0, at(2)}}));
     const uint64_t before = device().buffer_bytes();
-    const PaintUse use{&layer};
+    const render::PaintUse use{&layer};
     const uint32_t paint = renderer.paints().add({&use, 1});
     renderer.render(stage_camera(), settings_of({{}, {0, at(2), paint}}));
     const uint64_t more = device().buffer_bytes() - before;
@@ -322,13 +326,14 @@ TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
 }
 
 TEST_F(PaintTest, OfAnotherFieldIsRefused) {
-    const VOctree tree = random_tree({.seed = 8, .leaves = 200}), other = random_tree({.seed = 8, .leaves = 100});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    Paints paints(device(), field);
-    const EditLayer layer{painted_field(other), {}};
-    const PaintUse use{&layer};
+    const voctree::VOctree tree = random_tree({.seed = 8, .leaves = 200}),
+                           other = random_tree({.seed = 8, .leaves = 100});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::Paints paints(device(), field);
+    const voctree::EditLayer layer{voctree::painted_field(other), {}};
+    const render::PaintUse use{&layer};
     EXPECT_THROW(paints.add({&use, 1}), RuntimeFailure);
-    EXPECT_THROW(paints.add(std::vector<PaintUse>(kPaintLayerLimit + 1, use)), RuntimeFailure);
+    EXPECT_THROW(paints.add(std::vector<render::PaintUse>(kPaintLayerLimit + 1, use)), RuntimeFailure);
 }
 
 }  // namespace

@@ -21,23 +21,26 @@ struct SortedPairs {
 };
 
 // Values are the keys' numbers. A pair's key is (low, high) in memory, as a Key is on this host.
-SortedPairs sort_on_device(const Device& device, const std::vector<Key>& keys, uint32_t capacity, uint32_t key_bits) {
-    const SortPairs pairs(device, capacity);
-    const PairSorter sorter(device, pairs);
+SortedPairs sort_on_device(const gpu::Device& device, const std::vector<Key>& keys, uint32_t capacity,
+                           uint32_t key_bits) {
+    const render::SortPairs pairs(device, capacity);
+    const render::PairSorter sorter(device, pairs);
     const auto count = static_cast<uint32_t>(keys.size());
     SortedPairs sorted{std::vector<Key>(count), std::vector<uint32_t>(count)};
     std::iota(sorted.values.begin(), sorted.values.end(), 0u);
     const LiveCount live{(count + kSortBlock - 1) / kSortBlock, 1, 1, count, 0};
-    upload(device, pairs.keys[0], keys.data(), count * sizeof(Key));
-    upload(device, pairs.values[0], sorted.values.data(), count * sizeof(uint32_t));
-    upload(device, pairs.count, &live, sizeof(live));
-    run_once(device, "sort", [&](Commands& commands) { record_pair_sort(commands, sorter, key_bits); });
-    download(device, pairs.keys[sorted_buffer(key_bits)], sorted.keys.data(), count * sizeof(Key));
-    download(device, pairs.values[sorted_buffer(key_bits)], sorted.values.data(), count * sizeof(uint32_t));
+    gpu::upload(device, pairs.keys[0], keys.data(), count * sizeof(Key));
+    gpu::upload(device, pairs.values[0], sorted.values.data(), count * sizeof(uint32_t));
+    gpu::upload(device, pairs.count, &live, sizeof(live));
+    gpu::run_once(device, "sort",
+                  [&](gpu::Commands& commands) { render::record_pair_sort(commands, sorter, key_bits); });
+    gpu::download(device, pairs.keys[render::sorted_buffer(key_bits)], sorted.keys.data(), count * sizeof(Key));
+    gpu::download(device, pairs.values[render::sorted_buffer(key_bits)], sorted.values.data(),
+                  count * sizeof(uint32_t));
     return sorted;
 }
 
-void expect_sorted(const Device& device, const std::vector<Key>& keys, uint32_t capacity, uint32_t key_bits) {
+void expect_sorted(const gpu::Device& device, const std::vector<Key>& keys, uint32_t capacity, uint32_t key_bits) {
     SCOPED_TRACE(std::to_string(keys.size()) + " pairs, " + std::to_string(key_bits) + " bits");
     const uint32_t digits = (key_bits + kSortDigitBits - 1) / kSortDigitBits;
     const Key mask = ~Key{0} >> (64 - std::min(64u, digits * kSortDigitBits));  // digits are whole
@@ -76,7 +79,7 @@ TEST_F(PairSortTest, ManyPairsHaveManyBlocks) {
 }
 
 TEST_F(PairSortTest, MorePairsThanADeviceHoldsAreRefused) {
-    EXPECT_THROW(SortPairs(device(), UINT32_MAX), RuntimeFailure);
+    EXPECT_THROW(render::SortPairs(device(), UINT32_MAX), RuntimeFailure);
 }
 
 }  // namespace

@@ -20,13 +20,13 @@ struct Agreement {
     double worst_m = 0;
 };
 
-Agreement compare(const VOctree& tree, const std::vector<reference::LeafSlice>& slices, const Camera& camera,
-                  const std::vector<Picked>& picked, double alpha) {
+Agreement compare(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
+                  const stage::Camera& camera, const std::vector<render::Picked>& picked, double alpha) {
     Agreement agreement;
     for (uint32_t y = 0; y < camera.height; y++)
         for (uint32_t x = 0; x < camera.width; x++) {
             const auto truth = reference::pick(tree, slices, reference::camera_ray(camera, x, y), alpha);
-            const Picked& found = picked[size_t{y} * camera.width + x];
+            const render::Picked& found = picked[size_t{y} * camera.width + x];
             (truth ? agreement.hits : agreement.misses)++;
             if (truth.has_value() != found.hit() || (truth && truth->leaf != found.leaf)) agreement.others++;
             if (truth && found.hit())
@@ -37,22 +37,23 @@ Agreement compare(const VOctree& tree, const std::vector<reference::LeafSlice>& 
 
 TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
     for (uint32_t degree = 0; degree <= 2; degree++) {
-        VOctree tree = random_tree({.seed = degree + 3, .node_levels = 3, .leaves = 1500, .hh_degree = degree});
+        voctree::VOctree tree =
+            random_tree({.seed = degree + 3, .node_levels = 3, .leaves = 1500, .hh_degree = degree});
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 10;
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-        const Camera camera = look_at({2.2, 1.9, 2.6}, {0, 0.4, 0}, 57, 41, 1.1);
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+        const stage::Camera camera = look_at({2.2, 1.9, 2.6}, {0, 0.4, 0}, 57, 41, 1.1);
         std::vector<PickRay> rays;
         for (uint32_t y = 0; y < camera.height; y++)
-            for (uint32_t x = 0; x < camera.width; x++) rays.push_back(pick_ray(camera, {x + 0.5, y + 0.5}));
-        EditLayer layer{painted_field(tree), {}};
+            for (uint32_t x = 0; x < camera.width; x++) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
+        voctree::EditLayer layer{voctree::painted_field(tree), {}};
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
             layer.edits.push_back({leaf, 0, 4, glm::vec3(0), 0, leaf % 2 ? 8.0f : 0.0f});
-        Picker picker(device(), field);
+        render::Picker picker(device(), field);
         for (const bool painted : {false, true})
-            for (const float alpha : {0.5f, kPickAlpha}) {
-                const PaintUse use{&layer};
-                picker.show(1.5f, painted ? std::span(&use, 1) : std::span<const PaintUse>());
+            for (const float alpha : {0.5f, render::kPickAlpha}) {
+                const render::PaintUse use{&layer};
+                picker.show(1.5f, painted ? std::span(&use, 1) : std::span<const render::PaintUse>());
                 std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
                 if (painted) reference::paint(slices, degree, {{&layer}}, 1.5);
                 const Agreement agreement = compare(tree, slices, camera, picker.pick(rays, alpha), double{alpha});

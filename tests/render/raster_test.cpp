@@ -16,14 +16,14 @@ using test::json;
 
 constexpr uint32_t kSide = 64;
 
-const Device& device() {
-    static const Device shared("", Validation::kOn);
+const gpu::Device& device() {
+    static const gpu::Device shared("", gpu::Validation::kOn);
     return shared;
 }
 
 // 2 m in front of the origin's plane: a metre there is 32 pixels. The principal point is off the centre.
-Camera front_camera() {
-    Camera camera;
+stage::Camera front_camera() {
+    stage::Camera camera;
     camera.world_from_camera[3] = {0, 0, 2, 1};
     camera.fx = camera.fy = 64;
     camera.cx = 30;
@@ -58,12 +58,12 @@ GlbBuilder scene_of(const std::vector<Quad>& quads) {
     return glb;
 }
 
-std::vector<glm::vec4> render(const GlbBuilder& glb, const Camera& camera = front_camera()) {
+std::vector<glm::vec4> render(const GlbBuilder& glb, const stage::Camera& camera = front_camera()) {
     const test::TemporaryFolder folder;
-    const GltfScene scene = load_gltf(folder.write(glb.bytes()));
-    Rasterizer rasterizer(device(), scene, camera.width, camera.height);
-    rasterizer.pose(pose_scene(scene, kNoAnimation, 0));
-    auto pixels = box_down(rasterizer.draw(camera, 0.01), camera.width, camera.height);
+    const stage::GltfScene scene = stage::load_gltf(folder.write(glb.bytes()));
+    render::Rasterizer rasterizer(device(), scene, camera.width, camera.height);
+    rasterizer.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
+    auto pixels = render::box_down(rasterizer.draw(camera, 0.01), camera.width, camera.height);
     EXPECT_EQ(device().drain_validation_messages(), std::vector<std::string>());
     return pixels;
 }
@@ -101,13 +101,13 @@ TEST(Raster, EdgesAreCoverageAndPremultiplied) {
     EXPECT_NEAR(at(pixels, 38, 30).a, 0.5, 0.01);
     EXPECT_NEAR(at(pixels, 20, 42).a, 0.25, 0.13);
     expect_near(at(pixels, 38, 30), glm::vec4(at(pixels, 38, 30).a), 1e-3f);
-    const Image image = encode_straight(pixels, kSide, kSide);
+    const media::Image image = render::encode_straight(pixels, kSide, kSide);
     EXPECT_EQ(image.at(38, 30)[0], 255) << "white, however thin";
     EXPECT_NEAR(image.at(38, 30)[3], 128, 3);
 }
 
 TEST(Raster, CameraPoseIsOpenGl) {
-    Camera camera = front_camera();
+    stage::Camera camera = front_camera();
     camera.world_from_camera = glm::dmat4(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1);  // a quarter roll
     Quad quad;
     quad.x0 = 0.25f;
@@ -155,11 +155,11 @@ TEST(Raster, AlphaModes) {
 }
 
 TEST(Raster, TexturesAreSrgbFromTheTopLeft) {
-    Image texels(2, 2);
+    media::Image texels(2, 2);
     const uint8_t rgba[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 128, 128, 128, 255};
     texels.rgba.assign(std::begin(rgba), std::end(rgba));
     const test::TemporaryFolder folder;
-    write_png(folder.path / "texels.png", texels);
+    media::write_png(folder.path / "texels.png", texels);
     const std::vector<uint8_t> png = read_file(folder.path / "texels.png");
     Quad quad;
     quad.material["pbrMetallicRoughness"] = {{"baseColorTexture", {{"index", 0}}}, {"baseColorFactor", {1, 1, 0.5, 1}}};
@@ -168,7 +168,7 @@ TEST(Raster, TexturesAreSrgbFromTheTopLeft) {
     glb.root["samplers"] = {{{"magFilter", 9728}, {"minFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33071}}};
     glb.root["textures"] = {{{"source", 0}, {"sampler", 0}}};
     const auto pixels = render(glb);
-    const auto grey = static_cast<float>(linear_from_srgb(128 / 255.0));
+    const auto grey = static_cast<float>(media::linear_from_srgb(128 / 255.0));
     expect_near(at(pixels, 16, 20), {1, 0, 0, 1}, 2e-3f, "top left");
     expect_near(at(pixels, 36, 20), {0, 1, 0, 1}, 2e-3f, "top right");
     expect_near(at(pixels, 16, 40), {0, 0, 0.5f, 1}, 2e-3f, "bottom left");
@@ -176,11 +176,11 @@ TEST(Raster, TexturesAreSrgbFromTheTopLeft) {
 }
 
 TEST(Raster, MipLevelsAverageLight) {
-    Image texels(3, 2);
+    media::Image texels(3, 2);
     for (uint32_t x = 0; x < 2; ++x)
         for (uint32_t y = 0; y < 2; ++y)
             for (int c = 0; c < 4; ++c) texels.at(x, y)[c] = c == 3 || x == 0 ? 255 : 0;
-    const auto levels = mip_levels(texels);
+    const auto levels = render::mip_levels(texels);
     ASSERT_EQ(levels.size(), 2u);
     ASSERT_EQ(levels[1].size(), 4u);
     EXPECT_EQ(levels[1][0], 188) << "half the light in sRGB";
@@ -188,21 +188,21 @@ TEST(Raster, MipLevelsAverageLight) {
 }
 
 TEST(Raster, MipLevelsOfNumbersAreMeans) {
-    Image texels(2, 3);
+    media::Image texels(2, 3);
     const uint8_t rgba[] = {10, 0, 255, 0, 20, 1, 255, 40, 30, 2, 255, 80, 41, 4, 254, 121, 0, 0, 0, 0, 0, 0, 0, 0};
     texels.rgba.assign(std::begin(rgba), std::end(rgba));
-    const auto levels = mip_levels_of_numbers(texels);
+    const auto levels = render::mip_levels_of_numbers(texels);
     ASSERT_EQ(levels.size(), 2u);
     EXPECT_EQ(levels[1], (std::vector<uint8_t>{25, 2, 255, 60}))
         << "each channel alone, rounded; the last row left out";
 }
 
 TEST(Raster, BoxDownAveragesBlocks) {
-    std::vector<uint16_t> halves(4 * kSupersample * kSupersample * 2, 0);
-    halves[0] = half_from_float(1);  // one of the first block's pixels, red only
-    halves[3] = half_from_float(1);
-    const auto pixels = box_down({1, 0, 2, 1, halves}, 4, 1);
-    const float share = 1.0f / (kSupersample * kSupersample);
+    std::vector<uint16_t> halves(4 * render::kSupersample * render::kSupersample * 2, 0);
+    halves[0] = voctree::half_from_float(1);  // one of the first block's pixels, red only
+    halves[3] = voctree::half_from_float(1);
+    const auto pixels = render::box_down({1, 0, 2, 1, halves}, 4, 1);
+    const float share = 1.0f / (render::kSupersample * render::kSupersample);
     for (size_t i = 0; i < 4; ++i) expect_near(pixels[i], i == 1 ? glm::vec4(share, 0, 0, share) : glm::vec4(0), 1e-6f);
 }
 

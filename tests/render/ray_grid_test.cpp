@@ -13,20 +13,20 @@ namespace neuvv::test {
 namespace {
 
 constexpr uint32_t kWidth = 91, kHeight = 57;
-const Fovea kInset{{0.3, 0.2}, {0.7, 0.9}, 0.4};
+const render::Fovea kInset{{0.3, 0.2}, {0.7, 0.9}, 0.4};
 
 using RayGridTest = GpuTest;
 
-VOctree a_tree() {
+voctree::VOctree a_tree() {
     return random_tree({.seed = 4, .node_levels = 3, .leaves = 2500, .hh_degree = 1});
 }
 
-Camera a_camera(const VOctree& tree) {
+stage::Camera a_camera(const voctree::VOctree& tree) {
     return look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), kWidth, kHeight, 1.1);
 }
 
-FrameSettings settings_of(double scale, const std::vector<Fovea>& foveae) {
-    FrameSettings settings;
+render::FrameSettings settings_of(double scale, const std::vector<render::Fovea>& foveae) {
+    render::FrameSettings settings;
     settings.instances = {{1.3f}};
     settings.width = kWidth;
     settings.height = kHeight;
@@ -38,46 +38,50 @@ FrameSettings settings_of(double scale, const std::vector<Fovea>& foveae) {
 
 TEST(RayGrid, CoversThePictureOnceAndIsDenseInsideTheInset) {
     for (const double scale : {1.0, 0.7, 0.31, 0.01})
-        for (const Fovea& fovea : {Fovea{}, kInset, Fovea{{0, 0}, {0.2, 1}, 0.5}, Fovea{{0.9, 1}, {1, 1}, 0.1}}) {
-            const RayGrid grid = ray_grid(kWidth, kHeight, scale, fovea);
+        for (const render::Fovea& fovea :
+             {render::Fovea{}, kInset, render::Fovea{{0, 0}, {0.2, 1}, 0.5}, render::Fovea{{0.9, 1}, {1, 1}, 0.1}}) {
+            const render::RayGrid grid = render::ray_grid(kWidth, kHeight, scale, fovea);
             for (const auto& [axis, rays, pixels] :
                  {std::tuple(grid.across, grid.rays.x, kWidth), std::tuple(grid.downwards, grid.rays.y, kHeight)}) {
                 EXPECT_GE(rays, 1u);
                 EXPECT_LE(rays, pixels);
-                EXPECT_NEAR(pixel_of_ray(axis, 0), 0, 1e-4);
-                EXPECT_NEAR(pixel_of_ray(axis, rays), pixels, 1e-4);
+                EXPECT_NEAR(render::pixel_of_ray(axis, 0), 0, 1e-4);
+                EXPECT_NEAR(render::pixel_of_ray(axis, rays), pixels, 1e-4);
                 double last = -1;
                 for (double ray = 0; ray <= rays; ray += 0.25) {
-                    const double pixel = pixel_of_ray(axis, ray);
+                    const double pixel = render::pixel_of_ray(axis, ray);
                     EXPECT_GT(pixel, last);
-                    EXPECT_NEAR(ray_of_pixel(axis, pixel), ray, 1e-4);
+                    EXPECT_NEAR(render::ray_of_pixel(axis, pixel), ray, 1e-4);
                     last = pixel;
                 }
             }
         }
-    const RayGrid inset = ray_grid(1000, 1000, 0.5, kInset);
+    const render::RayGrid inset = render::ray_grid(1000, 1000, 0.5, kInset);
     EXPECT_NEAR(inset.rays.x, 0.5 * (400 + 0.4 * 600), 3);
-    EXPECT_NEAR(pixel_of_ray(inset.across, 121) - pixel_of_ray(inset.across, 120), 2, 0.02);
-    EXPECT_NEAR(pixel_of_ray(inset.across, 21) - pixel_of_ray(inset.across, 20), 5, 0.05);
-    EXPECT_EQ(ray_grid(kWidth, kHeight).rays, glm::uvec2(kWidth, kHeight));
+    EXPECT_NEAR(render::pixel_of_ray(inset.across, 121) - render::pixel_of_ray(inset.across, 120), 2, 0.02);
+    EXPECT_NEAR(render::pixel_of_ray(inset.across, 21) - render::pixel_of_ray(inset.across, 20), 5, 0.05);
+    EXPECT_EQ(render::ray_grid(kWidth, kHeight).rays, glm::uvec2(kWidth, kHeight));
 }
 
 TEST_F(RayGridTest, RaysStandWhereTheGridSays) {
-    const VOctree tree = a_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = a_camera(tree);
+    const voctree::VOctree tree = a_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = a_camera(tree);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.3f);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    for (const auto& [scale, foveae] : {std::pair(0.6, std::vector<Fovea>{}), std::pair(0.8, std::vector{kInset})}) {
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    for (const auto& [scale, foveae] :
+         {std::pair(0.6, std::vector<render::Fovea>{}), std::pair(0.8, std::vector{kInset})}) {
         renderer.render(camera, settings_of(scale, foveae));
-        const RayGrid grid = ray_grid(kWidth, kHeight, scale, foveae.empty() ? Fovea{} : foveae[0]);
+        const render::RayGrid grid =
+            render::ray_grid(kWidth, kHeight, scale, foveae.empty() ? render::Fovea{} : foveae[0]);
         const std::vector<glm::vec4> light = renderer.radiance();
         ASSERT_EQ(light.size(), size_t{grid.rays.x} * grid.rays.y);
         double alpha = 0;
         for (uint32_t y = 0; y < grid.rays.y; y++)
             for (uint32_t x = 0; x < grid.rays.x; x++) {
-                const reference::Ray ray = reference::camera_ray(camera, pixel_of_ray(grid.across, x + 0.5) - 0.5,
-                                                                 pixel_of_ray(grid.downwards, y + 0.5) - 0.5);
+                const reference::Ray ray =
+                    reference::camera_ray(camera, render::pixel_of_ray(grid.across, x + 0.5) - 0.5,
+                                          render::pixel_of_ray(grid.downwards, y + 0.5) - 0.5);
                 const reference::RayResult truth = reference::trace(tree, slices, ray);
                 ASSERT_NEAR(light[size_t{y} * grid.rays.x + x].a, truth.alpha, kHalfSteps / 255) << x << ' ' << y;
                 alpha += truth.alpha;
@@ -118,21 +122,23 @@ struct Filter {
 };
 
 TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
-    const VOctree tree = a_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = a_camera(tree);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    for (const auto& [scale, foveae] : {std::pair(0.45, std::vector<Fovea>{}), std::pair(1.0, std::vector{kInset})}) {
-        FrameSettings settings = settings_of(scale, foveae);
+    const voctree::VOctree tree = a_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = a_camera(tree);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    for (const auto& [scale, foveae] :
+         {std::pair(0.45, std::vector<render::Fovea>{}), std::pair(1.0, std::vector{kInset})}) {
+        render::FrameSettings settings = settings_of(scale, foveae);
         settings.resolve.background = {0.1f, 0.2f, 0.3f, 1};
-        const Image picture = renderer.render(camera, settings);
-        const RayGrid grid = ray_grid(kWidth, kHeight, scale, foveae.empty() ? Fovea{} : foveae[0]);
+        const media::Image picture = renderer.render(camera, settings);
+        const render::RayGrid grid =
+            render::ray_grid(kWidth, kHeight, scale, foveae.empty() ? render::Fovea{} : foveae[0]);
         const std::vector<glm::vec4> light = renderer.radiance();
         const Filter filter{light, grid.rays};
         for (uint32_t y = 0; y < kHeight; y++)
             for (uint32_t x = 0; x < kWidth; x++) {
-                const glm::dvec4 truth =
-                    filter.between({ray_of_pixel(grid.across, x + 0.5), ray_of_pixel(grid.downwards, y + 0.5)});
+                const glm::dvec4 truth = filter.between(
+                    {render::ray_of_pixel(grid.across, x + 0.5), render::ray_of_pixel(grid.downwards, y + 0.5)});
                 for (int c = 0; c < 3; c++) {
                     const double shown =
                         reference::display_value(truth[c] + (1 - truth.a) * settings.resolve.background[c]);
@@ -143,19 +149,19 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
 }
 
 TEST_F(RayGridTest, TheInsetIsThePictureItself) {
-    const VOctree tree = a_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera camera = a_camera(tree);
-    FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    for (const Show show : {Show::kColour, Show::kDepth}) {
-        FrameSettings whole = settings_of(1, {}), inset = settings_of(1, {kInset}), even = inset;
+    const voctree::VOctree tree = a_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera camera = a_camera(tree);
+    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    for (const render::Show show : {render::Show::kColour, render::Show::kDepth}) {
+        render::FrameSettings whole = settings_of(1, {}), inset = settings_of(1, {kInset}), even = inset;
         even.foveae[0].beside = 1;
-        for (FrameSettings* settings : {&whole, &inset, &even})
+        for (render::FrameSettings* settings : {&whole, &inset, &even})
             settings->resolve = {.show = show, .depth_near_m = 1, .depth_far_m = 6};
-        const Image truth = renderer.render(camera, whole);
+        const media::Image truth = renderer.render(camera, whole);
         EXPECT_EQ(renderer.render(camera, even).rgba, truth.rgba);
-        const Image foveated = renderer.render(camera, inset);
-        const GridAxis across = ray_grid(kWidth, kHeight, 1, kInset).across;
+        const media::Image foveated = renderer.render(camera, inset);
+        const GridAxis across = render::ray_grid(kWidth, kHeight, 1, kInset).across;
         size_t other = 0;
         for (uint32_t y = 15; y < 45; y++)
             for (uint32_t x = 0; x < kWidth; x++) {
@@ -171,12 +177,12 @@ TEST_F(RayGridTest, TheInsetIsThePictureItself) {
 }
 
 TEST_F(RayGridTest, ViewsHaveGridsOfTheirOwn) {
-    const VOctree tree = a_tree();
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    const Camera cameras[] = {a_camera(tree), a_camera(tree)};
-    const Fovea left = kInset, right{{0.05, 0.3}, {0.4, 0.5}, 0.7};
-    FrameRenderer both(device(), field, {kWidth, kHeight, 1, 2}), alone(device(), field, {kWidth, kHeight});
-    const std::vector<Image> pictures = both.render_views(cameras, settings_of(0.9, {left, right}));
+    const voctree::VOctree tree = a_tree();
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera cameras[] = {a_camera(tree), a_camera(tree)};
+    const render::Fovea left = kInset, right{{0.05, 0.3}, {0.4, 0.5}, 0.7};
+    render::FrameRenderer both(device(), field, {kWidth, kHeight, 1, 2}), alone(device(), field, {kWidth, kHeight});
+    const std::vector<media::Image> pictures = both.render_views(cameras, settings_of(0.9, {left, right}));
     EXPECT_EQ(pictures[0].rgba, alone.render(cameras[0], settings_of(0.9, {left})).rgba);
     EXPECT_EQ(pictures[1].rgba, alone.render(cameras[1], settings_of(0.9, {right})).rgba);
     EXPECT_NE(pictures[0].rgba, pictures[1].rgba);

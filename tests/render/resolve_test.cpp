@@ -28,17 +28,18 @@ struct Rays {
     }
 };
 
-Image resolve(const Device& device, const Rays& rays, const ResolveSettings& settings, uint32_t samples = 1) {
-    const RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
-    Image image(rays.width / samples, rays.height / samples);
-    const Buffer picture(device, "picture", image.rgba.size(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
-    upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
-    upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
-    const Resolver resolver(device, RaysPerPixel::kWhole, batch, picture);
-    run_once(device, "resolve", [&](Commands& commands) {
-        record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
+media::Image resolve(const gpu::Device& device, const Rays& rays, const render::ResolveSettings& settings,
+                     uint32_t samples = 1) {
+    const render::RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
+    media::Image image(rays.width / samples, rays.height / samples);
+    const gpu::Buffer picture(device, "picture", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    gpu::upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
+    gpu::upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, picture);
+    gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
+        render::record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
-    download(device, picture, image.rgba.data(), image.rgba.size());
+    gpu::download(device, picture, image.rgba.data(), image.rgba.size());
     return image;
 }
 
@@ -52,8 +53,9 @@ using ResolveTest = GpuTest;
 TEST_F(ResolveTest, EverySrgbByteComesBack) {
     Rays rays(256, 1);
     for (uint32_t x = 0; x < 256; x++)
-        rays.radiance[rays.index(x, 0)] = glm::vec4(glm::vec3(static_cast<float>(linear_from_srgb(x / 255.0))), 1);
-    const Image image = resolve(device(), rays, {});
+        rays.radiance[rays.index(x, 0)] =
+            glm::vec4(glm::vec3(static_cast<float>(media::linear_from_srgb(x / 255.0))), 1);
+    const media::Image image = resolve(device(), rays, {});
     for (uint32_t x = 0; x < 256; x++)
         for (int channel = 0; channel < 3; channel++) EXPECT_EQ(image.at(x, 0)[channel], x);
 }
@@ -72,23 +74,23 @@ Rays random_rays() {
 
 TEST_F(ResolveTest, AlphaIsStraightAndEmptyPixelsAreZero) {
     const Rays rays = random_rays();
-    const Image image = resolve(device(), rays, {});
+    const media::Image image = resolve(device(), rays, {});
     for (uint32_t y = 0; y < rays.height; y++)
         for (uint32_t x = 0; x < rays.width; x++) {
             const glm::dvec4 ray(rays.radiance[rays.index(x, y)]);
             expect_byte(image.at(x, y)[3], ray.a);
             for (int channel = 0; channel < 3; channel++)
                 expect_byte(image.at(x, y)[channel],
-                            ray.a > 0 ? srgb_from_linear(std::min(ray[channel] / ray.a, 1.0)) : 0);
+                            ray.a > 0 ? media::srgb_from_linear(std::min(ray[channel] / ray.a, 1.0)) : 0);
         }
 }
 
 TEST_F(ResolveTest, BackgroundsBlendInLinearLight) {
     const Rays rays = random_rays();
     for (const float opacity : {1.0f, 0.5f}) {
-        ResolveSettings settings;
+        render::ResolveSettings settings;
         settings.background = {0.8f, 0.2f, 0.05f, opacity};
-        const Image image = resolve(device(), rays, settings);
+        const media::Image image = resolve(device(), rays, settings);
         for (uint32_t y = 0; y < rays.height; y++)
             for (uint32_t x = 0; x < rays.width; x++) {
                 const glm::dvec4 ray(rays.radiance[rays.index(x, y)]), behind(settings.background);
@@ -96,7 +98,7 @@ TEST_F(ResolveTest, BackgroundsBlendInLinearLight) {
                 expect_byte(image.at(x, y)[3], alpha);
                 for (int channel = 0; channel < 3; channel++) {
                     const double linear = (ray[channel] + share * behind[channel]) / alpha;
-                    expect_byte(image.at(x, y)[channel], srgb_from_linear(std::min(linear, 1.0)));
+                    expect_byte(image.at(x, y)[channel], media::srgb_from_linear(std::min(linear, 1.0)));
                 }
             }
     }
@@ -109,12 +111,12 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
     for (size_t i = 0; i < rays.depth.size(); i++)
         rays.depth[i] = rays.radiance[i].a > 0 ? static_cast<float>(random.uniform(0.5, 4.5))
                                                : std::numeric_limits<float>::infinity();  // as trace leaves it
-    ResolveSettings alpha, depth;
-    alpha.show = Show::kAlpha;
-    depth.show = Show::kDepth;
+    render::ResolveSettings alpha, depth;
+    alpha.show = render::Show::kAlpha;
+    depth.show = render::Show::kDepth;
     depth.depth_near_m = 1;
     depth.depth_far_m = 4;
-    const Image alpha_view = resolve(device(), rays, alpha), depth_view = resolve(device(), rays, depth);
+    const media::Image alpha_view = resolve(device(), rays, alpha), depth_view = resolve(device(), rays, depth);
     for (uint32_t y = 0; y < rays.height; y++)
         for (uint32_t x = 0; x < rays.width; x++) {
             const size_t ray = rays.index(x, y);
@@ -136,11 +138,11 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
         rays.radiance[i] = glm::vec4(glm::vec3(static_cast<float>(alpha * random.uniform())), alpha);
         rays.depth[i] = alpha > 0 ? static_cast<float>(random.uniform(1, 4)) : std::numeric_limits<float>::infinity();
     }
-    ResolveSettings depth_settings;
-    depth_settings.show = Show::kDepth;
+    render::ResolveSettings depth_settings;
+    depth_settings.show = render::Show::kDepth;
     depth_settings.depth_near_m = 1;
     depth_settings.depth_far_m = 4;
-    const Image colour = resolve(device(), rays, {}, 3), depth = resolve(device(), rays, depth_settings, 3);
+    const media::Image colour = resolve(device(), rays, {}, 3), depth = resolve(device(), rays, depth_settings, 3);
     for (uint32_t y = 0; y < 9; y++)
         for (uint32_t x = 0; x < 11; x++) {
             glm::dvec4 light(0);
@@ -152,7 +154,7 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
             }
             expect_byte(colour.at(x, y)[3], light.a);
             for (int channel = 0; channel < 3; channel++)
-                expect_byte(colour.at(x, y)[channel], srgb_from_linear(light[channel] / light.a));
+                expect_byte(colour.at(x, y)[channel], media::srgb_from_linear(light[channel] / light.a));
             expect_byte(depth.at(x, y)[0], (4 - metres / light.a) / 3);
         }
 }
@@ -161,21 +163,22 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
 // the last picture stays as it was.
 TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     constexpr uint32_t kWidth = 2402, kHeight = 1763, kUntouched = 0x12345678;
-    const ViewLayout layout{kWidth, kHeight};
-    const RayBatch batch(device(), 1, layout.ray_tiles());
+    const render::ViewLayout layout{kWidth, kHeight};
+    const render::RayBatch batch(device(), 1, layout.ray_tiles());
     std::vector<glm::vec4> light(size_t{layout.ray_tiles()} * kTilePixels, glm::vec4(0, 0, 0, 1));
     light[0] = light.back() = glm::vec4(1);
-    upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
-    run_once(device(), "depth", [&](Commands& commands) { fill(commands, batch.depth, 0); });
-    const Buffer picture(device(), "picture", 2 * layout.picture_bytes(), MemoryKind::kDevice, VK_FORMAT_R32_UINT);
-    const Resolver resolver(device(), RaysPerPixel::kWhole, batch, picture);
-    run_once(device(), "resolve", [&](Commands& commands) {
-        fill(commands, picture, kUntouched);
-        compute_barrier(commands);
-        record_resolve(commands, resolver, layout, {});
+    gpu::upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
+    gpu::run_once(device(), "depth", [&](gpu::Commands& commands) { gpu::fill(commands, batch.depth, 0); });
+    const gpu::Buffer picture(device(), "picture", 2 * layout.picture_bytes(), gpu::MemoryKind::kDevice,
+                              VK_FORMAT_R32_UINT);
+    const render::Resolver resolver(device(), render::RaysPerPixel::kWhole, batch, picture);
+    gpu::run_once(device(), "resolve", [&](gpu::Commands& commands) {
+        gpu::fill(commands, picture, kUntouched);
+        gpu::compute_barrier(commands);
+        render::record_resolve(commands, resolver, layout, {});
     });
     std::vector<uint32_t> pixels(2 * size_t{kWidth} * kHeight);
-    download(device(), picture, pixels.data(), pixels.size() * 4);
+    gpu::download(device(), picture, pixels.data(), pixels.size() * 4);
     EXPECT_EQ(pixels[0], 0xffffffffu);
     EXPECT_EQ(std::count(pixels.begin(), pixels.begin() + pixels.size() / 2, 0xff000000u),
               static_cast<ptrdiff_t>(pixels.size() / 2 - 1));

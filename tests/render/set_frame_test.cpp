@@ -32,7 +32,7 @@ MeshData wall_at(float z) {
     return rectangle({-20, -20, z}, {40, 0, 0}, {0, 40, 0});
 }
 
-Camera camera_before() {
+stage::Camera camera_before() {
     return look_at({0.3, 0.9, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1);
 }
 
@@ -50,20 +50,20 @@ std::vector<reference::Sample> cut_at(std::vector<reference::Sample> samples, do
 
 // A set with what performers need around it.
 struct OnSet {
-    GltfScene scene;
-    SetRaster set;
-    FrameRenderer frames;
-    OnSet(const Device& device, const GlbBuilder& glb, const std::vector<const Field*>& fields,
-          const FrameCapacity& capacity)
+    stage::GltfScene scene;
+    render::SetRaster set;
+    render::FrameRenderer frames;
+    OnSet(const gpu::Device& device, const GlbBuilder& glb, const std::vector<const render::Field*>& fields,
+          const render::FrameCapacity& capacity)
         : scene(scene_of(glb)),
           set(device, scene, capacity.samples * capacity.width, capacity.samples * capacity.height, capacity.views),
           frames(device, fields, capacity, &set) {
-        set.pose(pose_scene(scene, kNoAnimation, 0));
+        set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     }
 };
 
-FrameSettings settings_of(std::vector<Instance> instances, uint32_t samples = 1) {
-    FrameSettings settings;
+render::FrameSettings settings_of(std::vector<render::Instance> instances, uint32_t samples = 1) {
+    render::FrameSettings settings;
     settings.instances = std::move(instances);
     settings.width = kWidth;
     settings.height = kHeight;
@@ -75,17 +75,18 @@ FrameSettings settings_of(std::vector<Instance> instances, uint32_t samples = 1)
 
 // A wall through the middle of a performer ends its rays there, and is seen through them.
 TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
-    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree =
+        random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
-    const Camera camera = camera_before();
+    const stage::Camera camera = camera_before();
     constexpr double kWall = 0.15;
     GlbBuilder glb;
     add_mesh(glb, wall_at(static_cast<float>(kWall)), unlit({0.2f, 0.5f, 0.1f, 1}));
-    for (const uint64_t budget : {kSliceBudget, uint64_t{0}}) {
+    for (const uint64_t budget : {render::kSliceBudget, uint64_t{0}}) {
         SCOPED_TRACE("slice budget " + std::to_string(budget));
         OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 1, 1, budget});
-        const Image picture = stage.frames.render(camera, settings_of({{1}}));
+        const media::Image picture = stage.frames.render(camera, settings_of({{1}}));
         Traced truth;
         double worst = 0;
         for (uint32_t y = 0; y < kHeight; y++)
@@ -111,15 +112,15 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
 
 // Far behind the performer the set changes nothing of its rays; before it nothing is left of them.
 TEST_F(SetFrameTest, WhatIsBehindTheSetIsNotThere) {
-    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
-    FrameRenderer alone(device(), field, {kWidth, kHeight, 2});
+    const voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer alone(device(), field, {kWidth, kHeight, 2});
     alone.render(camera_before(), settings_of({{1}}, 2));
     for (const float z : {-9.0f, 3.0f}) {
         GlbBuilder glb;
         add_mesh(glb, wall_at(z), unlit({1, 1, 1, 1}));
         OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 2});
-        const Image picture = stage.frames.render(camera_before(), settings_of({{1}}, 2));
+        const media::Image picture = stage.frames.render(camera_before(), settings_of({{1}}, 2));
         if (z < 0) {
             EXPECT_EQ(stage.frames.radiance(), alone.radiance());
         } else {
@@ -131,18 +132,18 @@ TEST_F(SetFrameTest, WhatIsBehindTheSetIsNotThere) {
 
 // Samples of a pixel, both eyes, and fewer rays than pixels show the same set around the same performer.
 TEST_F(SetFrameTest, ViewsSamplesAndScalesAgree) {
-    const VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 2000});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 2000});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, wall_at(0.1f), unlit({0.4f, 0.1f, 0.2f, 1}));
-    const Camera eyes[] = {camera_before(), look_at({0.9, 0.6, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1)};
+    const stage::Camera eyes[] = {camera_before(), look_at({0.9, 0.6, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1)};
     OnSet both(device(), glb, {&field}, {kWidth, kHeight, 1, 2}), one(device(), glb, {&field}, {kWidth, kHeight});
-    const std::vector<Image> pictures = both.frames.render_views(eyes, settings_of({{1}}));
+    const std::vector<media::Image> pictures = both.frames.render_views(eyes, settings_of({{1}}));
     for (size_t view = 0; view < 2; view++)
         EXPECT_EQ(pictures[view].rgba, one.frames.render(eyes[view], settings_of({{1}})).rgba) << "view " << view;
-    FrameSettings coarse = settings_of({{1}});
+    render::FrameSettings coarse = settings_of({{1}});
     coarse.scale = 0.6;
-    const Image scaled = one.frames.render(eyes[0], coarse);
+    const media::Image scaled = one.frames.render(eyes[0], coarse);
     double mean = 0;
     for (size_t i = 0; i < scaled.rgba.size(); i++)
         mean += std::abs(scaled.rgba[i] - pictures[0].rgba[i]) / static_cast<double>(scaled.rgba.size());
@@ -151,9 +152,9 @@ TEST_F(SetFrameTest, ViewsSamplesAndScalesAgree) {
 }
 
 // A cube of density around (0, 0.5, 0), one metre high, of 4^levels leaves along each side.
-VOctree cube(float sigma, uint32_t levels = 1) {
+voctree::VOctree cube(float sigma, uint32_t levels = 1) {
     const uint32_t side = 1u << (2 * levels);
-    VOctree tree;
+    voctree::VOctree tree;
     tree.box_min = {-0.5f, 0, -0.5f};
     tree.box_size = {1, 1, 1};
     tree.node_levels = levels;
@@ -161,17 +162,17 @@ VOctree cube(float sigma, uint32_t levels = 1) {
     tree.hh_degree = 0;
     tree.sigma_basis = {1};
     tree.gamma_basis = {0};
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t i = 0; i < side * side * side; i++)
         places.push_back({i % side, i / side % side, i / side / side, 2 * levels});
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = sigma;
     return tree;
 }
 
-SetLight lamp(glm::dvec3 at, glm::dvec3 towards, double candela) {
-    SetLight light;
-    light.kind = SetLightKind::kSpot;
+render::SetLight lamp(glm::dvec3 at, glm::dvec3 towards, double candela) {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kSpot;
     light.position = at;
     light.direction = glm::normalize(towards - at);
     light.colour = candela * glm::dvec3(1, 0.8, 0.6);
@@ -187,19 +188,19 @@ MeshData floor_mesh() {
 
 // The floor behind a translucent cube, seen along lines from the lamp: what the cube lets through is what arrives.
 TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
-    const VOctree tree = cube(1.2f);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(1.2f);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
     constexpr uint32_t kSide = 128;
     OnSet stage(device(), glb, {&field}, {kSide, kSide});
-    const SetLight light = lamp({0.5, 4, 0.4}, {0, 0, 0}, 100);
-    const Camera camera = look_at({0, 5, 0.01}, {0, 0, 0}, kSide, kSide, 1.2);
+    const render::SetLight light = lamp({0.5, 4, 0.4}, {0, 0, 0}, 100);
+    const stage::Camera camera = look_at({0, 5, 0.01}, {0, 0, 0}, kSide, kSide, 1.2);
     const glm::mat4 lifted = glm::mat4({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0.8f, 0, 1});
     const auto light_with = [&](bool shadows, bool casts) {
         stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
-        FrameSettings settings = settings_of({{0, lifted}});
+        render::FrameSettings settings = settings_of({{0, lifted}});
         settings.width = settings.height = kSide;
         settings.instances[0].casts_shadow = casts;
         stage.frames.render(camera, settings);
@@ -239,16 +240,16 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
 
 // Brightness of a solid performer under a lamp: candela / (π d²) at the depth that is seen.
 TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
-    const VOctree tree = cube(400);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(400);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
-    const Camera camera = look_at({0.5, 1.2, 3}, {0, 0.5, 0}, kWidth, kHeight, 1.4);
-    const SetLight light = lamp({0.4, 2.5, 1}, {0, 0.5, 0}, 20);
-    const SetAmbient ambient{.light = {0.05, 0.1, 0.02}};
+    const stage::Camera camera = look_at({0.5, 1.2, 3}, {0, 0.5, 0}, kWidth, kHeight, 1.4);
+    const render::SetLight light = lamp({0.4, 2.5, 1}, {0, 0.5, 0}, 20);
+    const render::SetAmbient ambient{.light = {0.05, 0.1, 0.02}};
     stage.set.light(std::span(&light, 1), ambient, {false, false});
-    FrameSettings settings = settings_of({{0}});
+    render::FrameSettings settings = settings_of({{0}});
     stage.frames.render(camera, settings);
     const std::vector<glm::vec4> captured = stage.frames.radiance();
     settings.lit = true;
@@ -281,15 +282,15 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
 
 // What the set hides from a lamp it hides on performers too, and a performer that receives no shadow does not mind.
 TEST_F(SetFrameTest, TheSetShadowsPerformers) {
-    const VOctree tree = cube(400);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(400);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     json roof = unlit({1, 1, 1, 1});
     add_mesh(glb, rectangle({-3, 2, 3}, {3, 0, 0}, {0, 0, -6}), roof);  // over all x < 0
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
-    const Camera camera = look_at({0, 0.6, 3}, {0, 0.5, 0}, kWidth, kHeight, 1.4);
-    const SetLight light = lamp({0, 5, 0}, {0, 0, 0}, 60);
-    FrameSettings settings = settings_of({{0}});
+    const stage::Camera camera = look_at({0, 0.6, 3}, {0, 0.5, 0}, kWidth, kHeight, 1.4);
+    const render::SetLight light = lamp({0, 5, 0}, {0, 0, 0}, 60);
+    render::FrameSettings settings = settings_of({{0}});
     settings.lit = true;
     settings.instances[0].casts_shadow = false;
     const auto shown = [&](bool shadows, bool receives) {
@@ -308,18 +309,18 @@ TEST_F(SetFrameTest, TheSetShadowsPerformers) {
 
 // A lit cube's shadow falls on another behind it; the one that is nearer the lamp stays lit.
 TEST_F(SetFrameTest, PerformersShadowEachOther) {
-    const VOctree tree = cube(400, 3);  // a sample's depth is its leaf's middle
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(400, 3);  // a sample's depth is its leaf's middle
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, wall_at(-9), unlit({0, 0, 0, 1}));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
-    const Camera camera = look_at({0, 1.3, 6}, {0, 1, 0}, kWidth, kHeight, 1.6);
-    SetLight sun = lamp({0, 6, 4}, {0, 1, 0}, 3);
-    sun.kind = SetLightKind::kDirectional;
-    FrameSettings settings = settings_of({{0}, {0}});
+    const stage::Camera camera = look_at({0, 1.3, 6}, {0, 1, 0}, kWidth, kHeight, 1.6);
+    render::SetLight sun = lamp({0, 6, 4}, {0, 1, 0}, 3);
+    sun.kind = render::SetLightKind::kDirectional;
+    render::FrameSettings settings = settings_of({{0}, {0}});
     settings.instances[1].world_from_performer[3] = {0, 1.3f, 1.3f, 1};  // on the way of the light
     settings.lit = true;
-    for (const SetLight& light : {lamp({0, 6, 4}, {0, 1, 0}, 60), sun}) {
+    for (const render::SetLight& light : {lamp({0, 6, 4}, {0, 1, 0}, 60), sun}) {
         SCOPED_TRACE(static_cast<int>(light.kind));
         const auto shown = [&](bool shadows) {
             stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
@@ -343,8 +344,8 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
 
 // Red glass before a performer, green glass behind it.
 TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
-    const VOctree tree = cube(400);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(400);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, wall_at(-5), unlit({0, 0, 1, 1}));
     const auto glass = [](glm::vec4 colour) {
@@ -355,11 +356,11 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
     add_mesh(glb, wall_at(2), glass({1, 0, 0, 0.5f}));
     add_mesh(glb, wall_at(-2), glass({0, 1, 0, 0.5f}));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
-    const Camera camera = look_at({0, 0.5, 5}, {0, 0.5, 0}, kWidth, kHeight, 1);
-    const Image picture = stage.frames.render(camera, settings_of({{0}}));
+    const stage::Camera camera = look_at({0, 0.5, 5}, {0, 0.5, 0}, kWidth, kHeight, 1);
+    const media::Image picture = stage.frames.render(camera, settings_of({{0}}));
     const uint8_t* on = picture.at(kWidth / 2, kHeight / 2);
     const uint8_t* beside = picture.at(2, 2);
-    const auto byte = [](double linear) { return std::round(255 * srgb_from_linear(linear)); };
+    const auto byte = [](double linear) { return std::round(255 * media::srgb_from_linear(linear)); };
     // The cube's own colour is grey: sigmoid(0).
     EXPECT_NEAR(on[0], byte(0.5 + 0.5 * 0.5), 1);
     EXPECT_NEAR(on[1], byte(0.5 * 0.5), 1);
@@ -371,22 +372,24 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
 
 // Whatever their times: slices take the budget, and nothing else grows.
 TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
-    const VOctree tree = random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree =
+        random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
-    const SetLight light = lamp({0, 8, 4}, {0, 0, 0}, 200);
+    const render::SetLight light = lamp({0, 8, 4}, {0, 0, 0}, 200);
     const auto bytes_with = [&](int copies) {
         const uint64_t before = device().buffer_bytes();
-        OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 1, 1, slice_bytes(field, most_entries(field))});
+        OnSet stage(device(), glb, {&field},
+                    {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
         stage.set.light(std::span(&light, 1), {});
-        std::vector<Instance> instances;
+        std::vector<render::Instance> instances;
         for (int i = 0; i < copies; i++) {
             glm::mat4 place(1);
             place[3] = {2.2f * static_cast<float>(i % 8 - 4), 0.2f, -2.2f * static_cast<float>(i / 8), 1};
             instances.push_back({39.0f * static_cast<float>(i) / 31, place});
         }
-        FrameSettings settings = settings_of(instances);
+        render::FrameSettings settings = settings_of(instances);
         settings.lit = true;
         stage.frames.render(look_at({0, 3, 12}, {0, 0, 0}, kWidth, kHeight, 1), settings);
         return static_cast<double>(device().buffer_bytes() - before + field.weights.bytes);
@@ -397,8 +400,8 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
 }
 
 TEST_F(SetFrameTest, PicturesLargerThanTheSetAreRefusedAndSmallerOnesAreDrawn) {
-    const VOctree tree = cube(1);
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    const voctree::VOctree tree = cube(1);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), json::object());
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 2});

@@ -15,16 +15,16 @@ struct MappedFloor {
     GlbBuilder glb;
     json* material = nullptr;
 
-    explicit MappedFloor(const Image& image) {
+    explicit MappedFloor(const media::Image& image) {
         add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0.2, 0.6));
         add_texture(glb, image);
         material = &glb.root["materials"][0];
     }
 };
 
-Agreement agreement_of(const Device& device, const GlbBuilder& glb, const Lighting& lighting,
+Agreement agreement_of(const gpu::Device& device, const GlbBuilder& glb, const Lighting& lighting,
                        const PbrMaterial& material = kMaterial, glm::dvec3 normal = {0, 1, 0},
-                       const Camera& camera = camera_above()) {
+                       const stage::Camera& camera = camera_above()) {
     const Agreement agreement =
         compare(draw(device, glb, camera, lighting), camera, floor_of(1.5, normal), material, lighting);
     EXPECT_GT(agreement.covered, 800u);
@@ -123,13 +123,14 @@ TEST_F(SetMaterialTest, EmissionIsSrgbTimesFactorAndStrength) {
     (*floor.material)["emissiveFactor"] = {0.5, 1, 0.25};
     (*floor.material)["extensions"] = {{"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}}};
     Lighting lighting = usual_lighting();
-    lighting.emitted = 3.0 * glm::dvec3(0.5 * linear_from_srgb(200 / 255.0), linear_from_srgb(100 / 255.0), 0.25);
+    lighting.emitted =
+        3.0 * glm::dvec3(0.5 * media::linear_from_srgb(200 / 255.0), media::linear_from_srgb(100 / 255.0), 0.25);
     // Devices decode sRGB to half a step of 8 bits at best: 0.5 % here.
     EXPECT_LT(agreement_of(device(), floor.glb, lighting).worst, 5e-3);
 }
 
 TEST_F(SetMaterialTest, EachTextureHasItsUvSet) {
-    Image halves = one_colour(0, 0, 0);
+    media::Image halves = one_colour(0, 0, 0);
     for (uint32_t y = 0; y < 4; y++)
         for (int c = 0; c < 3; c++) halves.at(3, y)[c] = 255;  // one column: black elsewhere
     MappedFloor floor(halves);

@@ -10,13 +10,14 @@ namespace {
 using SetRasterTest = GpuTest;
 
 TEST_F(SetRasterTest, APlaneUnderEachKindOfLight) {
-    SetLight ranged = point();
+    render::SetLight ranged = point();
     ranged.range_m = 1.4;
-    const std::pair<const char*, std::vector<SetLight>> cases[] = {{"directional", {directional()}},
-                                                                   {"point", {point()}},
-                                                                   {"point with a range", {ranged}},
-                                                                   {"spot", {spot()}},
-                                                                   {"all", {directional(), ranged, spot(), point()}}};
+    const std::pair<const char*, std::vector<render::SetLight>> cases[] = {
+        {"directional", {directional()}},
+        {"point", {point()}},
+        {"point with a range", {ranged}},
+        {"spot", {spot()}},
+        {"all", {directional(), ranged, spot(), point()}}};
     const PbrMaterial materials[] = {
         {{0.8, 0.5, 0.2}, 0, 0.7}, {{0.9, 0.6, 0.3}, 1, 0.35}, {{0.2, 0.7, 0.9}, 0.5, 0.5}};
     for (const auto& [name, lights] : cases)
@@ -63,7 +64,7 @@ TEST_F(SetRasterTest, TheComparisonNoticesOtherLightsAndMaterials) {
     rougher.roughness = 0.72;
     EXPECT_GT(compare(drawn, camera_above(), floor_of(1.5), rougher, lighting).worst, kColourTolerance);
     EXPECT_GT(compare(drawn, camera_above(), floor_of(1.4), material, lighting).wrong_cover, 0u);
-    Camera nearer = camera_above();
+    stage::Camera nearer = camera_above();
     nearer.world_from_camera[3] *= 0.9999;
     EXPECT_GT(compare(drawn, nearer, floor_of(1.5), material, lighting).depth, kDepthTolerance);
 }
@@ -71,11 +72,11 @@ TEST_F(SetRasterTest, TheComparisonNoticesOtherLightsAndMaterials) {
 TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.7));
-    const GltfScene scene = scene_of(glb);
+    const stage::GltfScene scene = scene_of(glb);
     const Lighting lighting{{spot()}, {}};
-    const Camera other = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, kSide, kSide, 0.9);
-    SetRaster set(device(), scene, kSide, kSide, 3);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
+    const stage::Camera other = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, kSide, kSide, 0.9);
+    render::SetRaster set(device(), scene, kSide, kSide, 3);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     set.light(lighting.lights, lighting.ambient);
     const SetPictures drawn = draw_set(device(), set, {camera_above(), other});
     const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
@@ -83,8 +84,8 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     EXPECT_LT(compare(drawn, other, floor_of(1.5), material, lighting, kSide * kSide).worst, kColourTolerance);
     EXPECT_EQ(drawn.depth_m[2 * kSide * kSide + 77], INFINITY) << "the view without a camera";
 
-    const Camera small = look_at({0.4, 1.3, 2.2}, {0, 0, 0}, 32, 40, 1.1);
-    const Camera small_too = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, 32, 40, 0.9);
+    const stage::Camera small = look_at({0.4, 1.3, 2.2}, {0, 0, 0}, 32, 40, 1.1);
+    const stage::Camera small_too = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, 32, 40, 0.9);
     const SetPictures smaller = draw_set(device(), set, {small, small_too});
     EXPECT_LT(compare(smaller, small, floor_of(1.5), material, lighting).worst, kColourTolerance);
     const Agreement second = compare(smaller, small_too, floor_of(1.5), material, lighting, 32 * 40);
@@ -98,11 +99,11 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
         for (const bool by_picture : {false, true}) {
             GlbBuilder glb;
             add_mesh(glb, sphere({0, 0.2f, 0}, 0.7f, 64), pbr_material(glm::vec4(1), 0, roughness));
-            const GltfScene scene = scene_of(glb);
-            const Image white = one_colour(255, 255, 255);
-            SetRaster set(device(), scene, kSide, kSide, 1, by_picture ? &white : nullptr);
-            set.pose(pose_scene(scene, kNoAnimation, 0));
-            SetAmbient ambient;
+            const stage::GltfScene scene = scene_of(glb);
+            const media::Image white = one_colour(255, 255, 255);
+            render::SetRaster set(device(), scene, kSide, kSide, 1, by_picture ? &white : nullptr);
+            set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
+            render::SetAmbient ambient;
             ambient.light = glm::dvec3(by_picture ? 0 : 1);
             set.light({}, ambient);
             const SetPictures drawn = draw_set(device(), set, {camera_above()});
@@ -117,7 +118,7 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
 }
 
 // The texel at a place of the world.
-size_t texel_of(const Camera& camera, const glm::dvec3& place) {
+size_t texel_of(const stage::Camera& camera, const glm::dvec3& place) {
     const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(place, 1));
     return static_cast<size_t>(camera.cy + camera.fy * p.y / p.z) * camera.width +
            static_cast<size_t>(camera.cx - camera.fx * p.x / p.z);
@@ -135,7 +136,7 @@ void expect_colour(const glm::dvec4& drawn, const glm::dvec4& wanted, const std:
 }
 
 TEST_F(SetRasterTest, AlphaModesAndSides) {
-    const Camera camera = camera_above();
+    const stage::Camera camera = camera_above();
     const size_t middle = texel_of(camera, {0, 0, 0});
     const auto shows = [&](const json& material, bool turned_away = false) {
         GlbBuilder glb;
@@ -197,9 +198,9 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
             primitive["targets"] = {{{"POSITION", glb.vec3({0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0})}}};
             glb.root["nodes"][0]["weights"] = {0.0};
         }
-        const GltfScene scene = scene_of(glb);
-        SetRaster set(device(), scene, kSide, kSide, 1);
-        PosedScene pose = pose_scene(scene, kNoAnimation, 0);
+        const stage::GltfScene scene = scene_of(glb);
+        render::SetRaster set(device(), scene, kSide, kSide, 1);
+        stage::PosedScene pose = stage::pose_scene(scene, stage::kNoAnimation, 0);
         if (!skinned) pose.morph_weights[0][0] = 0.5f;
         set.pose(pose);
         const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
@@ -234,7 +235,7 @@ TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
     GlbBuilder glb;
     glb.root["nodes"] = {{{"name", "nothing"}}};
     Lighting lighting{{directional(), spot()}, {}};
-    for (SetLight& light : lighting.lights) light.casts_shadow = true;
+    for (render::SetLight& light : lighting.lights) light.casts_shadow = true;
     const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
     for (size_t i = 0; i < drawn.depth_m.size(); i++) {
         ASSERT_EQ(drawn.colour[i], glm::dvec4(0));
@@ -260,7 +261,7 @@ TEST_F(SetRasterTest, NearerHides) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), unlit({1, 0, 0, 1}));
     add_mesh(glb, sphere({0, 0, 0}, 0.5f, 32), unlit({0, 1, 0, 1}));
-    const Camera camera = camera_above();
+    const stage::Camera camera = camera_above();
     const SetPictures drawn = draw(device(), glb, camera, {});
     expect_colour(drawn.colour[texel_of(camera, {0, 0.3, 0})], {0, 1, 0, 1}, "the ball before the floor");
     expect_colour(drawn.colour[texel_of(camera, {-0.9, 0, 0.5})], {1, 0, 0, 1}, "the floor beside it");
@@ -277,16 +278,16 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
     pane(-1.5f, {1, 0, 1});  // behind the wall
     pane(-0.3f, {0, 0, 1});
     add_mesh(glb, rectangle({-4, -4, -1}, {8, 0, 0}, {0, 8, 0}), unlit(glm::vec4(1)));
-    const GltfScene scene = scene_of(glb);
-    const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, kSide, kSide, 1);
-    SetRaster set(device(), scene, kSide, kSide, 1);
+    const stage::GltfScene scene = scene_of(glb);
+    const stage::Camera camera = look_at({0, 0, 2}, {0, 0, 0}, kSide, kSide, 1);
+    render::SetRaster set(device(), scene, kSide, kSide, 1);
     EXPECT_TRUE(set.has_transparent());
-    set.pose(pose_scene(scene, kNoAnimation, 0));
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     // Left: no volume. Right: a volume between red and green.
     std::vector<float> volume(kSide * kSide, INFINITY);
     for (size_t i = 0; i < volume.size(); i++)
         if (i % kSide >= kSide / 2) volume[i] = 1.85f;
-    upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
+    gpu::upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
     const SetPictures drawn = draw_set(device(), set, {camera});
     const glm::dvec4 blue = 0.5 * glm::dvec4(0, 0, 1, 1) + 0.5 * glm::dvec4(1);
     const glm::dvec4 green = 0.5 * glm::dvec4(0, 1, 0, 1) + 0.5 * blue;

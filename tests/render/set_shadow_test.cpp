@@ -23,8 +23,8 @@ GlbBuilder plate_over_floor(const json& plate_material) {
     return glb;
 }
 
-SetLight spot_above() {
-    SetLight light = spot();
+render::SetLight spot_above() {
+    render::SetLight light = spot();
     light.position = {0.3, 2, 0.2};
     light.direction = glm::normalize(glm::dvec3(0, 0, 0) - light.position);
     light.inner_cos = std::cos(0.4);
@@ -34,16 +34,16 @@ SetLight spot_above() {
     return light;
 }
 
-SetLight sun() {
-    SetLight light = directional();
+render::SetLight sun() {
+    render::SetLight light = directional();
     light.casts_shadow = true;
     return light;
 }
 
-double plate_visible(const SetLight& light, glm::dvec3 place) {
-    if (light.kind == SetLightKind::kPoint) return 1;
+double plate_visible(const render::SetLight& light, glm::dvec3 place) {
+    if (light.kind == render::SetLightKind::kPoint) return 1;
     const glm::dvec3 to =
-        light.kind == SetLightKind::kDirectional ? -light.direction : glm::normalize(light.position - place);
+        light.kind == render::SetLightKind::kDirectional ? -light.direction : glm::normalize(light.position - place);
     const glm::dvec3 there = place + to * (static_cast<double>(kHeight) - place.y) / to.y;
     const double outside = std::max(std::abs(there.x), std::abs(there.z)) - static_cast<double>(kHalf);
     return std::abs(outside) < kPenumbra ? -1 : outside > 0 ? 1 : 0;
@@ -67,7 +67,7 @@ Agreement floor_agreement(const SetPictures& drawn, const Lighting& lighting) {
     return agreement;
 }
 
-Lighting plate_lighting(const std::vector<SetLight>& lights) {
+Lighting plate_lighting(const std::vector<render::SetLight>& lights) {
     Lighting lighting{lights, {}};
     lighting.ambient.light = glm::dvec3(0.05);
     lighting.visible = plate_visible;
@@ -75,9 +75,9 @@ Lighting plate_lighting(const std::vector<SetLight>& lights) {
 }
 
 TEST_F(SetShadowTest, APlateShadowsTheFloor) {
-    SetLight lamp = point();
+    render::SetLight lamp = point();
     lamp.casts_shadow = true;  // asked for, but points have no map
-    const std::pair<const char*, std::vector<SetLight>> cases[] = {
+    const std::pair<const char*, std::vector<render::SetLight>> cases[] = {
         {"spot", {spot_above()}}, {"sun", {sun()}}, {"both and a lamp", {spot_above(), lamp, sun()}}};
     for (const auto& [name, lights] : cases) {
         const GlbBuilder glb = plate_over_floor(pbr_material(glm::vec4(1), 0, 1));
@@ -85,7 +85,7 @@ TEST_F(SetShadowTest, APlateShadowsTheFloor) {
         const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
         EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << name;
         Lighting unshadowed = lighting;
-        unshadowed.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+        unshadowed.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
         EXPECT_GT(floor_agreement(drawn, unshadowed).worst, 0.5) << name << ": there is a shadow";
     }
 }
@@ -95,23 +95,23 @@ TEST_F(SetShadowTest, BlendedAndCutOutPiecesCastNone) {
         json material = pbr_material({1, 1, 1, 0.2f}, 0, 1);
         material["alphaMode"] = mode;
         Lighting lighting = plate_lighting({spot_above()});
-        lighting.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+        lighting.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
         const SetPictures drawn = draw(device(), plate_over_floor(material), camera_above(), lighting);
         EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << mode;
     }
 }
 
 TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
-    const GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
-    SetRaster set(device(), scene, kSide, kSide, 1);
-    const PosedScene pose = pose_scene(scene, kNoAnimation, 0);
+    const stage::GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
+    render::SetRaster set(device(), scene, kSide, kSide, 1);
+    const stage::PosedScene pose = stage::pose_scene(scene, stage::kNoAnimation, 0);
     const Lighting lighting = plate_lighting({spot_above()});
     set.pose(pose);
     set.light(lighting.lights, lighting.ambient);
     const auto maps_drawn = [&] {
-        Commands commands(device());
+        gpu::Commands commands(device());
         commands.begin();
-        record_set_shadows(commands, set);
+        render::record_set_shadows(commands, set);
         commands.submit();
         commands.wait();
         return commands.pass_times().size();
@@ -121,21 +121,21 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     set.light(lighting.lights, lighting.ambient);
     EXPECT_EQ(maps_drawn(), 0u) << "nothing moved";
     Lighting unshadowed = lighting;
-    unshadowed.visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+    unshadowed.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
     set.light(lighting.lights, lighting.ambient, {.set = false});
     EXPECT_EQ(maps_drawn(), 0u);
     EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), unshadowed).worst, kColourTolerance);
     set.light(lighting.lights, lighting.ambient);
     EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), lighting).worst, kColourTolerance);
-    PosedScene moved = pose;
+    stage::PosedScene moved = pose;
     moved.world_from_node[1][3].x = 0.4;
     set.pose(moved);
     EXPECT_EQ(maps_drawn(), 1u);
-    SetLight other = spot_above();
+    render::SetLight other = spot_above();
     other.position.y += 0.1;
     set.light(std::span(&other, 1), lighting.ambient);
     EXPECT_EQ(maps_drawn(), 1u);
-    const std::vector<SetLight> many(40, other);
+    const std::vector<render::SetLight> many(40, other);
     set.light(many, lighting.ambient);
     EXPECT_EQ(set.lights().count, kMaxSetLights);
     EXPECT_EQ(maps_drawn(), kMaxShadows);
@@ -148,17 +148,17 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
     json material = pbr_material(glm::vec4(1), 0, 1);
     material["doubleSided"] = true;
     add_mesh(glb, rectangle({0.2f, 0, 1}, {0, 0, -2}, {0, 1, 0}), material);  // x = 0.2
-    SetLight light = sun();
+    render::SetLight light = sun();
     light.direction = glm::normalize(glm::dvec3(-1, -1, 0));
     Lighting lighting{{light}, {}};
     // Behind the wall as the light goes: 0.2 − 1 < x < 0.2. A filter's reach is 3 texels of 3 m / 1024 and as much
     // again of bias.
-    lighting.visible = [](const SetLight&, glm::dvec3 p) {
+    lighting.visible = [](const render::SetLight&, glm::dvec3 p) {
         if (std::abs(p.z) > 0.9) return -1.0;
         if (p.x > 0.2) return 1.0;
         return p.x > 0.2 - 0.02 || std::abs(p.x + 0.8) < 0.03 ? -1.0 : p.x > -0.8 ? 0.0 : 1.0;
     };
-    const Camera camera = look_at({-2, 1.6, 0.3}, {-0.4, 0, 0}, kSide, kSide, 1.2);
+    const stage::Camera camera = look_at({-2, 1.6, 0.3}, {-0.4, 0, 0}, kSide, kSide, 1.2);
     const Surface floor_before_wall = [](const reference::Ray& ray) -> std::optional<Hit> {
         const auto hit = floor_of(1.5)(ray);
         return hit && hit->place.x < 0.19 ? hit : std::nullopt;
@@ -172,12 +172,12 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
 TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8));
-    const GltfScene scene = scene_of(glb);
-    SetRaster set(device(), scene, kSide, kSide, 1);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
+    const stage::GltfScene scene = scene_of(glb);
+    render::SetRaster set(device(), scene, kSide, kSide, 1);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     Lighting lighting{{sun(), spot_above()}, {}};
     set.light(lighting.lights, lighting.ambient);
-    const WorldBox performers{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)};
+    const render::WorldBox performers{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)};
     set.shadows_of(performers);
     const uint32_t side = kPerformerShadowSide;
     const auto worst = [&](const Lighting& wanted) {
@@ -187,15 +187,15 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     const Lighting unshadowed{lighting.lights, {}};
     for (const uint32_t shadow : {0u, 1u}) {
         SCOPED_TRACE(shadow);
-        const SetLight& from = lighting.lights[shadow];
+        const render::SetLight& from = lighting.lights[shadow];
         ASSERT_EQ(set.lights().light[shadow].shadow, shadow);
         // The lower right quarter of its picture, 1 m from it.
         std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
         for (size_t i = 0; i < side * side; i++)
             if (i % side >= side / 2 && i / side >= side / 2) maps[shadow * side * side + i] = {0.75f, 1};
-        upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
-        const Camera seen = performer_shadow_camera(from, performers, side);
-        lighting.visible = [&](const SetLight& light, glm::dvec3 place) {
+        gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+        const stage::Camera seen = render::performer_shadow_camera(from, performers, side);
+        lighting.visible = [&](const render::SetLight& light, glm::dvec3 place) {
             if (light.kind != from.kind) return 1.0;
             const glm::dvec3 p(glm::inverse(seen.world_from_camera) * glm::dvec4(place, 1));
             const glm::dvec2 from_middle(-seen.fx * p.x / p.z, seen.fy * p.y / p.z);  // texels, to the right and down
@@ -210,35 +210,35 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         EXPECT_LT(worst(unshadowed), kColourTolerance);
         set.light(lighting.lights, lighting.ambient);
         for (glm::vec2& texel : maps) texel.y = 1e6f;  // behind the floor
-        upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+        gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
         EXPECT_LT(worst(unshadowed), kColourTolerance);
     }
 }
 
 TEST_F(SetShadowTest, ComputeShadersLightAlike) {
-    const GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
-    SetRaster set(device(), scene, kSide, kSide, 1);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
-    const std::vector<SetLight> lights{sun(), point(), spot_above()};
+    const stage::GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
+    render::SetRaster set(device(), scene, kSide, kSide, 1);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
+    const std::vector<render::SetLight> lights{sun(), point(), spot_above()};
     set.light(lights, {});
     std::vector<glm::vec4> places;
     for (int i = 0; i < 500; i++)
         places.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02, 0.003 * (i * 71 % 331) - 0.5,
                             0);
     const auto bytes = places.size() * sizeof(glm::vec4);
-    const Buffer in(device(), "places", bytes, MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
-    const Buffer out(device(), "results", 6 * bytes, MemoryKind::kReadback, VK_FORMAT_R32G32B32A32_SFLOAT);
-    upload(device(), in, places.data(), bytes);
-    const ComputePass pass(device(), "light probe", light_probe_comp);
-    const BindingSet bindings(pass, {{kProbePlaces, &in},
-                                     {kProbeLights, &set.lights_buffer},
-                                     {kProbeSetShadows, &set.set_shadow_maps},
-                                     {kProbePerformerShadows, &set.performer_shadows},
-                                     {kProbeOut, &out}});
-    run_once(device(), "light probe", [&](Commands& commands) {
-        record_set_shadows(commands, set);
+    const gpu::Buffer in(device(), "places", bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
+    const gpu::Buffer out(device(), "results", 6 * bytes, gpu::MemoryKind::kReadback, VK_FORMAT_R32G32B32A32_SFLOAT);
+    gpu::upload(device(), in, places.data(), bytes);
+    const gpu::ComputePass pass(device(), "light probe", light_probe_comp);
+    const gpu::BindingSet bindings(pass, {{kProbePlaces, &in},
+                                          {kProbeLights, &set.lights_buffer},
+                                          {kProbeSetShadows, &set.set_shadow_maps},
+                                          {kProbePerformerShadows, &set.performer_shadows},
+                                          {kProbeOut, &out}});
+    gpu::run_once(device(), "light probe", [&](gpu::Commands& commands) {
+        render::record_set_shadows(commands, set);
         const LightProbePush push{static_cast<uint32_t>(places.size())};
-        dispatch(commands, pass, bindings, static_cast<uint32_t>(places.size() + 63) / 64, push);
+        gpu::dispatch(commands, pass, bindings, static_cast<uint32_t>(places.size() + 63) / 64, push);
     });
     int lit = 0, dark = 0;
     for (size_t p = 0; p < places.size(); p++)

@@ -48,17 +48,19 @@ inline MeshData floor_mesh(float half = 1.5f) {
     return rectangle({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half});
 }
 
-inline Camera camera_above() {
+inline stage::Camera camera_above() {
     return look_at({0.4, 1.3, 2.2}, {0, 0, 0}, kSide, kSide, 1.1);
 }
 
 struct Lighting {
-    std::vector<SetLight> lights;
-    SetAmbient ambient;
+    std::vector<render::SetLight> lights;
+    render::SetAmbient ambient;
     glm::dvec3 emitted{0};
     double occlusion = 1;  // share of the light from around that arrives
     // How much of a light arrives at a place; negative: not to be compared.
-    std::function<double(const SetLight&, glm::dvec3)> visible = [](const SetLight&, glm::dvec3) { return 1.0; };
+    std::function<double(const render::SetLight&, glm::dvec3)> visible = [](const render::SetLight&, glm::dvec3) {
+        return 1.0;
+    };
 };
 
 inline glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const PbrMaterial& material,
@@ -66,7 +68,7 @@ inline glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const
     const glm::dvec3 around = lighting.ambient.light;
     glm::dvec3 sum = lighting.emitted +
                      lighting.occlusion * reference::reflect_ambient(material, hit.normal, to_eye, around, around);
-    for (const SetLight& light : lighting.lights) {
+    for (const render::SetLight& light : lighting.lights) {
         glm::dvec3 to_light;
         const glm::dvec3 arriving = reference::light_at(light, hit.place, to_light);
         sum += lighting.visible(light, hit.place) * arriving * reference::brdf(material, hit.normal, to_eye, to_light) *
@@ -76,7 +78,7 @@ inline glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const
 }
 
 inline bool is_compared(const Hit& hit, const Lighting& lighting) {
-    for (const SetLight& light : lighting.lights)
+    for (const render::SetLight& light : lighting.lights)
         if (lighting.visible(light, hit.place) < 0) return false;
     return true;
 }
@@ -89,7 +91,7 @@ struct Agreement {
 };
 
 // Texels whose neighbours' rays do not all hit, or all miss, are left out: the edge.
-inline bool at_edge(const Surface& surface, const Camera& camera, uint32_t x, uint32_t y) {
+inline bool at_edge(const Surface& surface, const stage::Camera& camera, uint32_t x, uint32_t y) {
     const bool hit = surface(reference::camera_ray(camera, x, y)).has_value();
     for (const double dx : {-0.6, 0.6})
         for (const double dy : {-0.6, 0.6})
@@ -97,7 +99,7 @@ inline bool at_edge(const Surface& surface, const Camera& camera, uint32_t x, ui
     return false;
 }
 
-inline Agreement compare(const SetPictures& pictures, const Camera& camera, const Surface& surface,
+inline Agreement compare(const SetPictures& pictures, const stage::Camera& camera, const Surface& surface,
                          const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
     Agreement agreement;
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
@@ -127,33 +129,34 @@ inline Agreement compare(const SetPictures& pictures, const Camera& camera, cons
 constexpr double kColourTolerance = 2e-3;
 constexpr double kDepthTolerance = 2e-6;
 
-inline SetPictures draw(const Device& device, const GlbBuilder& glb, const Camera& camera, const Lighting& lighting) {
-    const GltfScene scene = scene_of(glb);
-    SetRaster set(device, scene, camera.width, camera.height, 1);
-    set.pose(pose_scene(scene, kNoAnimation, 0));
+inline SetPictures draw(const gpu::Device& device, const GlbBuilder& glb, const stage::Camera& camera,
+                        const Lighting& lighting) {
+    const stage::GltfScene scene = scene_of(glb);
+    render::SetRaster set(device, scene, camera.width, camera.height, 1);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     set.light(lighting.lights, lighting.ambient);
     return draw_set(device, set, {camera});
 }
 
-inline SetLight directional() {
-    SetLight light;
-    light.kind = SetLightKind::kDirectional;
+inline render::SetLight directional() {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kDirectional;
     light.direction = glm::normalize(glm::dvec3(0.4, -1, -0.3));
     light.colour = {2, 1.5, 1};
     return light;
 }
 
-inline SetLight point() {
-    SetLight light;
-    light.kind = SetLightKind::kPoint;
+inline render::SetLight point() {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kPoint;
     light.position = {-0.7, 0.9, 0.5};
     light.colour = {1, 2, 3};
     return light;
 }
 
-inline SetLight spot() {
-    SetLight light;
-    light.kind = SetLightKind::kSpot;
+inline render::SetLight spot() {
+    render::SetLight light;
+    light.kind = render::SetLightKind::kSpot;
     light.position = {0.8, 1.6, 0.6};
     light.direction = glm::normalize(glm::dvec3(-0.6, -1.5, -0.5));
     light.colour = {5, 4, 3};

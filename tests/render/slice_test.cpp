@@ -20,18 +20,18 @@ struct DeviceSlice {
     std::vector<glm::vec4> sh;
 };
 
-DeviceSlice slice_on(const Device& device, const Field& field, float frame, uint32_t slots) {
-    const Slice slice(device, field, slots);
-    const Slicer slicer(device, field, slice);
-    run_once(device, "slice", [&](Commands& commands) { record_slice(commands, slicer, frame); });
+DeviceSlice slice_on(const gpu::Device& device, const render::Field& field, float frame, uint32_t slots) {
+    const render::Slice slice(device, field, slots);
+    const render::Slicer slicer(device, field, slice);
+    gpu::run_once(device, "slice", [&](gpu::Commands& commands) { render::record_slice(commands, slicer, frame); });
     DeviceSlice result;
     result.head.resize(field.leaf_count);
     result.slot_leaf.resize(slice.capacity);
     result.sh.resize(size_t{slice.capacity} * sh_count(field.hh_degree));
-    download(device, slice.head, result.head.data(), result.head.size() * sizeof(glm::uvec2));
-    download(device, slice.slot_leaf, result.slot_leaf.data(), result.slot_leaf.size() * sizeof(uint32_t));
-    download(device, slice.live, &result.live, sizeof(LiveCount));
-    download(device, slice.sh, result.sh.data(), result.sh.size() * sizeof(glm::vec4));
+    gpu::download(device, slice.head, result.head.data(), result.head.size() * sizeof(glm::uvec2));
+    gpu::download(device, slice.slot_leaf, result.slot_leaf.data(), result.slot_leaf.size() * sizeof(uint32_t));
+    gpu::download(device, slice.live, &result.live, sizeof(LiveCount));
+    gpu::download(device, slice.sh, result.sh.data(), result.sh.size() * sizeof(glm::vec4));
     return result;
 }
 
@@ -62,7 +62,7 @@ void expect_sound_slots(const DeviceSlice& slice) {
 }
 
 // The largest difference of σ and of the coefficients of live leaves, relative to max(1, truth).
-double slice_error(const DeviceSlice& slice, const VOctree& tree, double frame) {
+double slice_error(const DeviceSlice& slice, const voctree::VOctree& tree, double frame) {
     const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, frame);
     double worst = 0;
     const auto compare = [&worst](double value, double expected) {
@@ -80,8 +80,8 @@ double slice_error(const DeviceSlice& slice, const VOctree& tree, double frame) 
 }
 
 // Weights that fp16 does not hold.
-VOctree unrounded_tree(const RandomTreeOptions& options) {
-    VOctree tree = random_tree(options);
+voctree::VOctree unrounded_tree(const RandomTreeOptions& options) {
+    voctree::VOctree tree = random_tree(options);
     Random random(options.seed + 1);
     for (float& weight : tree.weights) weight += static_cast<float>(0.01 * random.bell());
     return tree;
@@ -92,8 +92,8 @@ using SliceTest = GpuTest;
 TEST_F(SliceTest, MatchesTheReferenceForEveryDegreeAtAnyFrame) {
     constexpr uint32_t kBases[] = {1, 6, 31, 64};
     for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
-        const VOctree tree = unrounded_tree({.seed = degree, .bases = kBases[degree], .hh_degree = degree});
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+        const voctree::VOctree tree = unrounded_tree({.seed = degree, .bases = kBases[degree], .hh_degree = degree});
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         for (const float frame : {0.0f, 3.0f, 4.0f, 1.25f, 3.9f, -1.0f, 7.0f}) {
             const DeviceSlice slice = slice_on(device(), field, frame, field.leaf_count);
             EXPECT_LE(slice_error(slice, tree, frame), kTolerance) << "degree " << degree << ", frame " << frame;
@@ -105,18 +105,18 @@ TEST_F(SliceTest, MatchesTheReferenceForEveryDegreeAtAnyFrame) {
 }
 
 TEST_F(SliceTest, HalfWeightsAreTheRoundedWeights) {
-    VOctree tree = unrounded_tree({.seed = 9, .bases = 7, .hh_degree = 2});
-    const Field field = upload_field(device(), tree, WeightPrecision::kHalf);
+    voctree::VOctree tree = unrounded_tree({.seed = 9, .bases = 7, .hh_degree = 2});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const DeviceSlice slice = slice_on(device(), field, 2.5f, field.leaf_count);
     EXPECT_GT(slice_error(slice, tree, 2.5), 10 * kTolerance) << "the rounding of fp16 does not show: is it tested?";
-    for (float& weight : tree.weights) weight = float_from_half(half_from_float(weight));
+    for (float& weight : tree.weights) weight = voctree::float_from_half(voctree::half_from_float(weight));
     EXPECT_LE(slice_error(slice, tree, 2.5), kTolerance);
     expect_sound_slots(slice);
 }
 
 TEST_F(SliceTest, LeavesWithoutASlotAreDeadAndCounted) {
-    const VOctree tree = random_tree({.seed = 3, .bases = 5, .hh_degree = 1});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const voctree::VOctree tree = random_tree({.seed = 3, .bases = 5, .hh_degree = 1});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, 1);
     uint32_t alive = 0;
     for (const auto& leaf : truth) alive += leaf.sigma > 0;
@@ -136,9 +136,9 @@ TEST_F(SliceTest, LeavesWithoutASlotAreDeadAndCounted) {
 }
 
 TEST_F(SliceTest, AFrameWithoutDensityLeavesNoSlots) {
-    VOctree tree = random_tree({.seed = 4});
+    voctree::VOctree tree = random_tree({.seed = 4});
     std::fill(tree.sigma_basis.begin(), tree.sigma_basis.end(), 0.0f);
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const DeviceSlice slice = slice_on(device(), field, 2, field.leaf_count);
     EXPECT_EQ(slice.live.slots, 0u);
     EXPECT_EQ(slice.live.groups_x, 0u);
@@ -146,10 +146,10 @@ TEST_F(SliceTest, AFrameWithoutDensityLeavesNoSlots) {
 }
 
 TEST(WeightPlanes, AreTheWeightsAndBack) {
-    const VOctree tree = unrounded_tree({.seed = 6, .leaves = 50, .bases = 6, .hh_degree = 3});
-    VOctree back = tree;
+    const voctree::VOctree tree = unrounded_tree({.seed = 6, .leaves = 50, .bases = 6, .hh_degree = 3});
+    voctree::VOctree back = tree;
     std::fill(back.weights.begin(), back.weights.end(), 0.0f);
-    weights_from_planes(weights_to_planes(tree), back);
+    render::weights_from_planes(render::weights_to_planes(tree), back);
     EXPECT_EQ(back.weights, tree.weights);
 }
 

@@ -23,14 +23,15 @@ using SliceTreeTest = GpuTest;
 TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
     constexpr uint32_t kLevels[] = {1, 2, 4, 6};
     for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
-        const VOctree tree = random_tree(
+        const voctree::VOctree tree = random_tree(
             {.seed = degree + 20, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
-        const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-        const LiveLeaves live(device(), field, field.leaf_count);
-        const SliceTrees sliced(device(), field, most_entries(field), 1);
-        const TreeSlicer slicer(device(), field, live, sliced);
+        const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+        const render::LiveLeaves live(device(), field, field.leaf_count);
+        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::TreeSlicer slicer(device(), field, live, sliced);
         for (const float frame : {0.0f, 2.5f, 4.0f}) {
-            run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 0, frame); });
+            gpu::run_once(device(), "slice",
+                          [&](gpu::Commands& commands) { render::record_slice_tree(commands, slicer, 0, frame); });
             const HostTree host = download_tree(device(), field, sliced);
             const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, frame);
             TreeCheck check{host, tree, truth};
@@ -50,12 +51,13 @@ TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
 }
 
 TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
-    const VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 900, .hh_degree = 1});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    const LiveLeaves live(device(), field, field.leaf_count);
-    const SliceTrees sliced(device(), field, 100, 1);
-    const TreeSlicer slicer(device(), field, live, sliced);
-    run_once(device(), "slice", [&](Commands& commands) { record_slice_tree(commands, slicer, 0, 1); });
+    const voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 900, .hh_degree = 1});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    const render::LiveLeaves live(device(), field, field.leaf_count);
+    const render::SliceTrees sliced(device(), field, 100, 1);
+    const render::TreeSlicer slicer(device(), field, live, sliced);
+    gpu::run_once(device(), "slice",
+                  [&](gpu::Commands& commands) { render::record_slice_tree(commands, slicer, 0, 1); });
     const HostTree host = download_tree(device(), field, sliced);
     EXPECT_GT(host.count.overflow, 0u);
     EXPECT_GT(host.count.slots, 100u);
@@ -66,7 +68,8 @@ TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
 }
 
 // A ray's part inside live leaves, in metres; none (x > y) where it meets none.
-glm::dvec2 seen_range(const VOctree& tree, const std::vector<reference::LeafSlice>& slices, const reference::Ray& ray) {
+glm::dvec2 seen_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
+                      const reference::Ray& ray) {
     glm::dvec2 range(1e30, -1e30);
     for (const reference::Segment& segment : reference::intersect(tree, ray)) {
         if (!(slices[segment.leaf].sigma > 0)) continue;
@@ -77,21 +80,21 @@ glm::dvec2 seen_range(const VOctree& tree, const std::vector<reference::LeafSlic
 
 TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     constexpr uint32_t kWidth = 150, kHeight = 101, kAcross = (kWidth + 7) / 8, kDown = (kHeight + 7) / 8;
-    const VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    const LiveLeaves live(device(), field, field.leaf_count);
-    const SliceTrees sliced(device(), field, most_entries(field), 1);
-    const TreeSlicer slicer(device(), field, live, sliced);
-    const RayBatch rays(device(), 1, kAcross * kDown);
-    const TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
-    const TileRanger ranger(device(), field, &sliced, rays, ranges);
+    const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    const render::LiveLeaves live(device(), field, field.leaf_count);
+    const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+    const render::TreeSlicer slicer(device(), field, live, sliced);
+    const render::RayBatch rays(device(), 1, kAcross * kDown);
+    const render::TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
+    const render::TileRanger ranger(device(), field, &sliced, rays, ranges);
     const glm::dvec3 low(tree.box_min), size(tree.box_size);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
     const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {
         return look_at(low + from * size, low + at * size, kWidth, kHeight, focal);
     };
     struct View {
-        Camera camera;
+        stage::Camera camera;
         bool outside;
         uint32_t level;  // of the finest nodes that are looked at
     };
@@ -103,17 +106,17 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
          {outside, View{look({0.43, 0.57, 0.61}, {0.1, 0.2, 0.05}, 0.5), false, 2},
           View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false, 2},
           View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false, 2}, coarse, whole}) {
-        run_once(device(), "ranges", [&, level = level, &camera = camera](Commands& commands) {
-            *rays.cameras.as<ShaderCamera>() = shader_camera(camera);
-            *ranges.views.as<RangeView>() = range_view(shader_camera(camera));
-            record_slice_tree(commands, slicer, 0, 1);
-            record_unseen(commands, ranges);
-            record_tile_ranges(commands, ranger, 0, 0, level, {kWidth, kHeight});
+        gpu::run_once(device(), "ranges", [&, level = level, &camera = camera](gpu::Commands& commands) {
+            *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
+            *ranges.views.as<RangeView>() = render::range_view(render::shader_camera(camera));
+            render::record_slice_tree(commands, slicer, 0, 1);
+            render::record_unseen(commands, ranges);
+            render::record_tile_ranges(commands, ranger, 0, 0, level, {kWidth, kHeight});
         });
         std::vector<glm::uvec2> words(kAcross * kDown);
         LiveCount count;
-        download(device(), ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
-        download(device(), ranges.count, &count, sizeof(count));
+        gpu::download(device(), ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+        gpu::download(device(), ranges.count, &count, sizeof(count));
         uint32_t listed = 0, seeing = 0;
         for (uint32_t tile = 0; tile < words.size(); tile++) {
             glm::dvec2 seen(1e30, -1e30);
@@ -140,22 +143,22 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
 }
 
 TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideThePictureIsSeen) {
-    const VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 3000});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
+    const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 3000});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const auto finest = static_cast<uint32_t>(field.level_begin.size()) - 2;
     const glm::vec3 middle = 0.5f * (field.leaves_min + field.leaves_max);
     const float edge = glm::max(field.box_size.x, glm::max(field.box_size.y, field.box_size.z));
-    EXPECT_EQ(range_level(field, middle, 100), finest);
-    EXPECT_EQ(range_level(field, middle + glm::vec3(0, 0, 1000 * edge), 100), 0u);
+    EXPECT_EQ(render::range_level(field, middle, 100), finest);
+    EXPECT_EQ(render::range_level(field, middle + glm::vec3(0, 0, 1000 * edge), 100), 0u);
     uint32_t last = finest;
     for (float away = edge; away < 1000 * edge; away *= 2) {
-        const uint32_t level = range_level(field, middle + glm::vec3(0, 0, away), 100);
+        const uint32_t level = render::range_level(field, middle + glm::vec3(0, 0, away), 100);
         EXPECT_LE(level, last);
         last = level;
     }
     const auto pixels = [&](glm::dvec3 eye, glm::dvec3 at) {
-        return pixels_around(range_view(shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30}, field.leaves_min,
-                             field.leaves_max);
+        return render::pixels_around(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
+                                     field.leaves_min, field.leaves_max);
     };
     const glm::dvec3 centre(middle), far(0, 0, 20 * edge);
     EXPECT_EQ(pixels(centre, centre + glm::dvec3(1, 0, 0)), 40 * 30) << "around the eye";

@@ -20,7 +20,7 @@ using StageRendererTest = GpuTest;
 
 constexpr uint32_t kWidth = 62, kHeight = 44;
 
-VOctree clip_tree(uint64_t seed) {
+voctree::VOctree clip_tree(uint64_t seed) {
     return random_tree({.seed = seed, .node_levels = 3, .leaves = 1500});
 }
 
@@ -31,7 +31,7 @@ struct Draft {
     json& root = glb.root;
 
     Draft() {
-        write_nvv(folder.path / "a.nvv", clip_tree(1));
+        voctree::write_nvv(folder.path / "a.nvv", clip_tree(1));
         json chequered = pbr_material({1, 1, 1, 1}, 0, 1);
         chequered["pbrMetallicRoughness"]["baseColorTexture"] = {
             {"index", test::add_texture(glb, one_colour(200, 120, 40))}};
@@ -72,49 +72,49 @@ struct Draft {
             }
         throw std::runtime_error("no node " + name);
     }
-    std::unique_ptr<Stage> stage() {
+    std::unique_ptr<stage::Stage> stage() {
         root["scene"] = 0;
         root["scenes"][0]["nodes"] = json::array();
         for (size_t i = 0; i < root["nodes"].size(); i++) root["scenes"][0]["nodes"].push_back(i);
-        return std::make_unique<Stage>(load_stage(folder.write(glb.bytes(), "stage.glb")));
+        return std::make_unique<stage::Stage>(stage::load_stage(folder.write(glb.bytes(), "stage.glb")));
     }
 };
 
-Camera camera_of_size(uint32_t width, uint32_t height) {
+stage::Camera camera_of_size(uint32_t width, uint32_t height) {
     return look_at({0.4, 1.6, 4.2}, {0.2, 0.5, 0}, width, height, 1.1);
 }
 
-Image shown(StageRenderer& renderer, const Stage& stage) {
-    const StageInstant instant = stage_at(stage, 0.06);
+media::Image shown(render::StageRenderer& renderer, const stage::Stage& stage) {
+    const stage::StageInstant instant = stage::stage_at(stage, 0.06);
     renderer.show(instant);
-    const FrameSettings settings = renderer.settings_at(instant);
+    const render::FrameSettings settings = renderer.settings_at(instant);
     return renderer.frames().render(camera_of_size(settings.width, settings.height), settings);
 }
 
 // The stage of a draft as it is edited.
 struct Live {
-    const Device& device;
+    const gpu::Device& device;
     Draft& draft;
-    std::unique_ptr<Stage> stage = draft.stage();
-    PaintSource source;
-    StageRenderer renderer{device, *stage, {kWidth, kHeight}, {}, source};
+    std::unique_ptr<stage::Stage> stage = draft.stage();
+    render::PaintSource source;
+    render::StageRenderer renderer{device, *stage, {kWidth, kHeight}, {}, source};
 
-    Image picture() { return shown(renderer, *stage); }
-    Image fresh_picture() const {
-        StageRenderer fresh(device, *stage, {kWidth, kHeight}, {}, source);
+    media::Image picture() { return shown(renderer, *stage); }
+    media::Image fresh_picture() const {
+        render::StageRenderer fresh(device, *stage, {kWidth, kHeight}, {}, source);
         return shown(fresh, *stage);
     }
     void change() {
-        std::unique_ptr<Stage> next = draft.stage();
+        std::unique_ptr<stage::Stage> next = draft.stage();
         renderer.change(*next);
         stage = std::move(next);
     }
     // It shows something else than before, and that is right.
     void expect_change(const std::string& what) {
         SCOPED_TRACE(what);
-        const Image before = picture();
+        const media::Image before = picture();
         change();
-        const Image after = picture();
+        const media::Image after = picture();
         EXPECT_NE(after.rgba, before.rgba);
         EXPECT_EQ(after.rgba, fresh_picture().rgba);
     }
@@ -123,8 +123,8 @@ struct Live {
 TEST_F(StageRendererTest, PerformersAndLightsChangeWithoutUploads) {
     Draft draft;
     Live live{device(), draft};
-    const Field* field = &live.renderer.field(0);
-    const Performer* performer = nullptr;
+    const render::Field* field = &live.renderer.field(0);
+    const render::Performer* performer = nullptr;
     live.picture();
     performer = live.renderer.frames().performer();
     const uint64_t bytes = device().buffer_bytes();
@@ -175,10 +175,10 @@ TEST_F(StageRendererTest, TheSetChanges) {
 TEST_F(StageRendererTest, TheEnvironmentChanges) {
     Draft draft;
     Live live{device(), draft};
-    const auto around = [&](const Image& picture, const std::string& name) {
-        write_png(draft.folder.path / name, picture);
+    const auto around = [&](const media::Image& picture, const std::string& name) {
+        media::write_png(draft.folder.path / name, picture);
     };
-    Image sky(32, 16);
+    media::Image sky(32, 16);
     for (uint32_t i = 0; i < sky.rgba.size(); i++) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
     around(sky, "sky.png");
     draft.settings()["environment"] = {{"uri", "sky.png"}};
@@ -196,12 +196,12 @@ TEST_F(StageRendererTest, ClipsComeAndGoAndAreWrittenAnew) {
     Live live{device(), draft};
     const std::filesystem::path folder = draft.folder.path;
     live.picture();
-    const Field* a = &live.renderer.field(0);
-    write_nvv(folder / "b.nvv", clip_tree(2));
+    const render::Field* a = &live.renderer.field(0);
+    voctree::write_nvv(folder / "b.nvv", clip_tree(2));
     draft.performer("anna")["uri"] = "b.nvv";
     live.expect_change("new clip");
     EXPECT_EQ(&live.renderer.field(1), a) << "the one that stays is not read again";
-    write_nvv(folder / "a.nvv", clip_tree(3));
+    voctree::write_nvv(folder / "a.nvv", clip_tree(3));
     live.expect_change("clip file replaced");
     EXPECT_NE(&live.renderer.field(1), a);
     const uint64_t two = device().buffer_bytes();
@@ -219,41 +219,41 @@ TEST_F(StageRendererTest, ClipsComeAndGoAndAreWrittenAnew) {
 TEST_F(StageRendererTest, AClipThatSomebodyStillHasComesBackWithoutReading) {
     Draft draft;
     Live live{device(), draft};
-    write_nvv(draft.folder.path / "b.nvv", clip_tree(2));
+    voctree::write_nvv(draft.folder.path / "b.nvv", clip_tree(2));
     draft.performer("bert")["uri"] = "b.nvv";
     live.expect_change("two clips");
-    const Field* b = &live.renderer.field(1);
-    const std::shared_ptr<const Field> kept = live.renderer.shared_field(1);
+    const render::Field* b = &live.renderer.field(1);
+    const std::shared_ptr<const render::Field> kept = live.renderer.shared_field(1);
     draft.performer("bert")["uri"] = "a.nvv";
     live.expect_change("one of them is gone");
     EXPECT_EQ(live.stage->clips.size(), 1u);
     draft.performer("bert")["uri"] = "b.nvv";
     live.expect_change("and comes back");
     EXPECT_EQ(&live.renderer.field(1), b);
-    write_nvv(draft.folder.path / "b.nvv", clip_tree(3));
+    voctree::write_nvv(draft.folder.path / "b.nvv", clip_tree(3));
     live.expect_change("written anew");
     EXPECT_NE(&live.renderer.field(1), b);
 }
 
 // One colour on all leaves, at all frames.
-EditLayer coat(const VOctree& tree, glm::vec3 colour) {
-    EditLayer layer{painted_field(tree), {}};
+voctree::EditLayer coat(const voctree::VOctree& tree, glm::vec3 colour) {
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        layer.edits.push_back({leaf, 0, static_cast<float>(tree.frames - 1), colour, 1, kKeepSigma});
+        layer.edits.push_back({leaf, 0, static_cast<float>(tree.frames - 1), colour, 1, voctree::kKeepSigma});
     return layer;
 }
 
 TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
     Draft draft;
-    const VOctree tree = clip_tree(1);
+    const voctree::VOctree tree = clip_tree(1);
     const std::filesystem::path unsaved = draft.folder.path / "unsaved.nvpaint";
-    std::shared_ptr<const EditLayer> open;
-    const PaintSource source = [&](const std::filesystem::path& path, const PaintedField&) {
+    std::shared_ptr<const voctree::EditLayer> open;
+    const render::PaintSource source = [&](const std::filesystem::path& path, const voctree::PaintedField&) {
         return path == unsaved ? open : nullptr;
     };
     Live live{device(), draft, draft.stage(), source};
-    const Field* field = &live.renderer.field(0);
-    open = std::make_shared<EditLayer>(coat(tree, {1, 0, 0}));
+    const render::Field* field = &live.renderer.field(0);
+    open = std::make_shared<voctree::EditLayer>(coat(tree, {1, 0, 0}));
     draft.performer("anna")["paint"] = {{{"uri", "unsaved.nvpaint"}}};
     live.expect_change("painted");
     const uint64_t bytes = device().buffer_bytes();
@@ -261,7 +261,7 @@ TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
     draft.node("bert")["translation"] = {0.4, 0.2, -0.6};
     live.expect_change("something else");
     EXPECT_EQ(live.renderer.paint_of(0), red) << "the same layer is the same paint";
-    open = std::make_shared<EditLayer>(coat(tree, {0, 0, 1}));
+    open = std::make_shared<voctree::EditLayer>(coat(tree, {0, 0, 1}));
     live.expect_change("another stroke");
     EXPECT_NE(live.renderer.paint_of(0), red);
     EXPECT_EQ(live.renderer.frames().paints().find(red), nullptr);
@@ -269,10 +269,10 @@ TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
     draft.performer("bert")["paint"] = {{{"uri", "unsaved.nvpaint"}}};
     live.expect_change("shared by a copy");
     EXPECT_EQ(live.renderer.paint_of(0), live.renderer.paint_of(1));
-    write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {0, 1, 0}));
+    voctree::write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {0, 1, 0}));
     draft.performer("anna")["paint"] = {{{"uri", "unsaved.nvpaint"}}, {{"uri", "saved.nvpaint"}, {"opacity", 0.5}}};
     live.expect_change("a layer on the disk");
-    write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {1, 1, 0}));
+    voctree::write_paint(draft.folder.path / "saved.nvpaint", coat(tree, {1, 1, 0}));
     live.expect_change("which was written anew");
     draft.performer("anna").erase("paint");
     live.expect_change("none on one");
@@ -282,20 +282,20 @@ TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
 
 TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     Draft draft;
-    const VOctree tree = clip_tree(1), other = clip_tree(2);
-    std::shared_ptr<const EditLayer> open;
-    const PaintSource source = [&](const std::filesystem::path&, const PaintedField&) { return open; };
+    const voctree::VOctree tree = clip_tree(1), other = clip_tree(2);
+    std::shared_ptr<const voctree::EditLayer> open;
+    const render::PaintSource source = [&](const std::filesystem::path&, const voctree::PaintedField&) { return open; };
     Live live{device(), draft, draft.stage(), source};
-    const Image before = live.picture();
+    const media::Image before = live.picture();
     const auto expect_refusal = [&](const std::string& what) {
         SCOPED_TRACE(what);
         draft.node("bert")["translation"] = {0.9, 0.2, -0.6};
         EXPECT_THROW(live.change(), InputError);
         EXPECT_EQ(live.picture().rgba, before.rgba);
     };
-    write_nvv(draft.folder.path / "b.nvv", other);
+    voctree::write_nvv(draft.folder.path / "b.nvv", other);
     draft.performer("anna")["uri"] = "b.nvv";
-    open = std::make_shared<EditLayer>(coat(tree, {1, 0, 0}));
+    open = std::make_shared<voctree::EditLayer>(coat(tree, {1, 0, 0}));
     draft.performer("anna")["paint"] = {{{"uri", "layer.nvpaint"}}};
     expect_refusal("paint of another clip");
     open = nullptr;
@@ -305,11 +305,11 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     expect_refusal("no environment");
     draft.settings().erase("environment");
     const std::filesystem::path clip = draft.folder.path / "b.nvv";
-    const std::unique_ptr<Stage> next = draft.stage();  // a damaged clip's header is sound
+    const std::unique_ptr<stage::Stage> next = draft.stage();  // a damaged clip's header is sound
     std::filesystem::resize_file(clip, std::filesystem::file_size(clip) - 100);
     EXPECT_THROW(live.renderer.change(*next), InputError);
     EXPECT_EQ(live.picture().rgba, before.rgba);
-    write_nvv(clip, other);
+    voctree::write_nvv(clip, other);
     live.expect_change("all is well again");
 }
 
@@ -317,35 +317,35 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     Draft draft;
     Live live{device(), draft};
     live.picture();
-    const Performer* performer = live.renderer.frames().performer();
+    const render::Performer* performer = live.renderer.frames().performer();
     for (const glm::uvec2 size : {glm::uvec2(90, 40), glm::uvec2(30, 70), glm::uvec2(20, 20), glm::uvec2(90, 70)}) {
         SCOPED_TRACE(std::to_string(size.x) + "x" + std::to_string(size.y));
         live.renderer.resize(size.x, size.y);
-        StageRenderer fresh(device(), *live.stage, {size.x, size.y});
-        const Image picture = live.picture();
+        render::StageRenderer fresh(device(), *live.stage, {size.x, size.y});
+        const media::Image picture = live.picture();
         EXPECT_EQ(picture.width, size.x);
         EXPECT_EQ(picture.rgba, shown(fresh, *live.stage).rgba);
         EXPECT_EQ(live.renderer.frames().performer(), performer) << "with its slices";
     }
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
     live.change();
-    StageRenderer fresh(device(), *live.stage, {90, 70});
+    render::StageRenderer fresh(device(), *live.stage, {90, 70});
     EXPECT_EQ(live.picture().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
 }
 
 TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
     Draft draft;
     Live live{device(), draft};
-    const Image picture = live.picture();
-    const StageInstant instant = stage_at(*live.stage, 0.06);
-    FrameSettings settings = live.renderer.settings_at(instant);
+    const media::Image picture = live.picture();
+    const stage::StageInstant instant = stage::stage_at(*live.stage, 0.06);
+    render::FrameSettings settings = live.renderer.settings_at(instant);
     settings.instances.clear();
-    const Camera camera = camera_of_size(kWidth, kHeight);
-    FrameRenderer& frames = live.renderer.frames();
+    const stage::Camera camera = camera_of_size(kWidth, kHeight);
+    render::FrameRenderer& frames = live.renderer.frames();
     frames.render(camera, settings);  // something else is there
-    const Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(instant));
+    const gpu::Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(instant));
     std::vector<uint8_t> bytes(picture.rgba.size());
-    download(device(), kept, bytes.data(), bytes.size());
+    gpu::download(device(), kept, bytes.data(), bytes.size());
     EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), picture.rgba.begin()));
 }
 
@@ -353,10 +353,10 @@ TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
     Draft draft;
     Live live{device(), draft};
     live.picture();
-    const VOctree tree = clip_tree(1);
+    const voctree::VOctree tree = clip_tree(1);
     uint64_t leaves = 0;
     for (const reference::LeafSlice& leaf :
-         reference::slice_tree(tree, static_cast<double>(stage_at(*live.stage, 0.06).performers[0].frame)))
+         reference::slice_tree(tree, static_cast<double>(stage::stage_at(*live.stage, 0.06).performers[0].frame)))
         leaves += leaf.sigma > 0;
     const uint64_t entries = live.renderer.frames().live_entries();
     EXPECT_GE(entries, leaves);
@@ -372,7 +372,7 @@ TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
 }
 
 // The part of a camera's picture from pixel (x, y) on.
-Camera part_of(Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+stage::Camera part_of(stage::Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     camera.cx -= x;
     camera.cy -= y;
     camera.width = width;
@@ -382,7 +382,7 @@ Camera part_of(Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t h
 
 // Pixels that differ by more than a step. Glass and edges of the set may: a vertex of the part's picture, in single
 // precision, falls to the other side of the rasteriser's 1/256 of a texel.
-uint32_t unlike_pixels(const Image& a, const Image& b) {
+uint32_t unlike_pixels(const media::Image& a, const media::Image& b) {
     uint32_t unlike = 0;
     for (size_t pixel = 0; pixel < a.rgba.size(); pixel += 4) {
         int most = 0;
@@ -395,38 +395,39 @@ uint32_t unlike_pixels(const Image& a, const Image& b) {
 TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
     constexpr uint32_t kWide = 160, kHigh = 120;
     Draft draft;
-    write_nvv(draft.folder.path / "a.nvv", figure_tree());
-    const std::unique_ptr<Stage> stage = draft.stage();
-    const StageInstant instant = stage_at(*stage, 0);
-    StageRenderer fine(device(), *stage, {kWide, kHigh, 2}), coarse(device(), *stage, {kWide, kHigh, 1});
+    voctree::write_nvv(draft.folder.path / "a.nvv", figure_tree());
+    const std::unique_ptr<stage::Stage> stage = draft.stage();
+    const stage::StageInstant instant = stage::stage_at(*stage, 0);
+    render::StageRenderer fine(device(), *stage, {kWide, kHigh, 2}), coarse(device(), *stage, {kWide, kHigh, 1});
     fine.show(instant);
     coarse.show(instant);
-    const Camera camera = camera_of_size(kWide, kHigh);
-    FrameSettings settings = fine.settings_at(instant);
+    const stage::Camera camera = camera_of_size(kWide, kHigh);
+    render::FrameSettings settings = fine.settings_at(instant);
     const auto put_together = [&](uint32_t samples) {
-        Image picture(kWide, kHigh);
-        FrameSettings of_block = settings;
+        media::Image picture(kWide, kHigh);
+        render::FrameSettings of_block = settings;
         of_block.width = kWide / 2;
         of_block.height = kHigh / 2;
         of_block.samples = samples;
         for (uint32_t i = 0; i < 4; i++) {
             const uint32_t x = i % 2 * of_block.width, y = i / 2 * of_block.height;
-            const Image block =
+            const media::Image block =
                 coarse.frames().render(part_of(camera, x, y, of_block.width, of_block.height), of_block);
             for (uint32_t row = 0; row < of_block.height; row++)
                 std::copy_n(block.at(0, row), size_t{4} * of_block.width, picture.at(x, y + row));
         }
         return picture;
     };
-    for (const TraceMode mode : {TraceMode::kTree, TraceMode::kPlay}) {  // which chooses for each part by itself
+    for (const render::TraceMode mode :
+         {render::TraceMode::kTree, render::TraceMode::kPlay}) {  // which chooses for each part by itself
         settings.mode = mode;
-        const Image whole = fine.frames().render(camera, settings);
+        const media::Image whole = fine.frames().render(camera, settings);
         EXPECT_GT(unlike_pixels(put_together(1), whole), kWide * kHigh / 50) << "so many samples do show";
         EXPECT_LE(unlike_pixels(put_together(2), whole), kWide * kHigh / 1000);
     }
     ASSERT_FALSE(coarse.frames().drawn().empty());
-    EXPECT_EQ(fine.frames().drawn()[0][0].shading, Shading::kPerLeaf);
-    EXPECT_EQ(coarse.frames().drawn()[0][0].shading, Shading::kPerRay);
+    EXPECT_EQ(fine.frames().drawn()[0][0].shading, render::Shading::kPerLeaf);
+    EXPECT_EQ(coarse.frames().drawn()[0][0].shading, render::Shading::kPerRay);
     settings.width = settings.height = 2 * kHigh;
     EXPECT_THROW(coarse.frames().render(camera_of_size(2 * kHigh, 2 * kHigh), settings), RuntimeFailure);
 }

@@ -18,8 +18,8 @@ glm::dquat facing(double yaw_deg, double pitch_deg, double roll_deg = 0) {
            glm::angleAxis(roll_deg * kDegree, glm::dvec3(0, 0, 1));
 }
 
-CameraPathKey key_at(double time_s, glm::dvec3 position, glm::dquat turn = {1, 0, 0, 0}, double angle_y = 0.7) {
-    CameraPathKey key;
+stage::CameraPathKey key_at(double time_s, glm::dvec3 position, glm::dquat turn = {1, 0, 0, 0}, double angle_y = 0.7) {
+    stage::CameraPathKey key;
     key.time_s = time_s;
     key.position = position;
     key.world_from_camera = turn;
@@ -27,22 +27,23 @@ CameraPathKey key_at(double time_s, glm::dvec3 position, glm::dquat turn = {1, 0
     return key;
 }
 
-CameraPath path_of(std::vector<CameraPathKey> keys, Interpolation interpolation = Interpolation::kSmooth) {
-    CameraPath path;
+stage::CameraPath path_of(std::vector<stage::CameraPathKey> keys,
+                          stage::Interpolation interpolation = stage::Interpolation::kSmooth) {
+    stage::CameraPath path;
     path.duration_s = keys.back().time_s;
     path.keys = std::move(keys);
     path.interpolation = interpolation;
     return path;
 }
 
-glm::dvec3 place(const CameraPath& path, double t) {
-    return glm::dvec3(camera_at(path, t, 64, 48).world_from_camera[3]);
+glm::dvec3 place(const stage::CameraPath& path, double t) {
+    return glm::dvec3(stage::camera_at(path, t, 64, 48).world_from_camera[3]);
 }
-glm::dquat turn(const CameraPath& path, double t) {
-    return glm::quat_cast(glm::dmat3(camera_at(path, t, 64, 48).world_from_camera));
+glm::dquat turn(const stage::CameraPath& path, double t) {
+    return glm::quat_cast(glm::dmat3(stage::camera_at(path, t, 64, 48).world_from_camera));
 }
-double angle(const CameraPath& path, double t) {
-    const Camera camera = camera_at(path, t, 64, 48);
+double angle(const stage::CameraPath& path, double t) {
+    const stage::Camera camera = stage::camera_at(path, t, 64, 48);
     return 2 * std::atan(0.5 * camera.height / camera.fy);
 }
 // Between two orientations, 0 to π.
@@ -52,31 +53,32 @@ double turned_by(const glm::dquat& a, const glm::dquat& b) {
 }
 
 // Uneven times, turns in all directions, a zoom.
-CameraPath wild_path() {
+stage::CameraPath wild_path() {
     return path_of({key_at(0, {0, 1, 4}, facing(0, -5), 0.7), key_at(0.5, {2, 1.5, 3}, facing(40, -20, 15), 0.5),
                     key_at(2, {4, 1, 0}, facing(130, 10, -30), 0.9), key_at(2.25, {3, 3, -2}, facing(200, -40, 5), 0.9),
                     key_at(5, {-4, 2, -3}, facing(300, 0), 0.4)});
 }
 
 // The turn a second about the camera's axes, by a difference over `h`.
-glm::dvec3 spin(const CameraPath& path, double from, double to) {
+glm::dvec3 spin(const stage::CameraPath& path, double from, double to) {
     glm::dquat d = glm::conjugate(turn(path, from)) * turn(path, to);
     if (d.w < 0) d = -d;
     return 2.0 * glm::dvec3(d.x, d.y, d.z) / (to - from);
 }
 
 TEST(CameraPath, GoesThroughItsKeys) {
-    for (const Interpolation interpolation : {Interpolation::kSmooth, Interpolation::kLinear, Interpolation::kCut})
+    for (const stage::Interpolation interpolation :
+         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut})
         for (const bool cyclic : {false, true}) {
-            CameraPath path = wild_path();
+            stage::CameraPath path = wild_path();
             path.interpolation = interpolation;
             path.cyclic = cyclic;
             if (cyclic) path.duration_s = 6.5;
-            for (const CameraPathKey& key : path.keys) {
+            for (const stage::CameraPathKey& key : path.keys) {
                 EXPECT_EQ(place(path, key.time_s), key.position);
                 EXPECT_LT(turned_by(turn(path, key.time_s), key.world_from_camera), 1e-12);
                 EXPECT_NEAR(angle(path, key.time_s), key.angle_y, 1e-12);
-                if (interpolation == Interpolation::kCut || key.time_s == 0) continue;
+                if (interpolation == stage::Interpolation::kCut || key.time_s == 0) continue;
                 const double before = key.time_s - 1e-9;  // and nothing jumps before it
                 EXPECT_LT(glm::distance(place(path, before), key.position), 1e-7);
                 EXPECT_LT(turned_by(turn(path, before), key.world_from_camera), 1e-7);
@@ -88,7 +90,7 @@ TEST(CameraPath, GoesThroughItsKeys) {
 // one, which the test must see.
 TEST(CameraPath, VelocityHasNoJumpAtKeys) {
     constexpr double h = 1e-5;
-    CameraPath path = wild_path();
+    stage::CameraPath path = wild_path();
     path.cyclic = true;
     path.duration_s = 6.5;
     const auto jump_at = [&](double t) {
@@ -98,17 +100,17 @@ TEST(CameraPath, VelocityHasNoJumpAtKeys) {
         const double angles = std::abs(angle(path, t + h) - 2 * angle(path, t) + angle(path, t - h));
         return glm::dvec3(places / h, turns, angles / h);
     };
-    for (const CameraPathKey& key : path.keys)
+    for (const stage::CameraPathKey& key : path.keys)
         for (int i = 0; i < 3; ++i) EXPECT_LT(jump_at(key.time_s)[i], 2e-3) << key.time_s << ", " << i;
-    path.interpolation = Interpolation::kLinear;
+    path.interpolation = stage::Interpolation::kLinear;
     for (int i = 0; i < 2; ++i) EXPECT_GT(jump_at(2)[i], 0.1);
 }
 
 TEST(CameraPath, EvenKeysOnALineGiveConstantSpeed) {
-    std::vector<CameraPathKey> keys;
+    std::vector<stage::CameraPathKey> keys;
     for (int i = 0; i < 5; ++i)
         keys.push_back(key_at(0.5 * i, {1.0 * i, 2.0 * i, -1.0 * i}, facing(20.0 * i, 0), 0.5 + 0.1 * i));
-    const CameraPath path = path_of(keys);
+    const stage::CameraPath path = path_of(keys);
     for (int i = 0; i <= 40; ++i) {
         const double t = 0.05 * i;
         EXPECT_LT(glm::distance(place(path, t), glm::dvec3(2 * t, 4 * t, -2 * t)), 1e-12);
@@ -120,10 +122,10 @@ TEST(CameraPath, EvenKeysOnALineGiveConstantSpeed) {
 // Steps of very different length in very different times: Catmull–Rom without its limit runs past keys here.
 TEST(CameraPath, AMonotonePathIsNeverOvershot) {
     const double xs[] = {0, 0.01, 5, 5.02, 5.02, 9, 9.5}, ts[] = {0, 1, 1.1, 3, 4, 4.1, 9};
-    std::vector<CameraPathKey> keys;
+    std::vector<stage::CameraPathKey> keys;
     for (size_t i = 0; i < std::size(xs); ++i)
         keys.push_back(key_at(ts[i], {xs[i], 0, 0}, {1, 0, 0, 0}, 0.1 * xs[i] + 0.1));
-    const CameraPath path = path_of(keys);
+    const stage::CameraPath path = path_of(keys);
     double x = 0, a = 0;
     for (int i = 0; i <= 9000; ++i) {
         const double t = i / 1000.0;
@@ -137,8 +139,8 @@ TEST(CameraPath, AMonotonePathIsNeverOvershot) {
 }
 
 TEST(CameraPath, AnglesOfViewStopAtTheirExtrema) {
-    const CameraPath path = path_of({key_at(0, {}, {1, 0, 0, 0}, 0.4), key_at(1, {}, {1, 0, 0, 0}, 1.0),
-                                     key_at(1.2, {}, {1, 0, 0, 0}, 0.3), key_at(3, {}, {1, 0, 0, 0}, 0.5)});
+    const stage::CameraPath path = path_of({key_at(0, {}, {1, 0, 0, 0}, 0.4), key_at(1, {}, {1, 0, 0, 0}, 1.0),
+                                            key_at(1.2, {}, {1, 0, 0, 0}, 0.3), key_at(3, {}, {1, 0, 0, 0}, 0.5)});
     for (int i = 0; i <= 300; ++i) {
         EXPECT_LE(angle(path, i / 100.0), 1 + 1e-12);
         EXPECT_GE(angle(path, i / 100.0), 0.3 - 1e-12);
@@ -147,14 +149,14 @@ TEST(CameraPath, AnglesOfViewStopAtTheirExtrema) {
 
 TEST(CameraPath, TurnsTheShorterWayWhateverTheSign) {
     // 350° is 10° to the left; both signs of a quaternion are one orientation.
-    for (const Interpolation interpolation : {Interpolation::kSmooth, Interpolation::kLinear}) {
-        const CameraPath path =
+    for (const stage::Interpolation interpolation : {stage::Interpolation::kSmooth, stage::Interpolation::kLinear}) {
+        const stage::CameraPath path =
             path_of({key_at(0, {}, facing(0, 0)), key_at(1, {}, -facing(350, 0)), key_at(2, {}, facing(340, 0))},
                     interpolation);
         for (int i = 0; i <= 200; ++i) EXPECT_LT(turned_by(turn(path, i / 100.0), facing(-0.1 * i, 0)), 1e-7) << i;
     }
     // No instant where the wild path jumps: 1 ms turns it by less than 2°, while it turns 90° in 250 ms.
-    CameraPath path = wild_path();
+    stage::CameraPath path = wild_path();
     path.cyclic = true;
     path.duration_s = 6.5;
     for (int i = 0; i < 6500; ++i)
@@ -164,41 +166,41 @@ TEST(CameraPath, TurnsTheShorterWayWhateverTheSign) {
 // Level keys stay level to rounding: at 20° down and 90° from key to key, the great circle of orientations would tilt
 // the horizon by whole degrees, which the test must see.
 TEST(CameraPath, TheHorizonStaysLevel) {
-    std::vector<CameraPathKey> keys;
+    std::vector<stage::CameraPathKey> keys;
     for (int i = 0; i < 4; ++i) keys.push_back(key_at(i, {}, facing(90.0 * i, i % 2 ? -40 : -20)));
-    CameraPath path = path_of(keys);
+    stage::CameraPath path = path_of(keys);
     path.cyclic = true;
     path.duration_s = 4;
     double great_circle = 0;
-    for (const Interpolation interpolation : {Interpolation::kSmooth, Interpolation::kLinear}) {
+    for (const stage::Interpolation interpolation : {stage::Interpolation::kSmooth, stage::Interpolation::kLinear}) {
         path.interpolation = interpolation;
         for (int i = 0; i < 400; ++i) {
-            EXPECT_NEAR(roll_of(turn(path, i / 100.0)), 0, 1e-9) << i;
+            EXPECT_NEAR(stage::roll_of(turn(path, i / 100.0)), 0, 1e-9) << i;
             const size_t k = static_cast<size_t>(i / 100);
             great_circle = std::max(
-                great_circle, std::abs(roll_of(glm::slerp(keys[k].world_from_camera,
-                                                          keys[(k + 1) % 4].world_from_camera, i % 100 / 100.0))));
+                great_circle, std::abs(stage::roll_of(glm::slerp(
+                                  keys[k].world_from_camera, keys[(k + 1) % 4].world_from_camera, i % 100 / 100.0))));
         }
     }
     EXPECT_GT(great_circle, 2 * kDegree);
 }
 
 TEST(CameraPath, RollFollowsItsKeysAndMeansNothingNearTheVertical) {
-    const CameraPath path = path_of({key_at(0, {}, facing(0, -10, 0)), key_at(1, {}, facing(60, -20, 30))});
-    for (int i = 0; i <= 10; ++i) EXPECT_NEAR(roll_of(turn(path, 0.1 * i)), 3 * kDegree * i, 1e-9);
+    const stage::CameraPath path = path_of({key_at(0, {}, facing(0, -10, 0)), key_at(1, {}, facing(60, -20, 30))});
+    for (int i = 0; i <= 10; ++i) EXPECT_NEAR(stage::roll_of(turn(path, 0.1 * i)), 3 * kDegree * i, 1e-9);
     // Over the pole: forwards up and on, without a flip.
-    const CameraPath over = path_of({key_at(0, {}, facing(0, 60)), key_at(1, {}, facing(0, 120))});
+    const stage::CameraPath over = path_of({key_at(0, {}, facing(0, 60)), key_at(1, {}, facing(0, 120))});
     for (int i = 0; i <= 100; ++i)
         EXPECT_LT(turned_by(turn(over, i / 100.0), turn(over, (i + 1) / 100.0)), 3 * kDegree);
-    EXPECT_TRUE(std::isfinite(roll_of(facing(0, 90))));
+    EXPECT_TRUE(std::isfinite(stage::roll_of(facing(0, 90))));
 }
 
 TEST(CameraPath, ACycleJoins) {
-    std::vector<CameraPathKey> keys;  // a circle, keyed unevenly
+    std::vector<stage::CameraPathKey> keys;  // a circle, keyed unevenly
     for (const double degrees : {0.0, 50.0, 110.0, 150.0, 210.0, 250.0, 310.0})
         keys.push_back(
             key_at(degrees / 90, {std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree)}, facing(degrees, 0)));
-    CameraPath path = path_of(keys);
+    stage::CameraPath path = path_of(keys);
     path.cyclic = true;
     path.duration_s = 4;
     for (int i = 0; i < 400; ++i) {
@@ -211,7 +213,7 @@ TEST(CameraPath, ACycleJoins) {
 }
 
 TEST(CameraPath, AnOpenPathRestsAtItsEnds) {
-    CameraPath path = wild_path();
+    stage::CameraPath path = wild_path();
     path.duration_s = 9;
     EXPECT_EQ(place(path, -1), path.keys[0].position);
     EXPECT_EQ(place(path, 9), path.keys.back().position);
@@ -219,42 +221,42 @@ TEST(CameraPath, AnOpenPathRestsAtItsEnds) {
 }
 
 TEST(CameraPath, ACutHoldsUntilTheNextKey) {
-    CameraPath path = wild_path();
-    path.interpolation = Interpolation::kCut;
+    stage::CameraPath path = wild_path();
+    path.interpolation = stage::Interpolation::kCut;
     EXPECT_EQ(place(path, 1.999), path.keys[1].position);
     EXPECT_EQ(place(path, 2), path.keys[2].position);
 }
 
 TEST(CameraPath, CamerasHaveTheLensOfTheirKeysInAnyPicture) {
-    CameraPathKey key = key_at(0, {});
+    stage::CameraPathKey key = key_at(0, {});
     key.angle_y = 2 * std::atan(0.5);
     key.stretch = 1.25;
     key.shift = {0.1, -0.2};
-    const Camera camera = camera_at(path_of({key}), 0, 200, 100);
+    const stage::Camera camera = stage::camera_at(path_of({key}), 0, 200, 100);
     EXPECT_NEAR(camera.fy, 100, 1e-9);
     EXPECT_NEAR(camera.fx, 125, 1e-9);
     EXPECT_NEAR(camera.cx, 110, 1e-9);
     EXPECT_NEAR(camera.cy, 30, 1e-9);
     EXPECT_EQ(camera.width, 200u);
     key.angle_x = 2 * std::atan(0.5);  // now the horizontal one rules
-    EXPECT_NEAR(camera_at(path_of({key}), 0, 200, 100).fx, 200, 1e-9);
+    EXPECT_NEAR(stage::camera_at(path_of({key}), 0, 200, 100).fx, 200, 1e-9);
 }
 
 TEST(CameraPath, ClipTimesComeFromKeysThatHaveThem) {
-    std::vector<CameraPathKey> keys;
+    std::vector<stage::CameraPathKey> keys;
     for (int i = 0; i < 4; ++i) keys.push_back(key_at(i, {}));
     keys[0].clip_time = 0.25;
     keys[1].clip_time = 0.5;
     keys[2].clip_time = 1;
-    const CameraPath path = path_of(keys);
-    EXPECT_EQ(clip_time_at(path, 0), 0.25);
-    EXPECT_EQ(clip_time_at(path, 1), 0.5);
-    EXPECT_EQ(clip_time_at(path, 2), 1);
-    EXPECT_FALSE(clip_time_at(path, 2.5));
-    EXPECT_FALSE(clip_time_at(path, 3));
+    const stage::CameraPath path = path_of(keys);
+    EXPECT_EQ(stage::clip_time_at(path, 0), 0.25);
+    EXPECT_EQ(stage::clip_time_at(path, 1), 0.5);
+    EXPECT_EQ(stage::clip_time_at(path, 2), 1);
+    EXPECT_FALSE(stage::clip_time_at(path, 2.5));
+    EXPECT_FALSE(stage::clip_time_at(path, 3));
     double last = 0;
     for (int i = 0; i <= 200; ++i) {
-        const double time = clip_time_at(path, i / 100.0).value();
+        const double time = stage::clip_time_at(path, i / 100.0).value();
         EXPECT_GE(time, last);
         EXPECT_LE(time, 1);
         last = time;

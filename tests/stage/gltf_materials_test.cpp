@@ -30,9 +30,9 @@ GlbBuilder rectangle() {
                               {"material", 0}}}}}};
     glb.root["nodes"] = {{{"mesh", 0}}};
     for (int i = 0; i < 2; ++i) {
-        Image image(2, 2);
+        media::Image image(2, 2);
         image.rgba.assign(16, static_cast<uint8_t>(100 + i));
-        const std::vector<uint8_t> png = encode_png(image);
+        const std::vector<uint8_t> png = media::encode_png(image);
         glb.root["images"].push_back({{"bufferView", glb.add_view(png.data(), png.size())}, {"mimeType", "image/png"}});
         glb.root["textures"].push_back({{"source", i}});
     }
@@ -49,12 +49,12 @@ GlbBuilder rectangle() {
     return glb;
 }
 
-GltfScene load(const GlbBuilder& glb) {
+stage::GltfScene load(const GlbBuilder& glb) {
     const TemporaryFolder folder;
-    return load_gltf(folder.write(glb.bytes()));
+    return stage::load_gltf(folder.write(glb.bytes()));
 }
 
-const GltfPrimitive& primitive_of(const GltfScene& scene) {
+const stage::GltfPrimitive& primitive_of(const stage::GltfScene& scene) {
     return scene.meshes.at(0).primitives.at(0);
 }
 
@@ -70,8 +70,8 @@ void expect_vec4(const glm::vec4& a, const glm::vec4& b) {
 TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
     GlbBuilder glb = rectangle();
     glb.root["extensionsUsed"] = glb.root["extensionsRequired"] = {"KHR_materials_emissive_strength"};
-    const GltfScene scene = load(glb);
-    const GltfMaterial& material = scene.materials.at(0);
+    const stage::GltfScene scene = load(glb);
+    const stage::GltfMaterial& material = scene.materials.at(0);
     EXPECT_EQ(material.texture, 0);
     for (const int32_t map : material.maps) EXPECT_EQ(map, 1);
     EXPECT_EQ(material.metallic, 0.25f);
@@ -80,20 +80,20 @@ TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
     EXPECT_EQ(material.occlusion_strength, 0.25f);
     EXPECT_EQ(material.emissive, glm::vec3(2, 4, 1));
     EXPECT_EQ(scene.images.at(1)->pixels.at(0, 0)[0], 101) << "decoded, though no base colour uses it";
-    const GltfPrimitive& primitive = primitive_of(scene);
-    EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(GltfMap::kEmissive)], primitive.uvs);
-    EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(GltfMap::kOcclusion)].at(2), glm::vec2(0.5f, 0.25f));
+    const stage::GltfPrimitive& primitive = primitive_of(scene);
+    EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(stage::GltfMap::kEmissive)], primitive.uvs);
+    EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(stage::GltfMap::kOcclusion)].at(2), glm::vec2(0.5f, 0.25f));
 }
 
 TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
     GlbBuilder glb = rectangle();
-    const GltfScene before = load(glb);
-    Image other(3, 2);
+    const stage::GltfScene before = load(glb);
+    media::Image other(3, 2);
     other.rgba.assign(24, 7);
-    const std::vector<uint8_t> png = encode_png(other);
+    const std::vector<uint8_t> png = media::encode_png(other);
     glb.root["images"][1]["bufferView"] = glb.add_view(png.data(), png.size());
     const TemporaryFolder folder;
-    const GltfScene after = load_gltf(folder.path / "after.glb", glb.bytes(), &before);
+    const stage::GltfScene after = stage::load_gltf(folder.path / "after.glb", glb.bytes(), &before);
     EXPECT_EQ(after.images.at(0), before.images.at(0));
     EXPECT_NE(after.images.at(1), before.images.at(1));
     EXPECT_EQ(after.images.at(1)->pixels.width, 3u);
@@ -102,7 +102,7 @@ TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
 TEST(GltfMaterials, MapsThatAreNotThereCostNothing) {
     GlbBuilder glb = rectangle();
     glb.root["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}};
-    const GltfScene scene = load(glb);
+    const stage::GltfScene scene = load(glb);
     for (const auto& uvs : primitive_of(scene).map_uvs) EXPECT_TRUE(uvs.empty());
     EXPECT_TRUE(primitive_of(scene).tangents.empty());
     EXPECT_FALSE(scene.images.at(1)) << "no material uses it";
@@ -132,7 +132,7 @@ TEST(GltfMaterials, TheFilesTangentsAreMadeUnitAndOrthogonal) {
     GlbBuilder glb = rectangle();
     json& attributes = glb.root["meshes"][0]["primitives"][0]["attributes"];
     attributes["TANGENT"] = glb.vec4({0, 3, 5, -1, 0, 3, 0, -1, 0, 1, 0, -1, 0, 0, 0, 1});
-    const GltfScene scene = load(glb);
+    const stage::GltfScene scene = load(glb);
     const std::vector<glm::vec4>& tangents = primitive_of(scene).tangents;
     for (size_t v = 0; v < 3; ++v) expect_vec4(tangents.at(v), {0, 1, 0, -1});
     EXPECT_NEAR(glm::length(glm::vec3(tangents.at(3))), 1, 1e-6) << "a tangent of length 0";
@@ -164,9 +164,9 @@ TEST(GltfMaterials, TangentsAreWeightedByAngles) {
 
 TEST(GltfMaterials, TangentsArePosedWithTheirVertices) {
     const auto posed = [](const GlbBuilder& glb) {
-        const GltfScene scene = load(glb);
-        PosedVertices vertices;
-        pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, primitive_of(scene), vertices);
+        const stage::GltfScene scene = load(glb);
+        stage::PosedVertices vertices;
+        stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, primitive_of(scene), vertices);
         return vertices.tangents.at(0);
     };
     GlbBuilder glb = rectangle();
@@ -184,7 +184,7 @@ TEST(GltfMaterials, BadMembersAreNamed) {
         const TemporaryFolder folder;
         std::string error;
         try {
-            load_gltf(folder.write(glb.bytes()));
+            stage::load_gltf(folder.write(glb.bytes()));
         } catch (const InputError& bad) {
             error = bad.what();
         }

@@ -16,16 +16,16 @@ using test::GlbBuilder;
 using test::json;
 using test::TemporaryFolder;
 
-GltfScene load(const GlbBuilder& glb) {
+stage::GltfScene load(const GlbBuilder& glb) {
     const TemporaryFolder folder;
-    return load_gltf(folder.write(glb.bytes()));
+    return stage::load_gltf(folder.write(glb.bytes()));
 }
 
 // The error's text, or "" where loading succeeds.
 std::string error_of(const std::vector<uint8_t>& bytes, const std::string& name = "model.glb") {
     const TemporaryFolder folder;
     try {
-        load_gltf(folder.write(bytes, name));
+        stage::load_gltf(folder.write(bytes, name));
     } catch (const InputError& error) {
         return error.what();
     }
@@ -70,13 +70,13 @@ void animate(GlbBuilder& glb, const std::string& path, const std::string& interp
     animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
 }
 
-glm::dvec3 origin_at(const GltfScene& scene, double t) {
-    return pose_scene(scene, 0, t).world_from_node[0][3];
+glm::dvec3 origin_at(const stage::GltfScene& scene, double t) {
+    return stage::pose_scene(scene, 0, t).world_from_node[0][3];
 }
 
 TEST(GltfScene, FlatNormalsWhereTheFileHasNone) {
-    const GltfScene scene = load(triangle());
-    const GltfPrimitive& mesh = scene.meshes.at(0).primitives.at(0);
+    const stage::GltfScene scene = load(triangle());
+    const stage::GltfPrimitive& mesh = scene.meshes.at(0).primitives.at(0);
     ASSERT_EQ(mesh.normals.size(), 3u);
     expect_near(mesh.normals[1], {0, 0, 1});
     EXPECT_EQ(mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
@@ -90,7 +90,7 @@ TEST(GltfScene, StripsAndFansKeepTheirWinding) {
         const std::vector<float> fan = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
         primitive(glb)["attributes"]["POSITION"] = glb.vec3(mode == 5 ? strip : fan);
         primitive(glb)["mode"] = mode;
-        const GltfPrimitive mesh = load(glb).meshes[0].primitives[0];
+        const stage::GltfPrimitive mesh = load(glb).meshes[0].primitives[0];
         ASSERT_EQ(mesh.indices.size(), 6u);
         for (const glm::vec3& normal : mesh.normals) expect_near(normal, {0, 0, 1});
     }
@@ -103,7 +103,7 @@ TEST(GltfScene, LinearAnimationOfTranslationRotationScale) {
     const float h = std::sqrt(0.5f);
     animate(glb, "rotation", "LINEAR", times, glb.vec4({0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, -h}));
     animate(glb, "scale", "LINEAR", times, glb.vec3({1, 1, 1, 3, 1, 1, 3, 1, 1}));
-    const GltfScene scene = load(glb);
+    const stage::GltfScene scene = load(glb);
     EXPECT_NEAR(scene.animations[0].duration_s, 3, 1e-9);
     expect_near(origin_at(scene, -1), {0, 0, 0});
     expect_near(origin_at(scene, 0.25), {0.5, 0, 0});
@@ -111,15 +111,15 @@ TEST(GltfScene, LinearAnimationOfTranslationRotationScale) {
     expect_near(origin_at(scene, 9), {2, 4, 0});
     // Half way of the quarter turn; x scaled by 2. Later the quaternion only changes its sign: no motion.
     const double d = std::sqrt(0.5) * 2;
-    expect_near(glm::dvec3(pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0});
-    expect_near(glm::dvec3(pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0});
-    expect_near(glm::dvec3(pose_scene(scene, kNoAnimation, 2).world_from_node[0][0]), {1, 0, 0});
+    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0});
+    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0});
+    expect_near(glm::dvec3(stage::pose_scene(scene, stage::kNoAnimation, 2).world_from_node[0][0]), {1, 0, 0});
 }
 
 TEST(GltfScene, StepAnimationHoldsTheKeyBefore) {
     GlbBuilder glb = triangle();
     animate(glb, "translation", "STEP", glb.scalar({0, 1, 2}), glb.vec3({0, 0, 0, 5, 0, 0, 7, 0, 0}));
-    const GltfScene scene = load(glb);
+    const stage::GltfScene scene = load(glb);
     expect_near(origin_at(scene, 0.999), {0, 0, 0});
     expect_near(origin_at(scene, 1), {5, 0, 0});
     expect_near(origin_at(scene, 2.5), {7, 0, 0});
@@ -130,7 +130,7 @@ TEST(GltfScene, CubicSplineFollowsHermite) {
     // Keys at 0 and 2 s: in-tangent, value, out-tangent.
     animate(glb, "translation", "CUBICSPLINE", glb.scalar({0, 2}),
             glb.vec3({9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 2, 0, 0, 9, 9, 9}));
-    const GltfScene scene = load(glb);
+    const stage::GltfScene scene = load(glb);
     expect_near(origin_at(scene, 0), {1, 0, 0});
     expect_near(origin_at(scene, 2), {2, 0, 0});
     // s = 1/2: (p0 + p1)/2 + dt (m0 - m1)/8.
@@ -148,11 +148,11 @@ TEST(GltfScene, ChildrenFollowTheirParents) {
                          {{"children", {1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1}}},
                          {{"mesh", 0}}};
     glb.root["scenes"] = {{{"nodes", {2}}}};
-    const GltfScene scene = load(glb);
-    expect_near(pose_scene(scene, kNoAnimation, 0).world_from_node[0][3], {5, 0, 2});
+    const stage::GltfScene scene = load(glb);
+    expect_near(stage::pose_scene(scene, stage::kNoAnimation, 0).world_from_node[0][3], {5, 0, 2});
     EXPECT_TRUE(scene.nodes[0].in_scene);
     EXPECT_FALSE(scene.nodes[3].in_scene);
-    const auto [low, high] = bounds_over(scene, kNoAnimation, {0});
+    const auto [low, high] = stage::bounds_over(scene, stage::kNoAnimation, {0});
     expect_near(low, {5, 0, 2});
     expect_near(high, {7, 2, 2});
 }
@@ -178,9 +178,10 @@ GlbBuilder arm() {
 }
 
 TEST(GltfScene, SkinningMatchesHandCalculation) {
-    const GltfScene scene = load(arm());
-    PosedVertices out;
-    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    const stage::GltfScene scene = load(arm());
+    stage::PosedVertices out;
+    stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
+                         out);
     expect_near(out.positions[0], {1, 0, 0});  // joint 0 alone; the node's own translation does not count
     // (0,1.5): joint 0 leaves it, joint 1 turns (0,0.5) into (-0.5,0) above its foot (0,1): the mean of both.
     expect_near(out.positions[1], {-0.25, 1.25, 0});
@@ -198,11 +199,12 @@ TEST(GltfScene, MorphTargetsAddUp) {
         {{"POSITION", glb.vec3({0, 2, 0, 0, 0, 0, 0, 0, 0})}, {"NORMAL", glb.vec3({2, 0, 0, 0, 0, 0, 0, 0, 0})}}};
     glb.root["meshes"][0]["weights"] = {0.25, 0};
     animate(glb, "weights", "LINEAR", glb.scalar({0, 1}), glb.scalar({0.25f, 0, 0.75f, 1}));
-    const GltfScene scene = load(glb);
-    PosedVertices out;
-    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    const stage::GltfScene scene = load(glb);
+    stage::PosedVertices out;
+    stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
+                         out);
     expect_near(out.positions[0], {0, 0, 1});
-    pose_vertices(scene, pose_scene(scene, 0, 0.5), 0, scene.meshes[0].primitives[0], out);
+    stage::pose_vertices(scene, stage::pose_scene(scene, 0, 0.5), 0, scene.meshes[0].primitives[0], out);
     expect_near(out.positions[0], {0, 1, 2});
     expect_near(out.normals[0], glm::normalize(glm::dvec3(1, 0, 1)));
     expect_near(out.positions[1], {1, 0, 0});
@@ -211,9 +213,10 @@ TEST(GltfScene, MorphTargetsAddUp) {
 TEST(GltfScene, MirroringNodesSayThatTheirTrianglesTurn) {
     GlbBuilder glb = triangle();
     glb.root["nodes"][0]["scale"] = {-1, 1, 1};
-    const GltfScene scene = load(glb);
-    PosedVertices out;
-    pose_vertices(scene, pose_scene(scene, kNoAnimation, 0), 0, scene.meshes[0].primitives[0], out);
+    const stage::GltfScene scene = load(glb);
+    stage::PosedVertices out;
+    stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
+                         out);
     EXPECT_TRUE(out.mirrored);
     expect_near(out.normals[0], {0, 0, 1});
 }
@@ -247,9 +250,9 @@ TEST(GltfScene, MaterialsAndTextureTransform) {
          {"doubleSided", true},
          {"pbrMetallicRoughness", {{"baseColorFactor", {1, 0.5, 0.25, 1}}, {"roughnessFactor", 0.5}}}}};
     primitive(glb)["material"] = 0;
-    const GltfMaterial material = load(glb).materials.at(0);
+    const stage::GltfMaterial material = load(glb).materials.at(0);
     EXPECT_TRUE(material.unlit && material.double_sided);
-    EXPECT_EQ(material.alpha, GltfAlpha::kMask);
+    EXPECT_EQ(material.alpha, stage::GltfAlpha::kMask);
     EXPECT_NEAR(material.alpha_cutoff, 0.25, 1e-6);
     EXPECT_NEAR(material.base_color.g, 0.5, 1e-6);
     EXPECT_NEAR(material.roughness, 0.5, 1e-6);
@@ -276,12 +279,12 @@ TEST(GltfScene, SparseAccessorsReplaceElements) {
 TEST(GltfScene, AnimationsAreFoundByNameOrIndex) {
     GlbBuilder glb = triangle();
     animate(glb, "translation", "LINEAR", glb.scalar({0}), glb.vec3({0, 0, 0}));
-    const GltfScene scene = load(glb);
-    EXPECT_EQ(find_animation(scene, "Move"), 0u);
-    EXPECT_EQ(find_animation(scene, "0"), 0u);
+    const stage::GltfScene scene = load(glb);
+    EXPECT_EQ(stage::find_animation(scene, "Move"), 0u);
+    EXPECT_EQ(stage::find_animation(scene, "0"), 0u);
     for (const char* wrong : {"Walk", "1", "", "0x"}) {
         try {
-            find_animation(scene, wrong);
+            stage::find_animation(scene, wrong);
             FAIL() << wrong;
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find("0 \"Move\""), std::string::npos) << error.what();
@@ -365,7 +368,7 @@ TEST(GltfHostile, BuffersBesideTheModel) {
     folder.write(glb.binary, "some data.bin");
     const std::string text = glb.root.dump();
     const auto path = folder.write({text.begin(), text.end()}, "model.gltf");
-    EXPECT_EQ(load_gltf(path).meshes[0].primitives[0].positions.size(), 3u);
+    EXPECT_EQ(stage::load_gltf(path).meshes[0].primitives[0].positions.size(), 3u);
 }
 
 TEST(GltfHostile, Indices) {
@@ -480,8 +483,8 @@ TEST(GltfHostile, FlippedBytes) {
         for (uint32_t flips = 1 + random() % 4; flips > 0; --flips)
             bytes[random() % bytes.size()] ^= static_cast<uint8_t>(1u << random() % 8);
         try {
-            const GltfScene scene = load_gltf(folder.write(bytes));
-            bounds_over(scene, scene.animations.empty() ? kNoAnimation : 0, {0, 0.5});
+            const stage::GltfScene scene = stage::load_gltf(folder.write(bytes));
+            stage::bounds_over(scene, scene.animations.empty() ? stage::kNoAnimation : 0, {0, 0.5});
             ++loaded;
         } catch (const InputError&) {
             ++refused;

@@ -12,10 +12,10 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string edited(const std::string& text, const std::function<void(ordered_json&)>& edit) {
-    const ordered_json original = parse_document(text, "file");
+    const ordered_json original = stage::parse_document(text, "file");
     ordered_json changed = original;
     edit(changed);
-    const std::string result = spliced(text, original, changed);
+    const std::string result = stage::spliced(text, original, changed);
     EXPECT_EQ(nlohmann::json::parse(result), nlohmann::json(changed)) << result;
     return result;
 }
@@ -129,8 +129,8 @@ TEST(JsonSplice, RandomEditsOfRandomDocuments) {
         const std::string text = shuffle.space() + "{\"keep\" :" + shuffle.text(3) + shuffle.space() +
                                  ",\"x\":" + shuffle.text(4) + shuffle.space() + ", \"last\" : " + shuffle.text(3) +
                                  "}" + shuffle.space();
-        const ordered_json original = parse_document(text, "file");
-        EXPECT_EQ(spliced(text, original, original), text);
+        const ordered_json original = stage::parse_document(text, "file");
+        EXPECT_EQ(stage::spliced(text, original, original), text);
         const std::string result = edited(text, [&](ordered_json& json) {
             for (int i = shuffle.below(3); i >= 0; --i) shuffle.edit(json["x"], 4);
         });
@@ -142,7 +142,7 @@ TEST(JsonSplice, RandomEditsOfRandomDocuments) {
 
 TEST(JsonSplice, WhatMayBeReadInTwoWaysIsRefused) {
     const auto refused = [](const std::string& text, std::initializer_list<std::string> parts) {
-        expect_input_error([&] { parse_document(text, "my.gltf"); }, parts);
+        expect_input_error([&] { stage::parse_document(text, "my.gltf"); }, parts);
     };
     refused(R"({"a":1,"b":{"c":1,"c":2}})", {"my.gltf", "\"c\"", "twice"});
     refused("{\"a\":\"\xff\"}", {"my.gltf", "UTF-8"});
@@ -150,7 +150,7 @@ TEST(JsonSplice, WhatMayBeReadInTwoWaysIsRefused) {
     refused("", {"my.gltf"});
     refused(R"({"a":1e999})", {"my.gltf"});
     refused(std::string(100000, '['), {"my.gltf", "deeper"});
-    EXPECT_NO_THROW(parse_document(R"([{"a":1},{"a":2,"b":{"a":3}}])", "f"));
+    EXPECT_NO_THROW(stage::parse_document(R"([{"a":1},{"a":2,"b":{"a":3}}])", "f"));
 }
 
 }  // namespace

@@ -41,10 +41,10 @@ TEST_F(StageFiles, UneditedIsByteEqual) {
     write_text(at("a.glb"), bytes);
     write_text(at("a.gltf"), test::kForeignStage);
     for (const char* name : {"a.glb", "a.gltf"}) {
-        StageFile file = read_stage_file(at(name));
+        stage::StageFile file = stage::read_stage_file(at(name));
         const std::string before = read_text(at(name));
-        EXPECT_EQ(text_of_bytes(stage_bytes(file)), before);
-        save_stage_file(file, at(name));
+        EXPECT_EQ(text_of_bytes(stage::stage_bytes(file)), before);
+        stage::save_stage_file(file, at(name));
         EXPECT_EQ(read_text(at(name)), before);
     }
 }
@@ -52,15 +52,15 @@ TEST_F(StageFiles, UneditedIsByteEqual) {
 TEST_F(StageFiles, EditedGlbKeepsItsOtherChunksAndCounts) {
     const std::string more = chunk(std::string("BIN\0", 4), "12345678") + chunk("XTRA", "abcd");
     write_text(at("a.glb"), glb(R"({"asset":{"version":"2.0"},"n":1.0})", more) + "behind");
-    StageFile file = read_stage_file(at("a.glb"));
+    stage::StageFile file = stage::read_stage_file(at("a.glb"));
     for (const char* name : {"x", "a longer one", ""}) {
         file.json["name"] = name;
-        save_stage_file(file, at("a.glb"));
+        stage::save_stage_file(file, at("a.glb"));
         const std::string text = read_text(at("a.glb"));
         EXPECT_EQ(text,
                   glb(std::string(R"({"asset":{"version":"2.0"},"n":1.0,"name":")") + name + "\"}", more) + "behind");
     }
-    EXPECT_EQ(read_stage_file(at("a.glb")).json["name"], "");
+    EXPECT_EQ(stage::read_stage_file(at("a.glb")).json["name"], "");
     EXPECT_EQ(folder.entries(), 1u) << "no temporary file";
 }
 
@@ -71,54 +71,55 @@ TEST_F(StageFiles, InAnotherFolderItNamesTheSameFiles) {
 "scenes":[{"extensions":{"NEUVV_stage":{"environment":{"uri":"../sky.png"}}}}],
 "nodes":[{"extensions":{"NEUVV_performer":{"uri":"../captures/an%23na.nvv","paint":[{"uri":"red.nvpaint"}]}}}]})";
     write_text(at("project/s.gltf"), text);
-    StageFile file = read_stage_file(at("project/s.gltf"));
-    save_stage_file(file, at("up.gltf"));
+    stage::StageFile file = stage::read_stage_file(at("project/s.gltf"));
+    stage::save_stage_file(file, at("up.gltf"));
     EXPECT_EQ(file.path, at("up.gltf"));
-    const auto json = read_stage_file(at("up.gltf")).json;
+    const auto json = stage::read_stage_file(at("up.gltf")).json;
     EXPECT_EQ(json["buffers"][0]["uri"], "project/deep/a%20b.bin");
     EXPECT_EQ(json["buffers"][1]["uri"], "data:,x");
     EXPECT_EQ(json["scenes"][0]["extensions"]["NEUVV_stage"]["environment"]["uri"], "sky.png");
     const auto& performer = json["nodes"][0]["extensions"]["NEUVV_performer"];
     EXPECT_EQ(performer["uri"], "captures/an%23na.nvv");
     EXPECT_EQ(performer["paint"][0]["uri"], "project/red.nvpaint");
-    save_stage_file(file, at("project/s.gltf"));
+    stage::save_stage_file(file, at("project/s.gltf"));
     EXPECT_EQ(read_text(at("project/s.gltf")), text) << "there and back";
-    expect_input_error([&] { save_stage_file(file, at("other/in.gltf")); }, {"/buffers/0/uri", "outside", ".glb"});
+    expect_input_error([&] { stage::save_stage_file(file, at("other/in.gltf")); },
+                       {"/buffers/0/uri", "outside", ".glb"});
     EXPECT_FALSE(std::filesystem::exists(at("other/in.gltf")));
 }
 
 TEST_F(StageFiles, ContainersKeepTheirEnding) {
     write_text(at("a.gltf"), R"({"asset":{"version":"2.0"}})");
-    StageFile file = read_stage_file(at("a.gltf"));
-    expect_input_error([&] { save_stage_file(file, at("a.glb")); }, {"a.glb", "is a .gltf"});
-    StageFile made = make_stage_file(at("b.glb"), R"({"asset":{"version":"2.0"}})");
-    save_stage_file(made, at("b.glb"));
-    EXPECT_NO_THROW(load_gltf(at("b.glb")));
-    expect_input_error([&] { save_stage_file(made, at("b.gltf")); }, {"b.gltf", "is a .glb"});
+    stage::StageFile file = stage::read_stage_file(at("a.gltf"));
+    expect_input_error([&] { stage::save_stage_file(file, at("a.glb")); }, {"a.glb", "is a .gltf"});
+    stage::StageFile made = stage::make_stage_file(at("b.glb"), R"({"asset":{"version":"2.0"}})");
+    stage::save_stage_file(made, at("b.glb"));
+    EXPECT_NO_THROW(stage::load_gltf(at("b.glb")));
+    expect_input_error([&] { stage::save_stage_file(made, at("b.gltf")); }, {"b.gltf", "is a .glb"});
 }
 
 TEST_F(StageFiles, UrisNameFilesOnTheWayFromTheStage) {
-    StageFile file;
+    stage::StageFile file;
     file.path = at("project/s.gltf");
-    EXPECT_EQ(file_of_uri(file, "../a%20b.nvv", "p").lexically_normal(), at("a b.nvv"));
-    EXPECT_EQ(uri_of_file(file, at("a b#.nvv")), "../a%20b%23.nvv");
-    EXPECT_EQ(file_of_uri(file, uri_of_file(file, at("50%.nvv")), "p").lexically_normal(), at("50%.nvv"));
+    EXPECT_EQ(stage::file_of_uri(file, "../a%20b.nvv", "p").lexically_normal(), at("a b.nvv"));
+    EXPECT_EQ(stage::uri_of_file(file, at("a b#.nvv")), "../a%20b%23.nvv");
+    EXPECT_EQ(stage::file_of_uri(file, stage::uri_of_file(file, at("50%.nvv")), "p").lexically_normal(), at("50%.nvv"));
     for (const char* uri :
          {"", "/etc/passwd", "%2fetc/passwd", "http://a/b.nvv", "file:a.nvv", "C:\\a.nvv", "a\\b.nvv", "a%00.nvv"})
-        expect_input_error([&] { file_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0", "../captures/"});
+        expect_input_error([&] { stage::file_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0", "../captures/"});
 }
 
 TEST_F(StageFiles, WhatIsNoStageIsRefused) {
     const auto refused = [&](const std::string& bytes, std::initializer_list<std::string> parts) {
         write_text(at("x.gltf"), bytes);
-        expect_input_error([&] { read_stage_file(at("x.gltf")); }, parts);
+        expect_input_error([&] { stage::read_stage_file(at("x.gltf")); }, parts);
     };
     refused("", {"x.gltf", "JSON"});
     refused("[]", {"x.gltf", "object"});
     refused("glTF", {"header"});
     refused(glb("{}", "").substr(0, 21), {"cut off"});
     refused(R"({"a":1,"a":1})", {"twice"});
-    expect_input_error([&] { read_stage_file(at("none.gltf")); }, {"none.gltf"});
+    expect_input_error([&] { stage::read_stage_file(at("none.gltf")); }, {"none.gltf"});
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ inline std::filesystem::path put_clip(const std::filesystem::path& path, uint32_
     RandomTreeOptions options;
     options.leaves = 40;
     options.frames = frames;
-    VOctree tree = random_tree(options);
+    voctree::VOctree tree = random_tree(options);
     tree.fps = fps;
-    write_nvv(path, tree);
+    voctree::write_nvv(path, tree);
     return path;
 }
 

@@ -21,13 +21,13 @@ struct Stages : testing::Test {
     std::filesystem::path at(const std::string& name) const { return folder.path / name; }
 
     // The foreign stage with a change, as text or as JSON.
-    Stage changed(const std::string& what, const std::string& with) {
+    stage::Stage changed(const std::string& what, const std::string& with) {
         test::put_foreign_stage(folder.path);
         std::string text = test::kForeignStage;
         const size_t place = text.find(what);
         EXPECT_NE(place, std::string::npos) << what;
         write_text(at("stage.gltf"), text.replace(place, what.size(), with));
-        return load_stage(at("stage.gltf"));
+        return stage::load_stage(at("stage.gltf"));
     }
     void expect_refused(const std::string& what, const std::string& with, std::initializer_list<std::string> parts) {
         SCOPED_TRACE(with);
@@ -41,29 +41,29 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 TEST_F(Stages, AnotherProgramsStageIsRead) {
-    const Stage stage = load_stage(test::put_foreign_stage(folder.path));
+    const stage::Stage stage = stage::load_stage(test::put_foreign_stage(folder.path));
     EXPECT_EQ(stage.duration_s, 4);
     EXPECT_EQ(stage.fps, 30);
     expect_near(stage.ambient, {0.1, 0.1, 0.2});
     ASSERT_EQ(stage.performers.size(), 1u);
     EXPECT_EQ(stage.performers[0].name, "Anna");
-    EXPECT_EQ(text_of(stage.performers[0].settings.time), "loop,offset:2f");
+    EXPECT_EQ(stage::text_of(stage.performers[0].settings.time), "loop,offset:2f");
     ASSERT_EQ(stage.clips.size(), 1u);
     EXPECT_EQ(stage.clips[0].frames, 7u);
     expect_near(stage.clips[0].box_min, {-1, -0.25, -0.75});
     ASSERT_EQ(stage.scene.lights.size(), 2u);
-    EXPECT_EQ(stage.scene.lights[0].kind, GltfLightKind::kSpot);
+    EXPECT_EQ(stage.scene.lights[0].kind, stage::GltfLightKind::kSpot);
     EXPECT_EQ(stage.scene.lights[0].range_m, 10);
-    EXPECT_EQ(stage.scene.lights[1].kind, GltfLightKind::kDirectional);
+    EXPECT_EQ(stage.scene.lights[1].kind, stage::GltfLightKind::kDirectional);
     EXPECT_EQ(stage.scene.meshes[0].primitives[0].uvs.size(), 3u);
     EXPECT_EQ(stage.scene.images[0]->pixels.width, 1u);
 }
 
 TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
-    const Stage stage = load_stage(test::put_foreign_stage(folder.path));
-    const StageInstant instant = stage_at(stage, 1);
+    const stage::Stage stage = stage::load_stage(test::put_foreign_stage(folder.path));
+    const stage::StageInstant instant = stage::stage_at(stage, 1);
     ASSERT_EQ(instant.performers.size(), 1u);
-    const InstantPerformer& anna = instant.performers[0];
+    const stage::InstantPerformer& anna = instant.performers[0];
     // 25 frames of stage time, 2 late, in a loop of 7.
     EXPECT_EQ(anna.frame, 23 % 7);
     EXPECT_EQ(anna.opacity, 0.5f);
@@ -83,26 +83,28 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
     EXPECT_NEAR(instant.lights[0].cos_inner, std::cos(0.3), 1e-12);
     EXPECT_NEAR(instant.lights[0].cos_outer, std::cos(0.6), 1e-12);
     expect_near(instant.lights[1].direction, {0, 0, -1});
-    const Camera camera = camera_of(stage, "Camera", instant, 160, 80);
+    const stage::Camera camera = stage::camera_of(stage, "Camera", instant, 160, 80);
     expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // half of its way
     EXPECT_NEAR(camera.fy, 40 / std::tan(0.4), 1e-9);
     EXPECT_EQ(camera.fx, camera.fy);
     EXPECT_EQ(camera.cx, 80);
-    expect_near(glm::dvec3(camera_of(stage, "0", stage_at(stage, 9), 8, 8).world_from_camera[3]), {2, 1.5, 4});
-    expect_near(glm::dvec3(camera_of(stage, "", stage_at(stage, 0), 8, 8).world_from_camera[3]), {0, 1.5, 4});
-    expect_input_error([&] { camera_of(stage, "Lens2", instant, 8, 8); }, {"Lens2", "0 \"Camera\""});
+    expect_near(glm::dvec3(stage::camera_of(stage, "0", stage::stage_at(stage, 9), 8, 8).world_from_camera[3]),
+                {2, 1.5, 4});
+    expect_near(glm::dvec3(stage::camera_of(stage, "", stage::stage_at(stage, 0), 8, 8).world_from_camera[3]),
+                {0, 1.5, 4});
+    expect_input_error([&] { stage::camera_of(stage, "Lens2", instant, 8, 8); }, {"Lens2", "0 \"Camera\""});
 }
 
 TEST_F(Stages, APlainSceneIsAStage) {
     write_text(at("plain.gltf"), R"({"asset":{"version":"2.0"},"nodes":[{"name":"a"}]})");
-    const Stage stage = load_stage(at("plain.gltf"));
+    const stage::Stage stage = stage::load_stage(at("plain.gltf"));
     EXPECT_EQ(stage.duration_s, 0);
     EXPECT_EQ(stage.fps, 25);
     expect_near(stage.ambient, {1, 1, 1});
     EXPECT_TRUE(stage.settings.shadows && stage.settings.falloff);
-    EXPECT_EQ(stage.settings.blend, StageBlend::kExact);
-    EXPECT_TRUE(stage_at(stage, 3).performers.empty());
-    expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"none"});
+    EXPECT_EQ(stage.settings.blend, stage::StageBlend::kExact);
+    EXPECT_TRUE(stage::stage_at(stage, 3).performers.empty());
+    expect_input_error([&] { stage::camera_of(stage, "", stage::stage_at(stage, 0), 8, 8); }, {"none"});
 }
 
 TEST_F(Stages, APlenoctreeIsAClipOfOneFrame) {
@@ -112,7 +114,7 @@ TEST_F(Stages, APlenoctreeIsAClipOfOneFrame) {
     text.replace(text.find("anna.nvv"), 8, "tree.npz");
     text.replace(text.find("\"time\""), 6, "\"when\"");  // of a clip of more frames
     write_text(at("stage.gltf"), text);
-    const Stage stage = load_stage(at("stage.gltf"));
+    const stage::Stage stage = stage::load_stage(at("stage.gltf"));
     ASSERT_EQ(stage.clips.size(), 1u);
     EXPECT_EQ(stage.clips[0].frames, 1u);
     EXPECT_EQ(stage.clips[0].fps, 25);
@@ -128,7 +130,7 @@ TEST_F(Stages, OneClipForAllThatPlayIt) {
     for (const char* uri : uris) json["nodes"].push_back({{"extensions", {{"NEUVV_performer", {{"uri", uri}}}}}});
     json["nodes"].push_back({{"extensions", {{"NEUVV_performer", {{"uri", "missing, but in no scene"}}}}}});
     write_text(at("stage/s.gltf"), json.dump());
-    const Stage stage = load_stage(at("stage/s.gltf"));
+    const stage::Stage stage = stage::load_stage(at("stage/s.gltf"));
     ASSERT_EQ(stage.clips.size(), 2u);
     EXPECT_TRUE(stage.clips[0].path.is_absolute());
     ASSERT_EQ(stage.performers.size(), 3u);
@@ -136,24 +138,26 @@ TEST_F(Stages, OneClipForAllThatPlayIt) {
     EXPECT_EQ(stage.performers[1].name, "node 1");
     EXPECT_EQ(stage.duration_s, 1) << "50 frames of 50 fps";
     const auto lasts = [&](const char* time) {
-        json["nodes"][2]["extensions"]["NEUVV_performer"]["time"] = json_of(parse_time_map(time, "test", ""));
+        json["nodes"][2]["extensions"]["NEUVV_performer"]["time"] =
+            stage::json_of(stage::parse_time_map(time, "test", ""));
         write_text(at("stage/s.gltf"), json.dump());
-        return load_stage(at("stage/s.gltf")).duration_s;
+        return stage::load_stage(at("stage/s.gltf")).duration_s;
     };
     EXPECT_EQ(lasts("offset:1.5s"), 2.5) << "to the last one's end";
     EXPECT_EQ(lasts("offset:-0.5s"), 1);
     EXPECT_EQ(lasts("loop,offset:3s"), 1) << "endless: as long as its clip";
     EXPECT_EQ(stage.fps, 50);
-    EXPECT_EQ(stage_at(stage, 0.5).performers[0].frame, 25);
-    EXPECT_EQ(stage_at(stage, 0.5).performers[1].frame, 9);
+    EXPECT_EQ(stage::stage_at(stage, 0.5).performers[0].frame, 25);
+    EXPECT_EQ(stage::stage_at(stage, 0.5).performers[1].frame, 9);
 }
 
 TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
-    const Stage stage =
+    const stage::Stage stage =
         changed(R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])", R"("scale" : [ -2, 3, 0.1 ])");
-    for (const InstantLight& light : stage_at(stage, 0).lights) EXPECT_NEAR(glm::length(light.direction), 1, 1e-12);
-    const Stage flat = changed(R"("translation" : [ 0, 1.50, 4 ])", R"("scale" : [ 0, 0, 0 ])");
-    const Camera camera = camera_of(flat, "Camera", stage_at(flat, 0), 8, 8);
+    for (const stage::InstantLight& light : stage::stage_at(stage, 0).lights)
+        EXPECT_NEAR(glm::length(light.direction), 1, 1e-12);
+    const stage::Stage flat = changed(R"("translation" : [ 0, 1.50, 4 ])", R"("scale" : [ 0, 0, 0 ])");
+    const stage::Camera camera = stage::camera_of(flat, "Camera", stage::stage_at(flat, 0), 8, 8);
     const glm::dmat3 turn(camera.world_from_camera);
     EXPECT_NEAR(glm::determinant(turn), 1, 1e-9);
     expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3});
@@ -162,31 +166,35 @@ TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
 // KHR_node_visibility: a node hides all below it, but cameras.
 TEST_F(Stages, HiddenNodesHideWhatHangsOnThem) {
     const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}},)";
-    const Stage pivot = changed(R"("name" : "Pivot",)", hidden + R"("name" : "Pivot",)");
-    EXPECT_FALSE(stage_at(pivot, 0).performers.at(0).visible);
-    ASSERT_EQ(stage_at(pivot, 0).lights.size(), 1u);
-    EXPECT_EQ(stage_at(pivot, 0).lights[0].node, 2u);
+    const stage::Stage pivot = changed(R"("name" : "Pivot",)", hidden + R"("name" : "Pivot",)");
+    EXPECT_FALSE(stage::stage_at(pivot, 0).performers.at(0).visible);
+    ASSERT_EQ(stage::stage_at(pivot, 0).lights.size(), 1u);
+    EXPECT_EQ(stage::stage_at(pivot, 0).lights[0].node, 2u);
     EXPECT_TRUE(pivot.scene.nodes[0].draws_mesh());
-    const Stage floor = changed(R"("mesh" : 0, "name" : "Floor",)", hidden + R"("mesh" : 0, "name" : "Floor",)");
+    const stage::Stage floor = changed(R"("mesh" : 0, "name" : "Floor",)", hidden + R"("mesh" : 0, "name" : "Floor",)");
     EXPECT_FALSE(floor.scene.nodes[0].draws_mesh());
     EXPECT_EQ(floor.scene.nodes[0].mesh, 0);
-    EXPECT_TRUE(stage_at(floor, 0).performers.at(0).visible);
-    expect_input_error([&] { bounds_over(floor.scene, kNoAnimation, {0}); }, {"draw"});
-    const Stage camera = changed(R"("camera" : 0, "name" : "Camera",)", hidden + R"("camera" : 0, "name" : "Camera",)");
-    EXPECT_EQ(stage_at(camera, 0).cameras.size(), 1u);
+    EXPECT_TRUE(stage::stage_at(floor, 0).performers.at(0).visible);
+    expect_input_error([&] { stage::bounds_over(floor.scene, stage::kNoAnimation, {0}); }, {"draw"});
+    const stage::Stage camera =
+        changed(R"("camera" : 0, "name" : "Camera",)", hidden + R"("camera" : 0, "name" : "Camera",)");
+    EXPECT_EQ(stage::stage_at(camera, 0).cameras.size(), 1u);
     expect_refused(R"("name" : "Pivot",)", R"("extensions":{"KHR_node_visibility":{"visible":0}},"name":"Pivot",)",
                    {"/nodes/3/extensions/KHR_node_visibility/visible"});
     EXPECT_NO_THROW(changed(R"("extensionsRequired" : [ )", R"("extensionsRequired" : [ "KHR_node_visibility", )"));
 }
 
 TEST_F(Stages, OrthographicCamerasAreNamedAndNotDrawn) {
-    const Stage stage = changed(R"("type" : "perspective",
+    const stage::Stage stage =
+        changed(R"("type" : "perspective",
 		"perspective" : { "aspectRatio" : 1.7777777777777777, "yfov" : 0.8, "zfar" : 1000, "znear" : 0.10000000149011612 })",
-                                R"("type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":0})");
-    EXPECT_TRUE(stage_at(stage, 0).cameras.at(0).orthographic);
-    expect_input_error([&] { camera_of(stage, "Camera", stage_at(stage, 0), 8, 8); }, {"Camera", "orthographic"});
-    expect_input_error([&] { camera_of(stage, "", stage_at(stage, 0), 8, 8); }, {"perspective"});
-    expect_input_error([&] { camera_of(stage, "nobody", stage_at(stage, 0), 8, 8); }, {"none that is perspective"});
+                R"("type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":0})");
+    EXPECT_TRUE(stage::stage_at(stage, 0).cameras.at(0).orthographic);
+    expect_input_error([&] { stage::camera_of(stage, "Camera", stage::stage_at(stage, 0), 8, 8); },
+                       {"Camera", "orthographic"});
+    expect_input_error([&] { stage::camera_of(stage, "", stage::stage_at(stage, 0), 8, 8); }, {"perspective"});
+    expect_input_error([&] { stage::camera_of(stage, "nobody", stage::stage_at(stage, 0), 8, 8); },
+                       {"none that is perspective"});
 }
 
 TEST_F(Stages, HostileOnesAreRefusedInALine) {
@@ -282,10 +290,10 @@ TEST_F(Stages, HostileCameraPathsAreRefused) {
 
 // While an animation flattens a performer it is not seen, rather than no picture at all.
 TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
-    const Stage stage =
+    const stage::Stage stage =
         changed(R"("target" : { "node" : 1, "path" : "translation" })", R"("target":{"node":4,"path":"scale"})");
-    EXPECT_FALSE(stage_at(stage, 0).performers.at(0).visible) << "from (0, 1.5, 4) to (2, 1.5, 4)";
-    EXPECT_TRUE(stage_at(stage, 0.5).performers.at(0).visible);
+    EXPECT_FALSE(stage::stage_at(stage, 0).performers.at(0).visible) << "from (0, 1.5, 4) to (2, 1.5, 4)";
+    EXPECT_TRUE(stage::stage_at(stage, 0.5).performers.at(0).visible);
 }
 
 // What schema and reader know must be the same members, and what the schema bounds the reader refuses.
@@ -301,54 +309,54 @@ ordered_json schema_of(const char* name) {
 }
 
 TEST(StageSchema, PerformerHoldsWhatIsWritten) {
-    PerformerSettings settings;
+    stage::PerformerSettings settings;
     settings.uri = "a.nvv";
-    settings.time = parse_time_map("offset:1s,speed:2,pause:1s:2s,clip:0s:1s,jump:1f:2f", "", "");
+    settings.time = stage::parse_time_map("offset:1s,speed:2,pause:1s:2s,clip:0s:1s,jump:1f:2f", "", "");
     settings.spin_deg_per_s = 9;
     settings.opacity = 0.5;
     settings.visible = settings.casts_shadow = settings.receives_shadow = false;
-    settings.paint = {{"p.nvpaint", "red", false, 0.25, PaintBlend::kTint}};
-    const ordered_json json = json_of(settings), schema = schema_of("NEUVV_performer.schema.json");
+    settings.paint = {{"p.nvpaint", "red", false, 0.25, stage::PaintBlend::kTint}};
+    const ordered_json json = stage::json_of(settings), schema = schema_of("NEUVV_performer.schema.json");
     expect_members(schema, json, "performer");
     expect_members(schema["$defs"]["layer"], json["paint"][0], "layer");
-    EXPECT_EQ(schema["$defs"]["layer"]["properties"]["blend"]["enum"], ordered_json(kPaintBlendNames));
+    EXPECT_EQ(schema["$defs"]["layer"]["properties"]["blend"]["enum"], ordered_json(stage::kPaintBlendNames));
     ordered_json operators = ordered_json::object();
     for (const ordered_json& op : json["time"]) operators.update(op);
     expect_members(schema["$defs"]["operator"], operators, "operator");
     for (const ordered_json& name : schema["$defs"]["operator"]["properties"]["operator"]["enum"])
-        EXPECT_NO_THROW(parse_time_map(name == "reverse" || name == "hold" || name == "loop" || name == "ping-pong"
-                                           ? name.get<std::string>()
-                                       : name == "speed"                      ? "speed:1"
-                                       : name == "offset" || name == "freeze" ? name.get<std::string>() + ":1s"
-                                                                              : name.get<std::string>() + ":1s:2s",
-                                       "", ""));
-    const PerformerSettings back = performer_settings_of(json, "f", "p");
-    EXPECT_EQ(json_of(back), json);
-    EXPECT_EQ(json_of(PerformerSettings{.uri = "a"}).size(), 1u) << "defaults are not written";
+        EXPECT_NO_THROW(stage::parse_time_map(
+            name == "reverse" || name == "hold" || name == "loop" || name == "ping-pong" ? name.get<std::string>()
+            : name == "speed"                                                            ? "speed:1"
+            : name == "offset" || name == "freeze" ? name.get<std::string>() + ":1s"
+                                                   : name.get<std::string>() + ":1s:2s",
+            "", ""));
+    const stage::PerformerSettings back = stage::performer_settings_of(json, "f", "p");
+    EXPECT_EQ(stage::json_of(back), json);
+    EXPECT_EQ(stage::json_of(stage::PerformerSettings{.uri = "a"}).size(), 1u) << "defaults are not written";
 }
 
 TEST(StageSchema, StageHoldsWhatIsWritten) {
-    StageSettings settings;
+    stage::StageSettings settings;
     settings.duration_s = 3;
     settings.fps = 24;
     settings.background = {0.1, 0.2, 0.3};
-    settings.environment = StageEnvironment{"sky.png", 2, 90};
+    settings.environment = stage::StageEnvironment{"sky.png", 2, 90};
     settings.ambient = glm::dvec3(0.5);
-    settings.blend = StageBlend::kPaper;
+    settings.blend = stage::StageBlend::kPaper;
     settings.shadows = settings.falloff = false;
-    settings.camera_path = CameraPath{{{}, {}}, Interpolation::kLinear, true, 2};
+    settings.camera_path = stage::CameraPath{{{}, {}}, stage::Interpolation::kLinear, true, 2};
     settings.camera_path->keys[1].time_s = 1;
-    const ordered_json json = json_of(settings), schema = schema_of("NEUVV_stage.schema.json");
+    const ordered_json json = stage::json_of(settings), schema = schema_of("NEUVV_stage.schema.json");
     expect_members(schema, json, "stage");
     expect_members(schema["properties"]["environment"], json["environment"], "environment");
     expect_members(schema["properties"]["cameraPath"], json["cameraPath"], "path");
     expect_members(schema["$defs"]["key"], json["cameraPath"]["keys"][1], "key");
     EXPECT_EQ(schema["properties"]["cameraPath"]["properties"]["interpolation"]["enum"],
-              ordered_json(kInterpolationNames));
+              ordered_json(stage::kInterpolationNames));
     EXPECT_EQ(schema["$defs"]["key"]["required"].size(), 4u);
-    EXPECT_EQ(schema["properties"]["blend"]["enum"], ordered_json(kStageBlendNames));
-    EXPECT_EQ(json_of(stage_settings_of(json, "f", "p")), json);
-    EXPECT_TRUE(json_of(StageSettings()).empty());
+    EXPECT_EQ(schema["properties"]["blend"]["enum"], ordered_json(stage::kStageBlendNames));
+    EXPECT_EQ(stage::json_of(stage::stage_settings_of(json, "f", "p")), json);
+    EXPECT_TRUE(stage::json_of(stage::StageSettings()).empty());
 }
 
 // Every bound of a schema is the reader's: just inside is read, just outside refused.
@@ -372,17 +380,18 @@ TEST(StageSchema, BoundsAreTheReaders) {
         }
     };
     const ordered_json performer = {{"uri", "a"}}, schema = schema_of("NEUVV_performer.schema.json");
-    each(schema["properties"], performer, [](const ordered_json& json) { performer_settings_of(json, "f", "p"); });
+    each(schema["properties"], performer,
+         [](const ordered_json& json) { stage::performer_settings_of(json, "f", "p"); });
     each(schema["$defs"]["layer"]["properties"], performer,
-         [](const ordered_json& json) { paint_layer_of(json, "f", "p"); });
+         [](const ordered_json& json) { stage::paint_layer_of(json, "f", "p"); });
     const ordered_json stage = schema_of("NEUVV_stage.schema.json");
     each(stage["properties"], ordered_json::object(),
-         [](const ordered_json& json) { stage_settings_of(json, "f", "p"); });
-    const ordered_json path = json_of(CameraPath{{{}}, {}, false, 0});
+         [](const ordered_json& json) { stage::stage_settings_of(json, "f", "p"); });
+    const ordered_json path = stage::json_of(stage::CameraPath{{{}}, {}, false, 0});
     each(stage["properties"]["cameraPath"]["properties"], path,
-         [](const ordered_json& json) { camera_path_of(json, "f", "p"); });
+         [](const ordered_json& json) { stage::camera_path_of(json, "f", "p"); });
     each(stage["$defs"]["key"]["properties"], path["keys"][0], [](const ordered_json& json) {
-        camera_path_of({{"keys", ordered_json::array({json})}, {"duration", 86400}}, "f", "p");
+        stage::camera_path_of({{"keys", ordered_json::array({json})}, {"duration", 86400}}, "f", "p");
     });
 }
 

@@ -14,15 +14,15 @@ namespace {
 constexpr uint32_t kFrames = 10;
 constexpr double kFps = 25;
 
-Timeline timeline(const std::string& text, uint32_t frames = kFrames, double fps = kFps) {
-    return timeline_of(parse_time_map(text, "stage", "time"), frames, fps, "stage", "time");
+stage::Timeline timeline(const std::string& text, uint32_t frames = kFrames, double fps = kFps) {
+    return stage::timeline_of(stage::parse_time_map(text, "stage", "time"), frames, fps, "stage", "time");
 }
 
 // What the stage's frames show, at the clip's rate.
 std::vector<double> shown(const std::string& text, int count) {
-    const Timeline map = timeline(text);
+    const stage::Timeline map = timeline(text);
     std::vector<double> frames;
-    for (int i = 0; i < count; ++i) frames.push_back(frame_at(map, i / kFps));
+    for (int i = 0; i < count; ++i) frames.push_back(stage::frame_at(map, i / kFps));
     return frames;
 }
 
@@ -75,16 +75,17 @@ TEST(TimeMap, PeriodsAreThoseOfWhatIsShown) {
                                                       {"loop,clip:1f:14f,loop", 13},
                                                       {"loop,pause:4f:6f", 10}};
     for (const auto& [text, frames] : periods) {
-        const Timeline map = timeline(text);
-        const double period = period_s(map);
+        const stage::Timeline map = timeline(text);
+        const double period = stage::period_s(map);
         EXPECT_NEAR(period * kFps, frames, 1e-9) << text;
         for (int i = 30; i < 60 && period > 0; ++i)
-            EXPECT_NEAR(frame_at(map, i / kFps), frame_at(map, i / kFps + period), 1e-6) << text << " at " << i;
+            EXPECT_NEAR(stage::frame_at(map, i / kFps), stage::frame_at(map, i / kFps + period), 1e-6)
+                << text << " at " << i;
     }
 }
 
 TEST(TimeMap, PartsBeyondTheEndAreToldOf) {
-    const auto check = [](const char* text) { expect_parts_within(timeline(text), "--time", text); };
+    const auto check = [](const char* text) { stage::expect_parts_within(timeline(text), "--time", text); };
     for (const char* text :
          {"loop:0:10f", "loop:0:0.4s", "clip:8f:10f", "loop,clip:8f:14f", "ping-pong", "offset:2f,loop:0:12f"})
         EXPECT_NO_THROW(check(text)) << text;
@@ -93,8 +94,9 @@ TEST(TimeMap, PartsBeyondTheEndAreToldOf) {
 }
 
 TEST(TimeMap, SpacesAreAllowed) {
-    EXPECT_EQ(parse_time_map(" loop : 0:2s , speed:0.5", "f", "p"), parse_time_map("loop:0:2s,speed:0.5", "f", "p"));
-    expect_input_error([&] { parse_time_map("lo op", "f", "p"); }, {"lo op"});
+    EXPECT_EQ(stage::parse_time_map(" loop : 0:2s , speed:0.5", "f", "p"),
+              stage::parse_time_map("loop:0:2s,speed:0.5", "f", "p"));
+    expect_input_error([&] { stage::parse_time_map("lo op", "f", "p"); }, {"lo op"});
 }
 
 TEST(TimeMap, TheEndsHoldAtAnyTime) {
@@ -102,12 +104,12 @@ TEST(TimeMap, TheEndsHoldAtAnyTime) {
                              "speed:1000,speed:1000,loop", "speed:0.001,ping-pong", "jump:1f:9f,loop", "pause:900s:2s",
                              "clip:20f:40f,loop", "clip:0:0.00001f,loop,speed:1000"})
         for (const double t : {-1e308, -1e9, -1.0, -1e-9, 0.0, 0.039999999999, 0.1, 3.0, 1e4, 1e9, 1e17, 1e308}) {
-            const double frame = frame_at(timeline(text), t);
+            const double frame = stage::frame_at(timeline(text), t);
             EXPECT_TRUE(frame >= 0 && frame <= kFrames - 1) << text << " at " << t << ": " << frame;
         }
-    EXPECT_EQ(frame_at(timeline(""), -5), 0);
-    EXPECT_EQ(frame_at(timeline("reverse"), -5), 9);
-    EXPECT_EQ(frame_at(timeline("loop", 1), 17.3), 0);
+    EXPECT_EQ(stage::frame_at(timeline(""), -5), 0);
+    EXPECT_EQ(stage::frame_at(timeline("reverse"), -5), 9);
+    EXPECT_EQ(stage::frame_at(timeline("loop", 1), 17.3), 0);
 }
 
 // Stage times of whole frames show whole frames, however many of them have passed and however odd the rates.
@@ -117,15 +119,15 @@ TEST(TimeMap, RoundingMixesNoFrames) {
             for (const int k : {0, 1, 6, 7, 8, 74, 75, 76, 524, 525, 99999, 1234567}) {
                 const double t = k / fps;
                 const auto n = static_cast<int>(frames);
-                const auto at = [&](const char* text) { return frame_at(timeline(text, frames, fps), t); };
+                const auto at = [&](const char* text) { return stage::frame_at(timeline(text, frames, fps), t); };
                 EXPECT_EQ(at("loop"), k % n) << fps << ' ' << frames << ' ' << k;
                 EXPECT_EQ(at("reverse"), std::max(0, n - 1 - k));
                 EXPECT_EQ(at("speed:0.5"), std::min(k / 2.0, n - 1.0));
                 const int wave = k % (2 * (n - 1));
                 EXPECT_EQ(at("ping-pong"), std::min(wave, 2 * (n - 1) - wave));
             }
-    EXPECT_EQ(frame_at(timeline(""), (3 + 0.9e-6) / kFps), 3);
-    EXPECT_GT(frame_at(timeline(""), (3 + 2e-6) / kFps), 3);
+    EXPECT_EQ(stage::frame_at(timeline(""), (3 + 0.9e-6) / kFps), 3);
+    EXPECT_GT(stage::frame_at(timeline(""), (3 + 2e-6) / kFps), 3);
 }
 
 // Brute force: a clip is the list of what its frames show, and operators cut and paste lists. Whole frames, speeds that
@@ -144,7 +146,7 @@ struct Cutting {
     }
 };
 
-void cut(Cutting& clip, TimeOperator& op, std::mt19937& random) {
+void cut(Cutting& clip, stage::TimeOperator& op, std::mt19937& random) {
     const auto below = [&](size_t end) { return random() % end; };
     if (clip.endless) clip.frames = clip.part(0, 2000), clip.endless = false;  // as good as endless here
     const size_t size = clip.frames.size();
@@ -156,11 +158,11 @@ void cut(Cutting& clip, TimeOperator& op, std::mt19937& random) {
         frames.insert(frames.begin() + static_cast<std::ptrdiff_t>(std::min(at, frames.size())), count, value);
     };
     switch (op.verb) {
-        case TimeVerb::kOffset:
+        case stage::TimeVerb::kOffset:
             op.a.value = static_cast<double>(below(5));
             insert(0, static_cast<size_t>(op.a.value), frames[0]);
             break;
-        case TimeVerb::kSpeed: {
+        case stage::TimeVerb::kSpeed: {
             op.factor = static_cast<double>(1 + below(3));
             Frames fewer;
             for (size_t i = 0; i < size; i += static_cast<size_t>(op.factor)) fewer.push_back(frames[i]);
@@ -168,20 +170,20 @@ void cut(Cutting& clip, TimeOperator& op, std::mt19937& random) {
             frames = fewer;
             break;
         }
-        case TimeVerb::kPause:
+        case stage::TimeVerb::kPause:
             op.b.value = static_cast<double>(below(4));
             insert(a, static_cast<size_t>(op.b.value), frames[a]);
             break;
-        case TimeVerb::kFreeze:
+        case stage::TimeVerb::kFreeze:
             frames.assign(size, frames[a]);
             break;
-        case TimeVerb::kClip:
+        case stage::TimeVerb::kClip:
             frames = clip.part(a, b);
             break;
-        case TimeVerb::kReverse:
+        case stage::TimeVerb::kReverse:
             std::reverse(frames.begin(), frames.end());
             break;
-        case TimeVerb::kJump: {
+        case stage::TimeVerb::kJump: {
             op.b.value = static_cast<double>(below(std::min<size_t>(size, 12)));
             Frames jumped = clip.part(0, a);
             const Frames rest = clip.part(static_cast<size_t>(op.b.value), size);
@@ -189,11 +191,11 @@ void cut(Cutting& clip, TimeOperator& op, std::mt19937& random) {
             frames = jumped;
             break;
         }
-        case TimeVerb::kLoop:
+        case stage::TimeVerb::kLoop:
             frames = clip.part(a, b);
             clip.endless = true;
             break;
-        case TimeVerb::kPingPong: {
+        case stage::TimeVerb::kPingPong: {
             Frames there = clip.part(a, b);
             for (size_t i = b - 1; i-- > a + 1;) there.push_back(clip.at(i));
             frames = there;
@@ -209,25 +211,27 @@ TEST(TimeMap, CompositionsAgainstCuttingAndPasting) {
     for (int round = 0; round < 3000; ++round) {
         Cutting clip;
         for (int i = 0; i < static_cast<int>(kFrames); ++i) clip.frames.push_back(i);
-        TimeMap map;
+        stage::TimeMap map;
         bool was_endless = false;
         for (size_t count = 1 + random() % 5; map.size() < count;) {
-            TimeOperator op;
-            op.verb = static_cast<TimeVerb>(random() % 9);
-            if (op.verb == TimeVerb::kReverse && was_endless) continue;
+            stage::TimeOperator op;
+            op.verb = static_cast<stage::TimeVerb>(random() % 9);
+            if (op.verb == stage::TimeVerb::kReverse && was_endless) continue;
             // After a speed, a frame of the clip is shorter than the stage's: a last frame does not hold as long there.
-            const bool sped = std::any_of(map.begin(), map.end(), [](const TimeOperator& before) {
-                return before.verb == TimeVerb::kSpeed && before.factor != 1;
+            const bool sped = std::any_of(map.begin(), map.end(), [](const stage::TimeOperator& before) {
+                return before.verb == stage::TimeVerb::kSpeed && before.factor != 1;
             });
-            if (sped && op.verb != TimeVerb::kOffset && op.verb != TimeVerb::kFreeze && op.verb != TimeVerb::kSpeed)
+            if (sped && op.verb != stage::TimeVerb::kOffset && op.verb != stage::TimeVerb::kFreeze &&
+                op.verb != stage::TimeVerb::kSpeed)
                 break;
             cut(clip, op, random);
-            was_endless = (was_endless || clip.endless) && op.verb != TimeVerb::kClip;
+            was_endless = (was_endless || clip.endless) && op.verb != stage::TimeVerb::kClip;
             map.push_back(op);
         }
-        const Timeline made = timeline_of(map, kFrames, kFps, "f", "p");
+        const stage::Timeline made = stage::timeline_of(map, kFrames, kFps, "f", "p");
         for (size_t i = 0; i < 40; ++i, ++compared)
-            ASSERT_EQ(frame_at(made, static_cast<double>(i) / kFps), clip.at(i)) << text_of(map) << " at frame " << i;
+            ASSERT_EQ(stage::frame_at(made, static_cast<double>(i) / kFps), clip.at(i))
+                << stage::text_of(map) << " at frame " << i;
     }
     EXPECT_GT(compared, 100000);
 }
@@ -236,14 +240,15 @@ TEST(TimeMap, BothFormsComeBack) {
     const std::string text =
         "offset:-3f,speed:0.25,pause:1s:0.5s,freeze:2f,clip:0s:2s,reverse,jump:1s:3f,loop,loop:0s:2s,ping-pong,ping-"
         "pong:1f:9f,hold";
-    const TimeMap map = parse_time_map(text, "f", "p");
+    const stage::TimeMap map = stage::parse_time_map(text, "f", "p");
     EXPECT_EQ(map.size(), 12u);
-    EXPECT_EQ(text_of(map), text);
-    EXPECT_EQ(time_map_of(json_of(map), "f", "p"), map);
-    EXPECT_EQ(json_of(map)[7].dump(), R"({"operator":"loop"})");
-    EXPECT_EQ(json_of(map)[8].dump(), R"({"operator":"loop","from":"0s","to":"2s"})");
-    EXPECT_EQ(text_of(parse_time_map("loop:0:2s,speed:0.5,offset:3f", "f", "p")), "loop:0s:2s,speed:0.5,offset:3f");
-    EXPECT_TRUE(parse_time_map("", "f", "p").empty());
+    EXPECT_EQ(stage::text_of(map), text);
+    EXPECT_EQ(stage::time_map_of(stage::json_of(map), "f", "p"), map);
+    EXPECT_EQ(stage::json_of(map)[7].dump(), R"({"operator":"loop"})");
+    EXPECT_EQ(stage::json_of(map)[8].dump(), R"({"operator":"loop","from":"0s","to":"2s"})");
+    EXPECT_EQ(stage::text_of(stage::parse_time_map("loop:0:2s,speed:0.5,offset:3f", "f", "p")),
+              "loop:0s:2s,speed:0.5,offset:3f");
+    EXPECT_TRUE(stage::parse_time_map("", "f", "p").empty());
 }
 
 TEST(TimeMap, WrongOnesNameTheMend) {
@@ -271,7 +276,7 @@ TEST(TimeMap, WrongOnesNameTheMend) {
     refused(many, {"64"});
     using nlohmann::ordered_json;
     const auto json_refused = [](const char* text, std::initializer_list<std::string> parts) {
-        expect_input_error([&] { time_map_of(ordered_json::parse(text), "my.gltf", "/time"); }, parts);
+        expect_input_error([&] { stage::time_map_of(ordered_json::parse(text), "my.gltf", "/time"); }, parts);
     };
     json_refused("{}", {"my.gltf", "/time", "list"});
     json_refused("[1]", {"/time/0", "object"});

@@ -22,21 +22,23 @@ inline int figure_part(glm::dvec3 at, uint32_t frame) {
     return glm::length(shoulders) < 1 ? 2 : 0;
 }
 
-inline VOctree figure_tree() {
-    VOctree tree;
+inline voctree::VOctree figure_tree() {
+    voctree::VOctree tree;
     tree.node_levels = kFigureDepth / 2;
     tree.frames = tree.bases = 2;
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0};
-    std::vector<LeafPlace> places;
-    const auto middle = [](const LeafPlace& p) { return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide}; };
+    std::vector<voctree::LeafPlace> places;
+    const auto middle = [](const voctree::LeafPlace& p) {
+        return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide};
+    };
     for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
-        const LeafPlace place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
-                              kFigureDepth};
+        const voctree::LeafPlace place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
+                                       kFigureDepth};
         if (figure_part(middle(place), 0) || figure_part(middle(place), 1)) places.push_back(place);
     }
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         int part = 0;
@@ -57,7 +59,7 @@ inline VOctree figure_tree() {
     return tree;
 }
 
-inline Camera figure_camera(uint32_t side) {
+inline stage::Camera figure_camera(uint32_t side) {
     return look_at({0.55, 0.62, 2.1}, {0.5, 0.45, 0.5}, side, side, 1.6);
 }
 

@@ -9,8 +9,8 @@ namespace neuvv::test {
 
 class GpuTest : public ::testing::Test {
   protected:
-    static const Device& device() {
-        static const Device shared("", Validation::kOn);
+    static const gpu::Device& device() {
+        static const gpu::Device shared("", gpu::Validation::kOn);
         return shared;
     }
     void TearDown() override {

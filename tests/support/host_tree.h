@@ -19,26 +19,26 @@ struct HostTree {
 };
 
 // The first of the trees.
-inline HostTree download_tree(const Device& device, const Field& field, const SliceTrees& tree) {
+inline HostTree download_tree(const gpu::Device& device, const render::Field& field, const render::SliceTrees& tree) {
     HostTree host;
     host.nodes.resize(field.node_count());
     host.entries.resize(size_t{tree.capacity} * sh_count(field.hh_degree));
     host.leaves.resize(tree.capacity);
-    download(device, tree.nodes, host.nodes.data(), host.nodes.size() * sizeof(glm::uvec4));
-    download(device, tree.entries, host.entries.data(), host.entries.size() * sizeof(glm::uvec2));
-    download(device, tree.entry_leaf, host.leaves.data(), host.leaves.size() * sizeof(uint32_t));
-    download(device, tree.counts, &host.count, sizeof(LiveCount));
+    gpu::download(device, tree.nodes, host.nodes.data(), host.nodes.size() * sizeof(glm::uvec4));
+    gpu::download(device, tree.entries, host.entries.data(), host.entries.size() * sizeof(glm::uvec2));
+    gpu::download(device, tree.entry_leaf, host.leaves.data(), host.leaves.size() * sizeof(uint32_t));
+    gpu::download(device, tree.counts, &host.count, sizeof(LiveCount));
     return host;
 }
 
 inline double number(uint32_t word, int shift) {
-    return float_from_half(static_cast<uint16_t>(word >> shift));
+    return voctree::float_from_half(static_cast<uint16_t>(word >> shift));
 }
 
 // Walks what the device built as a shader does, and ticks off the leaves it meets.
 struct TreeCheck {
     const HostTree& host;
-    const VOctree& tree;
+    const voctree::VOctree& tree;
     const std::vector<reference::LeafSlice>& truth;
     std::vector<bool> met = std::vector<bool>(tree.leaf_count);
     uint32_t entries = 0;
@@ -74,7 +74,7 @@ struct TreeCheck {
         ASSERT_LT(leaf, tree.leaf_count);
         EXPECT_FALSE(met[leaf]) << "leaf " << leaf << " twice";
         met[leaf] = true;
-        EXPECT_EQ(leaf_places(tree)[leaf].depth, depth);
+        EXPECT_EQ(voctree::leaf_places(tree)[leaf].depth, depth);
         const auto relative = [this](double value, double expected, double scale) {
             return std::abs(value - expected) / std::max(scale, least_scale);
         };

@@ -9,10 +9,10 @@
 namespace neuvv::test {
 
 // From `eye` towards `target`, world +Y up; the focal length in multiples of the picture's width.
-inline Camera look_at(glm::dvec3 eye, glm::dvec3 target, uint32_t width, uint32_t height, double focal = 1.0) {
+inline stage::Camera look_at(glm::dvec3 eye, glm::dvec3 target, uint32_t width, uint32_t height, double focal = 1.0) {
     const glm::dvec3 back = glm::normalize(eye - target);
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
-    Camera camera;
+    stage::Camera camera;
     camera.world_from_camera = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0),
                                           glm::dvec4(back, 0), glm::dvec4(eye, 1));
     camera.fx = camera.fy = focal * width;

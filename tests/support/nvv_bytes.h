@@ -69,7 +69,7 @@ inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 3) {
 inline uint8_t coding_of(const std::vector<uint16_t>& halves) {
     for (uint8_t coding = 0; coding <= 24; ++coding) {
         const auto fits = [&](uint16_t half) {
-            const double multiple = std::ldexp(static_cast<double>(float_from_half(half)), coding);
+            const double multiple = std::ldexp(static_cast<double>(voctree::float_from_half(half)), coding);
             return multiple == std::floor(multiple) && std::abs(multiple) <= 32767;
         };
         if (std::all_of(halves.begin(), halves.end(), fits)) return coding;
@@ -89,7 +89,7 @@ inline Bytes columns_bytes(const std::vector<std::vector<uint16_t>>& columns) {
         for (const uint16_t half : column) {
             int number = half >> (coding & 127);
             if (coding < 128) {
-                const int multiple = static_cast<int>(std::ldexp(float_from_half(half), coding));
+                const int multiple = static_cast<int>(std::ldexp(voctree::float_from_half(half), coding));
                 const int step = static_cast<int16_t>(multiple - before);
                 before = multiple;
                 number = step < 0 ? -2 * step - 1 : 2 * step;
@@ -104,7 +104,7 @@ inline Bytes columns_bytes(const std::vector<std::vector<uint16_t>>& columns) {
 }
 
 // The nine chunks of a tree, defects and all.
-inline std::vector<Chunk> chunks_of(const VOctree& tree) {
+inline std::vector<Chunk> chunks_of(const voctree::VOctree& tree) {
     std::vector<Chunk> chunks;
     for (const char* name : {"HEAD", "NODE", "CHLD", "BASA", "BASB", "MASK", "WSIG", "WGAM", "WHHC"})
         chunks.push_back({.name = name, .raw = {}});
@@ -123,9 +123,10 @@ inline std::vector<Chunk> chunks_of(const VOctree& tree) {
                 static_cast<uint8_t>((tree.children[i] - (i > 0 ? tree.children[i - 1] : 0)) >> shift));
     for (const float value : tree.sigma_basis) append(chunks[3].raw, value);
     for (const float value : tree.gamma_basis) append(chunks[4].raw, value);
-    const auto half = [&](uint32_t leaf, uint32_t weight) { return half_from_float(tree.leaf(leaf)[weight]); };
+    const auto half = [&](uint32_t leaf, uint32_t weight) { return voctree::half_from_float(tree.leaf(leaf)[weight]); };
     const auto present = [&](uint32_t leaf, uint32_t basis) {
-        return float_from_half(half(leaf, basis)) != 0 || float_from_half(half(leaf, tree.bases + basis)) != 0;
+        return voctree::float_from_half(half(leaf, basis)) != 0 ||
+               voctree::float_from_half(half(leaf, tree.bases + basis)) != 0;
     };
     for (uint32_t first = 0; first < tree.bases; first += 8)
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {

@@ -34,17 +34,17 @@ struct Random {
 
 // Disjoint places at depths 1..2·node_levels in random order: cells split at random until there are twice as many as
 // wanted, then a random half of them.
-inline std::vector<LeafPlace> random_places(Random& random, uint32_t node_levels, uint32_t leaves) {
-    std::vector<LeafPlace> open = {{0, 0, 0, 0}}, finest;
+inline std::vector<voctree::LeafPlace> random_places(Random& random, uint32_t node_levels, uint32_t leaves) {
+    std::vector<voctree::LeafPlace> open = {{0, 0, 0, 0}}, finest;
     while (!open.empty() && open.size() + finest.size() < size_t{2} * leaves) {
         // Half of the time the newest cell, so that small trees are deep, too.
         const size_t pick = random.below(2) ? open.size() - 1 : random.below(open.size());
-        const LeafPlace parent = open[pick];
+        const voctree::LeafPlace parent = open[pick];
         open[pick] = open.back();
         open.pop_back();
         for (uint32_t octant = 0; octant < 8; ++octant) {
-            const LeafPlace child = {parent.x * 2 + (octant & 1), parent.y * 2 + (octant >> 1 & 1),
-                                     parent.z * 2 + (octant >> 2), parent.depth + 1};
+            const voctree::LeafPlace child = {parent.x * 2 + (octant & 1), parent.y * 2 + (octant >> 1 & 1),
+                                              parent.z * 2 + (octant >> 2), parent.depth + 1};
             (child.depth < 2 * node_levels ? open : finest).push_back(child);
         }
     }
@@ -58,16 +58,16 @@ inline std::vector<LeafPlace> random_places(Random& random, uint32_t node_levels
 // σ(t) is positive in about half of the leaves at any frame, and then about 5 per box edge: a ray through the whole box
 // passes about a quarter of such leaves and gathers alpha of about 0.3 to 0.9. γ(t) and colours spread over their
 // ranges.
-inline VOctree random_tree(const RandomTreeOptions& options) {
+inline voctree::VOctree random_tree(const RandomTreeOptions& options) {
     Random random(options.seed);
-    VOctree tree;
+    voctree::VOctree tree;
     tree.box_min = {-1.0f, -0.25f, -0.75f};
     tree.box_size = {2.0f, 1.5f, 1.75f};
     tree.node_levels = options.node_levels;
     tree.bases = options.bases;
     tree.hh_degree = options.hh_degree;
     tree.frames = options.frames;
-    build_topology(tree, random_places(random, options.node_levels, options.leaves));
+    voctree::build_topology(tree, random_places(random, options.node_levels, options.leaves));
 
     const double row_scale = 1 / std::sqrt(static_cast<double>(tree.bases));
     for (std::vector<float>* rows : {&tree.sigma_basis, &tree.gamma_basis}) {
@@ -79,7 +79,7 @@ inline VOctree random_tree(const RandomTreeOptions& options) {
     for (size_t i = 0; i < tree.weights.size(); ++i) {
         const size_t weight = i % per_leaf;
         const double scale = weight < tree.bases ? sigma_scale : 2.0;
-        tree.weights[i] = float_from_half(half_from_float(static_cast<float>(scale * random.bell())));
+        tree.weights[i] = voctree::float_from_half(voctree::half_from_float(static_cast<float>(scale * random.bell())));
     }
     return tree;
 }

@@ -70,15 +70,15 @@ inline json& add_mesh(GlbBuilder& glb, const MeshData& mesh, const json& materia
 }
 
 // Returns the index of the texture.
-inline size_t add_texture(GlbBuilder& glb, const Image& image) {
-    const std::vector<uint8_t> png = encode_png(image);
+inline size_t add_texture(GlbBuilder& glb, const media::Image& image) {
+    const std::vector<uint8_t> png = media::encode_png(image);
     glb.root["images"].push_back({{"bufferView", glb.add_view(png.data(), png.size())}, {"mimeType", "image/png"}});
     glb.root["textures"].push_back({{"source", glb.root["images"].size() - 1}});
     return glb.root["textures"].size() - 1;
 }
 
-inline Image one_colour(uint8_t r, uint8_t g, uint8_t b, uint8_t a = 255) {
-    Image image(4, 4);
+inline media::Image one_colour(uint8_t r, uint8_t g, uint8_t b, uint8_t a = 255) {
+    media::Image image(4, 4);
     for (size_t i = 0; i < image.rgba.size(); i += 4) {
         image.rgba[i] = r;
         image.rgba[i + 1] = g;
@@ -95,9 +95,9 @@ inline json pbr_material(glm::vec4 base, double metallic, double roughness) {
               {"roughnessFactor", roughness}}}};
 }
 
-inline GltfScene scene_of(const GlbBuilder& glb) {
+inline stage::GltfScene scene_of(const GlbBuilder& glb) {
     const TemporaryFolder folder;
-    return load_gltf(folder.write(glb.bytes()));
+    return stage::load_gltf(folder.write(glb.bytes()));
 }
 
 // Everything that the raster pass left, by texel of all views.
@@ -106,23 +106,25 @@ struct SetPictures {
     std::vector<float> depth_m;
 };
 
-inline std::vector<glm::dvec4> download_colours(const Device& device, const Buffer& from) {
+inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const gpu::Buffer& from) {
     std::vector<uint16_t> halves(from.bytes / 2);
-    download(device, from, halves.data(), from.bytes);
+    gpu::download(device, from, halves.data(), from.bytes);
     std::vector<glm::dvec4> colours(halves.size() / 4);
-    for (size_t i = 0; i < halves.size(); i++) colours[i / 4][static_cast<int>(i % 4)] = float_from_half(halves[i]);
+    for (size_t i = 0; i < halves.size(); i++)
+        colours[i / 4][static_cast<int>(i % 4)] = voctree::float_from_half(halves[i]);
     return colours;
 }
 
-inline SetPictures draw_set(const Device& device, SetRaster& set, const std::vector<Camera>& cameras) {
-    run_once(device, "set", [&](Commands& commands) {
-        record_set_shadows(commands, set);
-        record_set(commands, set, cameras);
-        record_set_transparent(commands, set, cameras);
+inline SetPictures draw_set(const gpu::Device& device, render::SetRaster& set,
+                            const std::vector<stage::Camera>& cameras) {
+    gpu::run_once(device, "set", [&](gpu::Commands& commands) {
+        render::record_set_shadows(commands, set);
+        render::record_set(commands, set, cameras);
+        render::record_set_transparent(commands, set, cameras);
     });
     SetPictures pictures{download_colours(device, set.colour), download_colours(device, set.front), {}};
     pictures.depth_m.resize(set.depth.bytes / 4);
-    download(device, set.depth, pictures.depth_m.data(), set.depth.bytes);
+    gpu::download(device, set.depth, pictures.depth_m.data(), set.depth.bytes);
     return pictures;
 }
 

@@ -24,7 +24,7 @@ struct SphereCapture {
     double time(uint32_t frame) const { return frames > 1 ? static_cast<double>(frame) / (frames - 1.0) : 0.0; }
 };
 
-inline Camera sphere_camera(const SphereCapture& capture, uint32_t index) {
+inline stage::Camera sphere_camera(const SphereCapture& capture, uint32_t index) {
     const double angle = capture.first_angle + 2 * std::numbers::pi * index / capture.cameras;
     const double height = std::array{0.4, 1.3, -0.6}[index % 3];
     const glm::dvec3 eye = capture.distance_m * glm::normalize(glm::dvec3(std::cos(angle), height, std::sin(angle)));
@@ -32,7 +32,7 @@ inline Camera sphere_camera(const SphereCapture& capture, uint32_t index) {
 }
 
 // The sphere's linear colour where the ray of a place in the picture meets it; alpha 0 where it does not.
-inline glm::dvec4 sphere_colour(const SphereCapture& capture, const Camera& camera, double time, glm::dvec2 at) {
+inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camera& camera, double time, glm::dvec2 at) {
     const glm::dvec3 in_camera((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
     const glm::dvec3 ray = glm::normalize(glm::dmat3(camera.world_from_camera) * in_camera);
     const glm::dvec3 eye = glm::dvec3(camera.world_from_camera[3]) - capture.centre(time);
@@ -44,22 +44,22 @@ inline glm::dvec4 sphere_colour(const SphereCapture& capture, const Camera& came
 }
 
 // Sixteen samples a pixel; straight alpha.
-inline Image sphere_picture(const SphereCapture& capture, const Camera& camera, double time) {
-    Image image(camera.width, camera.height);
+inline media::Image sphere_picture(const SphereCapture& capture, const stage::Camera& camera, double time) {
+    media::Image image(camera.width, camera.height);
     for (uint32_t y = 0; y < camera.height; y++)
         for (uint32_t x = 0; x < camera.width; x++) {
             glm::dvec4 sum(0);
             for (uint32_t i = 0; i < 16; i++)
                 sum += sphere_colour(capture, camera, time, {x + (i % 4 + 0.5) / 4, y + (i / 4 + 0.5) / 4});
             for (int c = 0; c < 3 && sum.a > 0; c++)
-                image.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(sum[c] / sum.a)));
+                image.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(sum[c] / sum.a)));
             image.at(x, y)[3] = static_cast<uint8_t>(std::lround(255 * sum.a / 16));
         }
     return image;
 }
 
-inline Dataset sphere_dataset(const SphereCapture& capture) {
-    Dataset dataset;
+inline training::Dataset sphere_dataset(const SphereCapture& capture) {
+    training::Dataset dataset;
     dataset.folder = "sphere";
     dataset.fps = 25;
     dataset.plates.resize(capture.cameras);
@@ -74,10 +74,10 @@ inline Dataset sphere_dataset(const SphereCapture& capture) {
 }
 
 // The same as a folder with a train split.
-inline void write_capture(const std::filesystem::path& folder, const Dataset& dataset) {
+inline void write_capture(const std::filesystem::path& folder, const training::Dataset& dataset) {
     std::string frames;
-    for (const View& view : dataset.views) {
-        const Camera& camera = dataset.cameras[view.camera];
+    for (const training::View& view : dataset.views) {
+        const stage::Camera& camera = dataset.cameras[view.camera];
         std::string rows;
         for (int row = 0; row < 4; row++) {
             const glm::dmat4& m = camera.world_from_camera;
@@ -86,7 +86,7 @@ inline void write_capture(const std::filesystem::path& folder, const Dataset& da
         frames += fmt::format(R"({}{{"file_path":"{}.png","time":{},"fl_x":{},"w":{},"h":{},"transform_matrix":[{}]}})",
                               frames.empty() ? "" : ",\n", view.name, view.time, camera.fx, camera.width, camera.height,
                               rows);
-        write_png(folder / (view.name + ".png"), view.image);
+        media::write_png(folder / (view.name + ".png"), view.image);
     }
     write_text(folder / "transforms_train.json", "{\"frames\":[" + frames + "]}");
 }

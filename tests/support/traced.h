@@ -16,8 +16,9 @@ struct Traced {
     std::vector<float> depth;
 };
 
-inline Traced trace_on_device(FrameRenderer& renderer, const Camera& camera, float frame, TraceMode mode, float stop) {
-    FrameSettings settings;
+inline Traced trace_on_device(render::FrameRenderer& renderer, const stage::Camera& camera, float frame,
+                              render::TraceMode mode, float stop) {
+    render::FrameSettings settings;
     settings.instances[0].frame = frame;
     settings.width = camera.width;
     settings.height = camera.height;
@@ -27,7 +28,7 @@ inline Traced trace_on_device(FrameRenderer& renderer, const Camera& camera, flo
     return {renderer.radiance(), renderer.depth()};
 }
 
-inline Traced trace_by_reference(const VOctree& tree, const Camera& camera, double frame, double stop) {
+inline Traced trace_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, double frame, double stop) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
     Traced traced;
     for (uint32_t y = 0; y < camera.height; y++)
@@ -39,9 +40,9 @@ inline Traced trace_by_reference(const VOctree& tree, const Camera& camera, doub
     return traced;
 }
 
-inline Traced shade_by_reference(const VOctree& tree, const Camera& camera, double frame) {
+inline Traced shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, double frame) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Traced traced;
     for (uint32_t y = 0; y < camera.height; y++)
@@ -91,7 +92,7 @@ constexpr double kDepth_m = 1e-3;
 // Slice trees hold σ and colour as fp16, of 11 bits: α and SH sums are off by up to 1/2000 of what is summed.
 constexpr double kHalfSteps = 0.5;
 
-inline glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+inline glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
 }
 

@@ -41,10 +41,10 @@ inline std::vector<Part> parts_at(uint32_t frame) {
 }  // namespace waver
 
 // Leaves of 3 cm; each frame has a basis of its own.
-inline VOctree waver_tree() {
+inline voctree::VOctree waver_tree() {
     constexpr uint32_t kSide = 64, kDepth = 6;
     constexpr double kEdge = 1.92 / kSide;
-    VOctree tree;
+    voctree::VOctree tree;
     tree.box_min = {-0.96f, 0, -0.96f};
     tree.box_size = glm::vec3(1.92f);
     tree.node_levels = 3;
@@ -54,10 +54,10 @@ inline VOctree waver_tree() {
     tree.sigma_basis.assign(size_t{kWaverFrames} * kWaverFrames, 0);
     for (uint32_t i = 0; i < kWaverFrames; i++) tree.sigma_basis[i * kWaverFrames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of frames in which it is solid, colour
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const voctree::LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(place.x, place.y, place.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);
@@ -71,7 +71,7 @@ inline VOctree waver_tree() {
         places.push_back(place);
         seen.emplace_back(frames, colour);
     }
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     // H_000 is 1/√(2π²) at every γ: the colour is the sigmoid of weight / that.
     const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {

@@ -21,7 +21,7 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 
 TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     {
-        const Device device;
+        const gpu::Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
     std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
@@ -79,9 +79,9 @@ TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     EXPECT_LT(json["first"]["read_s"], json["whole"]["read_s"]);
     EXPECT_GT(json["psnr_db"], 12.0);
     EXPECT_LT(json["psnr_db"], 99.0);
-    EXPECT_EQ(read_png(file("pictures/coarse.png")).width, 64u);
-    EXPECT_EQ(read_png(file("pictures/whole.png")).height, 48u);
-    EXPECT_EQ(summarise_nvv(large).chunks[1].name, "hEAD");
+    EXPECT_EQ(media::read_png(file("pictures/coarse.png")).width, 64u);
+    EXPECT_EQ(media::read_png(file("pictures/whole.png")).height, 48u);
+    EXPECT_EQ(voctree::summarise_nvv(large).chunks[1].name, "hEAD");
     const ProgramResult again = run_neuvv({"bench", "open", large, "--size", "64x48"});
     for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
         EXPECT_NE(again.out.find(word), std::string::npos) << again.out;
@@ -146,7 +146,7 @@ TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
     ASSERT_EQ(json["ways"].size(), 5u);
     for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
     EXPECT_GT(json["one_bytes"], 10000);
-    EXPECT_EQ(read_png(file("stage.png")).width, 64u);
+    EXPECT_EQ(media::read_png(file("stage.png")).width, 64u);
     expect_refused({"bench", "stage", scene, "--copies", "0"}, 2, {"--copies"});
     expect_refused({"bench", "stage", file("none.nvv")}, 2, {"none.nvv"});
 }

@@ -17,16 +17,16 @@ namespace neuvv {
 struct CliGpu : testing::Test {
     TemporaryFolder folder;
     std::string scene = (folder.path / "scene.nvv").string();
-    VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
+    voctree::VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
 
     void SetUp() override {
         tree.fps = 2;  // an orbit takes four seconds: eight pictures
-        write_nvv(scene, tree);
+        voctree::write_nvv(scene, tree);
     }
     std::string file(const char* name) const { return (folder.path / name).string(); }
 };
 
-inline nlohmann::json frame_of(const ViewStep& step, const std::string& picture, double time) {
+inline nlohmann::json frame_of(const tools::ViewStep& step, const std::string& picture, double time) {
     nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
                             {"cy", step.camera.cy},   {"w", step.camera.width},        {"h", step.camera.height},
                             {"time", time},           {"file_path", "test/" + picture}};
@@ -37,21 +37,22 @@ inline nlohmann::json frame_of(const ViewStep& step, const std::string& picture,
 }
 
 // A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
-inline void write_own_dataset(const Device& device, const VOctree& tree, const std::filesystem::path& folder) {
-    const Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    FrameRenderer renderer(device, field, {48, 40});
+inline void write_own_dataset(const gpu::Device& device, const voctree::VOctree& tree,
+                              const std::filesystem::path& folder) {
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, {48, 40});
     std::filesystem::create_directories(folder / "test");
     nlohmann::json file;
-    const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+    const std::vector<tools::ViewStep> orbit = tools::orbit_path(tools::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
     for (size_t c = 0; c < 2; ++c)
         for (int t = 0; t < 3; ++t) {
             const double time = t / 2.0;
             const std::string name = "c0" + std::to_string(c) + "_f" + std::to_string(t);
-            FrameSettings settings;
-            settings.instances[0].frame = static_cast<float>(frame_of_time(time, tree.frames));
+            render::FrameSettings settings;
+            settings.instances[0].frame = static_cast<float>(training::frame_of_time(time, tree.frames));
             settings.width = 48;
             settings.height = 40;
-            write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
+            media::write_png(folder / "test" / (name + ".png"), renderer.render(orbit[3 * c].camera, settings));
             file["frames"].push_back(frame_of(orbit[3 * c], name, time));
         }
     write_text(folder / "transforms_test.json", file.dump());

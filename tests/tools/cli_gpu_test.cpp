@@ -39,7 +39,7 @@ TEST_F(CliGpu, RenderWritesNumberedPictures) {
     EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 8);
     bool clear = false, seen = false;
     for (int i = 0; i < 8; ++i) {
-        const Image picture = read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
+        const media::Image picture = media::read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
         EXPECT_EQ(picture.width, 40u);
         EXPECT_EQ(picture.height, 24u);
         for (size_t p = 3; p < picture.rgba.size(); p += 4) {
@@ -55,7 +55,7 @@ TEST_F(CliGpu, RenderWritesAVideo) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("turn.mp4"), "--size", "64x48", "--fps", "3"}, "NEUVV_TRACE=1");
     ASSERT_EQ(result.code, 0) << result.err;
-    const VideoSummary video = summarise_video(file("turn.mp4"));
+    const media::VideoSummary video = media::summarise_video(file("turn.mp4"));
     EXPECT_EQ(video.width, 64u);
     EXPECT_EQ(video.height, 48u);
     EXPECT_EQ(video.frames, 12u);
@@ -71,10 +71,11 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
         arguments.insert(arguments.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(arguments);
         EXPECT_EQ(result.code, 0) << result.err;
-        return read_png(file("one_0.png"));
+        return media::read_png(file("one_0.png"));
     };
-    const Image colour = picture({}), direct = picture({"--direct"}), green = picture({"--background", "#00ff00"});
-    const Image alpha = picture({"--alpha"}), depth = picture({"--depth"});
+    const media::Image colour = picture({}), direct = picture({"--direct"}),
+                       green = picture({"--background", "#00ff00"});
+    const media::Image alpha = picture({"--alpha"}), depth = picture({"--depth"});
     for (size_t i = 0; i < colour.rgba.size(); ++i) {
         const size_t pixel = i / 4 * 4;
         EXPECT_NEAR(colour.rgba[i], direct.rgba[i], colour.rgba[pixel + 3] > 0 ? 1 : 255);
@@ -85,12 +86,14 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     EXPECT_EQ(std::vector<uint8_t>(green.rgba.begin(), green.rgba.begin() + 4), (std::vector<uint8_t>{0, 255, 0, 255}));
     EXPECT_EQ(depth.rgba[0], 0);  // nothing there: far
     EXPECT_GT(*std::max_element(depth.rgba.begin(), depth.rgba.end() - 1), 60);
-    const Image level = picture({"--level"}), cost = picture({"--cost"}),
-                cheap = picture({"--cost", "--cost-max", "4"});
+    const media::Image level = picture({"--level"}), cost = picture({"--cost"}),
+                       cheap = picture({"--cost", "--cost-max", "4"});
     EXPECT_NE(level.rgba, cost.rgba);
     EXPECT_NE(cost.rgba, cheap.rgba);
     for (size_t i = 0; i < colour.rgba.size(); i += 4) {
-        const auto any = [&](const Image& image) { return image.rgba[i] + image.rgba[i + 1] + image.rgba[i + 2] > 0; };
+        const auto any = [&](const media::Image& image) {
+            return image.rgba[i] + image.rgba[i + 1] + image.rgba[i + 2] > 0;
+        };
         EXPECT_TRUE(colour.rgba[i + 3] == 0 || any(cost)) << "what is seen has cost something";
         EXPECT_TRUE(colour.rgba[i + 3] < 255 || any(level)) << "what is solid has a level";
         EXPECT_TRUE(colour.rgba[i + 3] > 0 || !any(level)) << "what is not seen has none";
@@ -99,21 +102,21 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
 
 TEST_F(CliGpu, AnEmptySceneRenders) {
     tree.weights.clear();
-    build_topology(tree, {});
-    write_nvv(scene, tree);
+    voctree::build_topology(tree, {});
+    voctree::write_nvv(scene, tree);
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("o_%d.png"), "--frames", "0", "--size", "16x16"});
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(read_png(file("o_0.png")).rgba, std::pmr::vector<uint8_t>(16 * 16 * 4, 0));
+    EXPECT_EQ(media::read_png(file("o_0.png")).rgba, std::pmr::vector<uint8_t>(16 * 16 * 4, 0));
 }
 
 TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
-    const Device device("", Validation::kOn);
+    const gpu::Device device("", gpu::Validation::kOn);
     write_own_dataset(device, tree, folder.path / "data");
-    const Dataset dataset = load_dataset(folder.path / "data", Split::kTest);
+    const training::Dataset dataset = training::load_dataset(folder.path / "data", training::Split::kTest);
     size_t calls = 0;
-    const Evaluation all =
-        evaluate(device, tree, dataset, 1, [&](size_t view, const Image&, const Image&, const Quality&) {
+    const training::Evaluation all = training::evaluate(
+        device, tree, dataset, 1, [&](size_t view, const media::Image&, const media::Image&, const training::Quality&) {
             EXPECT_EQ(view, calls++);
             return true;
         });
@@ -124,16 +127,16 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     ASSERT_EQ(all.cameras.size(), 2u);
     EXPECT_EQ(all.cameras[1].images, 3u);
 
-    VOctree other = tree;  // the comparison must be able to fail
+    voctree::VOctree other = tree;  // the comparison must be able to fail
     for (float& weight : other.weights) weight = -weight;
-    EXPECT_LT(evaluate(device, other, dataset, 1).mean.psnr, 30);
-    Dataset blind = dataset;  // pixels that nobody looks at do not count
-    for (View& view : blind.views) {
+    EXPECT_LT(training::evaluate(device, other, dataset, 1).mean.psnr, 30);
+    training::Dataset blind = dataset;  // pixels that nobody looks at do not count
+    for (training::View& view : blind.views) {
         view.ignored.assign(view.image.rgba.size() / 4, true);
         std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
     }
-    EXPECT_EQ(evaluate(device, other, blind, 1).mean.psnr, 99);
-    EXPECT_EQ(evaluate(device, tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
+    EXPECT_EQ(training::evaluate(device, other, blind, 1).mean.psnr, 99);
+    EXPECT_EQ(training::evaluate(device, tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
     EXPECT_EQ(device.drain_validation_messages(), std::vector<std::string>());
 }
 
@@ -141,12 +144,12 @@ TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(read_png(file("still.png")).width, 40u);
+    EXPECT_EQ(media::read_png(file("still.png")).width, 40u);
 }
 
 TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     {
-        const Device device;
+        const gpu::Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
     const ProgramResult result = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"),
@@ -175,11 +178,11 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     ASSERT_EQ(json.at("images").size(), 6u);
     EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
     for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
-        const Image picture = read_png(folder.path / "pictures" / name);
+        const media::Image picture = media::read_png(folder.path / "pictures" / name);
         EXPECT_EQ(picture.width, 48u) << name;
         EXPECT_EQ(picture.height, 40u) << name;
     }
-    EXPECT_EQ(read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
+    EXPECT_EQ(media::read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "pictures"), {}), 3 * 6 + 1);
 
     const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", "-"});
@@ -203,8 +206,8 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     EXPECT_LT(fine["bytes"], fine["bytes_before"]);
     EXPECT_EQ(coarse["bytes_before"], std::filesystem::file_size(scene));
     EXPECT_EQ(coarse["bytes"], std::filesystem::file_size(file("small.nvv")));
-    EXPECT_EQ(read_nvv(file("small.nvv")).leaf_count, coarse["leaves"]);
-    EXPECT_EQ(summarise_nvv(file("small.nvv")).head.frames, tree.frames);
+    EXPECT_EQ(voctree::read_nvv(file("small.nvv")).leaf_count, coarse["leaves"]);
+    EXPECT_EQ(voctree::summarise_nvv(file("small.nvv")).head.frames, tree.frames);
 
     std::filesystem::remove(file("small.nvv"));
     const ProgramResult beyond =
@@ -226,7 +229,7 @@ TEST_F(CliGpu, PlenoctreesAreClips) {
         EXPECT_EQ(result.code, 0) << result.err;
         return result.out;
     };
-    const VOctree expected = read_clip(tree_npz);
+    const voctree::VOctree expected = voctree::read_clip(tree_npz);
     const nlohmann::json facts = nlohmann::json::parse(run({"info", tree_npz, "--check", "--json"}));
     EXPECT_EQ(facts.at("format"), "PlenOctree");
     EXPECT_EQ(facts.at("leaves"), expected.leaf_count);
@@ -235,13 +238,13 @@ TEST_F(CliGpu, PlenoctreesAreClips) {
 
     const auto rendered = [&](const std::string& clip) {
         run({"render", clip, "-o", file("seen.png"), "--frames", "0", "--size", "64x48"});
-        return read_png(file("seen.png"));
+        return media::read_png(file("seen.png"));
     };
-    const Image seen = rendered(tree_npz);
-    EXPECT_GT(compare(seen, Image(64, 48)).mae, 0.01) << "nothing is to be seen";
+    const media::Image seen = rendered(tree_npz);
+    EXPECT_GT(training::compare(seen, media::Image(64, 48)).mae, 0.01) << "nothing is to be seen";
     run({"convert", tree_npz, "-o", file("tree.nvv"), "--size", "64x48", "--quality", "50"});
     EXPECT_EQ(nlohmann::json::parse(run({"info", file("tree.nvv"), "--json"})).at("format"), "nvv");
-    EXPECT_GT(compare(seen, rendered(file("tree.nvv"))).psnr, 45);
+    EXPECT_GT(training::compare(seen, rendered(file("tree.nvv"))).psnr, 45);
 
     run({"stage", "new", file("show.gltf")});
     run({"stage", "add", file("show.gltf"), tree_npz, "--name", "tree"});
@@ -259,7 +262,7 @@ TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {
     for (const char* word : {"--scale", "0.5", "--json"}) scaled.push_back(word);
     const ProgramResult half = run_neuvv(scaled);
     ASSERT_EQ(half.code, 0) << half.err;
-    EXPECT_EQ(read_png(file("half.png")).width, 64u);
+    EXPECT_EQ(media::read_png(file("half.png")).width, 64u);
     scaled.push_back("--samples");
     scaled.push_back("2");
     expect_refused(scaled, 2, {"--samples", "--scale"});
@@ -268,7 +271,7 @@ TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {
 
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     {
-        const Device device;
+        const gpu::Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
     std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
@@ -280,7 +283,7 @@ TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.err.find("psi: "), std::string::npos) << run.err;
     EXPECT_NE(run.out.find("after 3 steps"), std::string::npos) << run.out;
-    EXPECT_GT(read_nvv(file("run.nvv")).leaf_count, 0u);
+    EXPECT_GT(voctree::read_nvv(file("run.nvv")).leaf_count, 0u);
     const std::string metrics = read_text(file("m.jsonl"));
     EXPECT_GT(count_of(metrics, "\n"), 0u);
 
@@ -293,7 +296,7 @@ TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
 
 TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
     {
-        const Device device;
+        const gpu::Device device;
         write_own_dataset(device, tree, folder.path / "data");
     }
     write_text(file("wall"), "a file where a folder should be");
@@ -324,7 +327,7 @@ TEST_F(CliGpu, ALinkStaysAndItsTargetIsReplaced) {
         run_neuvv({"render", scene, "-o", file("link.png"), "--frames", "0", "--size", "16x16"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.png"));
-    EXPECT_EQ(read_png(folder.path / "target.png").width, 16u);
+    EXPECT_EQ(media::read_png(folder.path / "target.png").width, 16u);
 
     std::filesystem::create_directory(folder.path / "videos");
     std::filesystem::create_symlink("videos/turn.mp4", folder.path / "link.mp4");  // of a target that is not there yet
@@ -332,7 +335,7 @@ TEST_F(CliGpu, ALinkStaysAndItsTargetIsReplaced) {
         run_neuvv({"render", scene, "-o", file("link.mp4"), "--frames", "0", "--size", "16x16", "--fps", "1"});
     ASSERT_EQ(video.code, 0) << video.err;
     EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.mp4"));
-    EXPECT_EQ(summarise_video(folder.path / "videos/turn.mp4").width, 16u);
+    EXPECT_EQ(media::summarise_video(folder.path / "videos/turn.mp4").width, 16u);
 }
 
 TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {

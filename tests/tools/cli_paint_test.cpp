@@ -24,13 +24,13 @@ struct CliPaint : CliGpu {
         EXPECT_EQ(result.code, 0) << result.err;
         return result.code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
     }
-    Image picture(const std::string& paints) {
+    media::Image picture(const std::string& paints) {
         std::vector<std::string> arguments = {"render",   scene, "-o",     file("still.png"),
                                               "--frames", "1",   "--size", "40x40"};
         if (!paints.empty()) arguments.insert(arguments.end(), {"--paint", paints});
         const ProgramResult result = run_neuvv(arguments);
         EXPECT_EQ(result.code, 0) << result.err;
-        return read_png(file("still.png"));
+        return media::read_png(file("still.png"));
     }
 };
 
@@ -42,18 +42,18 @@ std::vector<std::string> with_everywhere(std::vector<std::string> arguments) {
 }
 
 TEST_F(CliPaint, RegionsAreErasedAndRestored) {
-    const Image plain = picture("");
+    const media::Image plain = picture("");
     const auto half = paint({"region", "--colour", "#ff0000", "--box", "-9,-9,-9,0,9,9"});
     EXPECT_GT(half.at("colours"), 10);
     EXPECT_EQ(half.at("erased"), 0);
-    const Image red = picture(layer);
+    const media::Image red = picture(layer);
     EXPECT_NE(red.rgba, plain.rgba);
     EXPECT_NE(picture(layer + ":tint:0.5").rgba, red.rgba);
     EXPECT_EQ(picture(layer + ":normal:0").rgba, plain.rgba);
     paint(with_everywhere({"erase"}));
     const auto erased = paint({"info"});
     EXPECT_EQ(erased.at("edits"), erased.at("erased"));
-    const Image gone = picture(layer);
+    const media::Image gone = picture(layer);
     for (size_t i = 3; i < gone.rgba.size(); i += 4) ASSERT_EQ(gone.rgba[i], 0);
     const auto cut = paint(with_everywhere({"restore", "--frames", "1"}));
     EXPECT_EQ(cut.at("erased"), 2 * erased.at("erased").get<int>()) << "before and after it";
@@ -64,19 +64,19 @@ TEST_F(CliPaint, RegionsAreErasedAndRestored) {
 TEST_F(CliPaint, BrushAndPictureReachWhatTheCameraSees) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 40;
-    write_nvv(scene, tree);
-    const Image plain = picture("");
+    voctree::write_nvv(scene, tree);
+    const media::Image plain = picture("");
     EXPECT_GT(paint({"brush", "--line", "10,20", "30,20", "--size", "40x40", "--at", "1", "--radius", "0.3", "--colour",
                      "#00ff00", "--follow", "run"})
                   .at("leaves"),
               3);
     EXPECT_NE(picture(layer).rgba, plain.rgba);
-    Image red(20, 20);
+    media::Image red(20, 20);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
-    write_png(file("red.png"), red);
+    media::write_png(file("red.png"), red);
     paint(with_everywhere({"restore"}));
     paint({"project", "--image", file("red.png"), "--at", "1", "--follow", "all"});
-    const Image shown = picture(layer);
+    const media::Image shown = picture(layer);
     uint64_t redness = 0, before = 0, green = 0;
     for (size_t i = 0; i < shown.rgba.size(); i += 4) {
         redness += shown.rgba[i];
@@ -108,7 +108,7 @@ TEST_F(CliPaint, WrongUseIsRefused) {
     expect_refused({"render", scene, "-o", file("x.png"), "--direct", "--paint", layer}, 2, {"--paint"});
     paint(with_everywhere({"erase"}));
     expect_refused({"render", scene, "-o", file("x.png"), "--paint", layer + ":loud:1"}, 2, {"loud"});
-    write_nvv(scene, test::random_tree({.seed = 2, .leaves = 200, .frames = 4}));
+    voctree::write_nvv(scene, test::random_tree({.seed = 2, .leaves = 200, .frames = 4}));
     expect_refused({"render", scene, "-o", file("x.png"), "--paint", layer}, 2, {"another scene"});
     expect_refused({"paint", "erase", scene, layer, "--sphere", "0,0,0,1"}, 2, {"another scene"});
 }
@@ -142,19 +142,19 @@ struct CliStagePaint : CliPaint {
         return paint_stage(arguments);
     }
     // At the same time.
-    Image still() {
+    media::Image still() {
         said({"render", show, "-o", file("still.png"), "--size", "96x72", "--time", "0.5"});
-        return read_png(file("still.png"));
+        return media::read_png(file("still.png"));
     }
     // Red on the left, green on the right.
     void write_halves() const {
-        Image halves(96, 72);
+        media::Image halves(96, 72);
         for (uint32_t y = 0; y < 72; y++)
             for (uint32_t x = 0; x < 96; x++) {
                 halves.at(x, y)[x < 48 ? 0 : 1] = 255;
                 halves.at(x, y)[3] = 255;
             }
-        write_png(file("halves.png"), halves);
+        media::write_png(file("halves.png"), halves);
     }
     nlohmann::json listed(size_t performer) const {
         const auto nodes = nlohmann::json::parse(read_text(show))["nodes"];
@@ -168,7 +168,7 @@ struct CliStagePaint : CliPaint {
 struct Halves {
     uint32_t left = 0, right = 0, wrong = 0;
 };
-Halves halves_of(const Image& before, const Image& after) {
+Halves halves_of(const media::Image& before, const media::Image& after) {
     Halves halves;
     for (uint32_t y = 0; y < 72; y++)
         for (uint32_t x = 0; x < 96; x++) {
@@ -185,7 +185,7 @@ Halves halves_of(const Image& before, const Image& after) {
 
 TEST_F(CliStagePaint, APictureLandsOnThePixelsOfTheStagesCamera) {
     write_halves();
-    const Image before = still();
+    const media::Image before = still();
     const auto told = project({});
     EXPECT_GT(told.at("leaves"), 10);
     EXPECT_EQ(told.at("stage").at("name"), "anna");
@@ -230,7 +230,7 @@ TEST_F(CliStagePaint, AStageWithoutCamerasIsPaintedFromTheOrbit) {
     said({"stage", "remove", show, "camera"});
     said({"stage", "remove", show, "anna 2"});
     said({"stage", "set", show, "--ambient", "1,1,1"});
-    const Image before = still();
+    const media::Image before = still();
     nlohmann::json told = nlohmann::json::parse(
         said({"paint", "project", show, layer, "--json", "--time", "0.5", "--image", file("halves.png")}));
     EXPECT_EQ(told.at("stage").at("node"), 2);
@@ -242,9 +242,9 @@ TEST_F(CliStagePaint, AStageWithoutCamerasIsPaintedFromTheOrbit) {
 
 TEST_F(CliStagePaint, ABrushColoursThePixelThatItIsPutOn) {
     write_halves();
-    const Image before = still();
+    const media::Image before = still();
     project({});
-    const Image painted = still();
+    const media::Image painted = still();
     glm::uvec2 at(0);  // of the performer, well within it
     for (uint32_t x = 8; x < 88 && at.x == 0; x++) {
         bool within = true;
@@ -261,7 +261,7 @@ TEST_F(CliStagePaint, ABrushColoursThePixelThatItIsPutOn) {
         "--radius", "0.1",    "--colour", "#0000ff"};
     brush.insert(brush.end(), anna.begin(), anna.end());
     EXPECT_GT(paint_stage(brush).at("leaves"), 3);
-    const Image after = still();
+    const media::Image after = still();
     EXPECT_GT(after.at(at.x, at.y)[2], 2 * std::max(after.at(at.x, at.y)[0], after.at(at.x, at.y)[1]));
 }
 

@@ -14,12 +14,13 @@ namespace {
 struct CliRender : CliGpu {
     // Three keys around the scene, in three seconds.
     std::string write_path(bool cyclic) {
-        CameraPath path;
+        stage::CameraPath path;
         path.cyclic = cyclic;
-        const std::vector<ViewStep> orbit = orbit_path(occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+        const std::vector<tools::ViewStep> orbit =
+            tools::orbit_path(tools::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
         for (size_t i = 0; i < 3; ++i) {
-            const Camera& camera = orbit[2 * i].camera;
-            CameraPathKey key;
+            const stage::Camera& camera = orbit[2 * i].camera;
+            stage::CameraPathKey key;
             key.time_s = static_cast<double>(i);
             key.position = glm::dvec3(camera.world_from_camera[3]);
             key.world_from_camera = glm::quat_cast(glm::dmat3(camera.world_from_camera));
@@ -27,7 +28,7 @@ struct CliRender : CliGpu {
             path.keys.push_back(key);
         }
         path.duration_s = cyclic ? 3 : 2;
-        write_camera_path(file("path.json"), path);
+        training::write_camera_path(file("path.json"), path);
         return file("path.json");
     }
     std::vector<std::string> command(const std::string& output, std::initializer_list<std::string> more) {
@@ -54,13 +55,13 @@ TEST_F(CliRender, PathsAreFollowed) {
     // Its keys are the orbit's views.
     ASSERT_EQ(run_neuvv(command("orbit_%02d.png", {})).code, 0);
     for (int i = 0; i < 3; ++i) {
-        const Image seen = read_png(folder.path / ("o_0" + std::to_string(2 * i) + ".png"));
-        const Image truth = read_png(folder.path / ("orbit_0" + std::to_string(2 * i) + ".png"));
+        const media::Image seen = media::read_png(folder.path / ("o_0" + std::to_string(2 * i) + ".png"));
+        const media::Image truth = media::read_png(folder.path / ("orbit_0" + std::to_string(2 * i) + ".png"));
         size_t off = 0;
         for (size_t p = 0; p < seen.rgba.size(); ++p) off += std::abs(seen.rgba[p] - truth.rgba[p]) > 1;
         EXPECT_LT(off, seen.rgba.size() / 200) << i;  // poses differ by rounding, which decides rays at leaves' edges
     }
-    EXPECT_NE(read_png(file("o_01.png")).rgba, read_png(file("o_00.png")).rgba);
+    EXPECT_NE(media::read_png(file("o_01.png")).rgba, media::read_png(file("o_00.png")).rgba);
     expect_refused(command("o.png", {"--camera", path}), 2, {"--output", "is one file for"});
     write_text(file("other.json"), "{\"a\": 1}");
     expect_refused(command("o_%d.png", {"--camera", file("other.json")}), 2, {"other.json", "no camera path"});
@@ -100,7 +101,7 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
 }
 
 TEST_F(CliRender, PaintIsNamedAsItIsMeant) {
-    write_paint(file("a.nvpaint"), {painted_field(read_nvv(scene)), {}});
+    voctree::write_paint(file("a.nvpaint"), {voctree::painted_field(voctree::read_nvv(scene)), {}});
     const auto refused = [&](const std::string& paint, const std::vector<std::string>& parts) {
         expect_refused({"render", scene, "-o", file("x.png"), "--frames", "0", "--paint", paint}, 2, parts);
     };
@@ -116,8 +117,8 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
     ASSERT_EQ(run_neuvv(command("one.png", {"--frames", "1.5"})).code, 0);
     const ProgramResult result = run_neuvv(command("one.exr", {"--frames", "1.5"}));
     ASSERT_EQ(result.code, 0) << result.err;
-    const Image picture = read_png(file("one.png"));
-    const LinearImage linear = read_exr(file("one.exr"));
+    const media::Image picture = media::read_png(file("one.png"));
+    const media::LinearImage linear = media::read_exr(file("one.exr"));
     ASSERT_EQ(linear.width, 48u);
     ASSERT_EQ(linear.depth_m.size(), size_t{48 * 40});
     size_t seen = 0;
@@ -128,7 +129,8 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
         seen += alpha > 0.2f;
         for (size_t c = 0; c < 3 && alpha > 0.2f; ++c)
             EXPECT_NEAR(picture.rgba[4 * p + c],
-                        255 * srgb_from_linear(std::min(1.0, double{linear.rgba[4 * p + c]} / double{alpha})), 1.5);
+                        255 * media::srgb_from_linear(std::min(1.0, double{linear.rgba[4 * p + c]} / double{alpha})),
+                        1.5);
     }
     EXPECT_GT(seen, 50u);
     for (const char* flag : {"--depth", "--alpha", "--level", "--cost"})
@@ -156,8 +158,8 @@ TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
         EXPECT_LE(json.at("rendered"), 21);
         EXPECT_EQ(std::filesystem::last_write_time(file(third.c_str())), written);
         for (uint32_t i = 0; i < 24; ++i)
-            EXPECT_EQ(read_text(parse_output(file(broken.c_str())).file(i)),
-                      read_text(parse_output(file(whole.c_str())).file(i)))
+            EXPECT_EQ(read_text(tools::parse_output(file(broken.c_str())).file(i)),
+                      read_text(tools::parse_output(file(whole.c_str())).file(i)))
                 << ending << " " << i;
         EXPECT_EQ(nlohmann::json::parse(run_neuvv(words).out).at("rendered"), 0);
         auto other = words;
@@ -183,9 +185,9 @@ TEST_F(CliRender, AnInterruptedVideoGoesOnWhereItWasBegunSo) {
     EXPECT_LE(nlohmann::json::parse(result.out).at("rendered"), 28);
     EXPECT_FALSE(std::filesystem::exists(file("v.mp4.frames")));
     ASSERT_EQ(run_neuvv(words_of("straight.mp4")).code, 0);
-    VideoReader a(file("v.mp4")), b(file("straight.mp4"));
+    media::VideoReader a(file("v.mp4")), b(file("straight.mp4"));
     EXPECT_EQ(a.frames(), 32u);
-    Image of_a, of_b;
+    media::Image of_a, of_b;
     while (a.next(of_a)) {
         ASSERT_TRUE(b.next(of_b));
         EXPECT_EQ(of_a.rgba, of_b.rgba);

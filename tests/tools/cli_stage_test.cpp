@@ -22,27 +22,27 @@ struct CliStage : CliGpu {
         ASSERT_EQ(result.code, 0) << result.err;
     }
     // A still of 64×48.
-    Image still(const std::vector<std::string>& more = {}) {
+    media::Image still(const std::vector<std::string>& more = {}) {
         std::vector<std::string> words = {"render", show, "-o", file("still.png"), "--size", "64x48"};
         words.insert(words.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(words);
         EXPECT_EQ(result.code, 0) << result.err;
-        return read_png(file("still.png"));
+        return media::read_png(file("still.png"));
     }
 };
 
 TEST_F(CliStage, AVideoIsAsLongAsTheStage) {
     done({"render", show, "-o", file("show.mp4"), "--size", "64x48", "--fps", "4"});
-    const VideoSummary whole = summarise_video(file("show.mp4"));
+    const media::VideoSummary whole = media::summarise_video(file("show.mp4"));
     EXPECT_EQ(whole.frames, 8u) << "a clip of four frames at two a second";
     EXPECT_EQ(whole.fps, 4);
     done({"stage", "set", show, "--duration", "3", "--fps", "5"});
     done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--time", "1:2.6"});
-    EXPECT_EQ(summarise_video(file("part.mp4")).frames, 8u);
+    EXPECT_EQ(media::summarise_video(file("part.mp4")).frames, 8u);
 }
 
 TEST_F(CliStage, EveryEditAndSwitchShows) {
-    const Image before = still();
+    const media::Image before = still();
     EXPECT_EQ(before.rgba, still().rgba);
     EXPECT_NE(before.rgba, still({"--time", "1"}).rgba);
     EXPECT_NE(before.rgba, still({"--shadows", "off"}).rgba);
@@ -54,20 +54,20 @@ TEST_F(CliStage, EveryEditAndSwitchShows) {
     done({"stage", "set", show, "anna", "--opacity", "1"});
     EXPECT_EQ(before.rgba, still().rgba);
     done({"stage", "duplicate", show, "anna", "--row", "0.5"});
-    const Image pair = still();
+    const media::Image pair = still();
     EXPECT_NE(before.rgba, pair.rgba);
     EXPECT_NE(pair.rgba, still({"--blend", "paper"}).rgba) << "they stand in each other";
 }
 
 // A backdrop of one's own stands in the environment's place, whose light stays.
 TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
-    Image sky(16, 8);
+    media::Image sky(16, 8);
     std::fill(sky.rgba.begin(), sky.rgba.end(), uint8_t{255});
     for (size_t i = 0; i < sky.rgba.size(); i += 4) sky.rgba[i] = 40;
-    write_png(file("sky.png"), sky);
-    const Image without = still({"--background", "#00ff00"});
+    media::write_png(file("sky.png"), sky);
+    const media::Image without = still({"--background", "#00ff00"});
     done({"stage", "set", show, "--environment", file("sky.png")});
-    const Image with = still({"--background", "#00ff00"});
+    const media::Image with = still({"--background", "#00ff00"});
     const size_t top = 4 * 32, floor = 4 * (64 * 46 + 32);  // above the floor's end; in front
     EXPECT_NEAR(still().rgba[top], 40, 1);
     for (size_t c = 0; c < 3; ++c) EXPECT_EQ(with.rgba[top + c], c == 1 ? 255 : 0);
@@ -91,7 +91,7 @@ TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
 
 // The stage's own path, in its time; by default the first camera is seen.
 TEST_F(CliStage, TheStagesPathIsFollowed) {
-    const Image first = still();
+    const media::Image first = still();
     expect_refused({"render", show, "-o", file("x.png"), "--camera", "path"}, 2, {"path", "camera"});
     done({"stage", "camera", show, "--add", "--name", "left", "--at", "-3,1,2", "--aim", "0,1,0"});
     done({"stage", "path", show, "--key", "0", "--camera", "left"});
@@ -101,19 +101,20 @@ TEST_F(CliStage, TheStagesPathIsFollowed) {
     EXPECT_EQ(still({"--camera", "path", "--time", "4"}).rgba, still({"--camera", "camera", "--time", "4"}).rgba);
     EXPECT_NE(still({"--camera", "path", "--time", "2"}).rgba, still({"--camera", "camera", "--time", "2"}).rgba);
     done({"render", show, "-o", file("path.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
-    EXPECT_EQ(summarise_video(file("path.mp4")).frames, 8u) << "as long as the stage, which lasts as long as the path";
+    EXPECT_EQ(media::summarise_video(file("path.mp4")).frames, 8u)
+        << "as long as the stage, which lasts as long as the path";
     done({"stage", "set", show, "--duration", "1"});
     done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
-    EXPECT_EQ(summarise_video(file("part.mp4")).frames, 2u);
+    EXPECT_EQ(media::summarise_video(file("part.mp4")).frames, 2u);
 }
 
 TEST_F(CliStage, WhatIsHiddenIsNotDrawn) {
-    const Image before = still();
+    const media::Image before = still();
     done({"stage", "set", show, "floor", "--shown", "off"});
-    const Image floorless = still();
+    const media::Image floorless = still();
     EXPECT_NE(before.rgba, floorless.rgba);
     done({"stage", "set", show, "anna", "--shown", "off"});
-    const Image empty = still();
+    const media::Image empty = still();
     EXPECT_NE(floorless.rgba, empty.rgba);
     for (size_t i = 4; i < empty.rgba.size(); ++i) ASSERT_EQ(empty.rgba[i], empty.rgba[i % 4]) << "nothing is left";
     for (const char* node : {"floor", "anna"}) done({"stage", "set", show, node, "--shown", "on"});
@@ -127,15 +128,15 @@ TEST_F(CliStage, OrthographicCamerasAreAsNone) {
     text.replace(begin, end - begin + 1,
                  R"("type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0})");
     write_text(show, text);
-    const Image seen = still();
+    const media::Image seen = still();
     EXPECT_EQ(seen.rgba, still({"--orbit"}).rgba);
 }
 
 // Paint that does not fit its clip any more is named with its node and its place in the list.
 TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
-    write_paint(file("red.nvpaint"), {painted_field(tree), {}});
+    voctree::write_paint(file("red.nvpaint"), {voctree::painted_field(tree), {}});
     done({"stage", "paint", show, "anna", "--add", file("red.nvpaint")});
-    write_nvv(scene, test::random_tree({.leaves = 90, .frames = 4}));
+    voctree::write_nvv(scene, test::random_tree({.leaves = 90, .frames = 4}));
     const ProgramResult result = run_neuvv({"render", show, "-o", file("x.png"), "--size", "16x16"});
     EXPECT_EQ(result.code, 2);
     for (const char* part : {"show.gltf", "\"anna\": paint layer 0", "red.nvpaint", "another scene"})
@@ -144,15 +145,15 @@ TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
 
 TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
     done({"stage", "set", show, "--background", "0.25,0.25,0.25"});
-    const Image shown = still();
+    const media::Image shown = still();
     done({"render", show, "-o", file("still.exr"), "--size", "64x48"});
-    const LinearImage linear = read_exr(file("still.exr"));
+    const media::LinearImage linear = media::read_exr(file("still.exr"));
     ASSERT_EQ(linear.width, 64u);
     size_t off = 0, floor = 0;
     for (size_t i = 0; i < linear.depth_m.size(); i++) {
         for (size_t c = 0; c < 3; c++) {
             const float light = linear.rgba[4 * i + c];
-            const double byte = 255 * srgb_from_linear(std::min(1.0, static_cast<double>(light)));
+            const double byte = 255 * media::srgb_from_linear(std::min(1.0, static_cast<double>(light)));
             off += std::abs(byte - shown.rgba[4 * i + c]) > 1;
         }
         floor += std::isfinite(linear.depth_m[i]);

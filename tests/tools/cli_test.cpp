@@ -13,9 +13,9 @@ namespace {
 struct Cli : testing::Test {
     TemporaryFolder folder;
     std::string scene = (folder.path / "scene.nvv").string();
-    VOctree tree = test::random_tree({.leaves = 100, .bases = 3, .hh_degree = 2, .frames = 7});
+    voctree::VOctree tree = test::random_tree({.leaves = 100, .bases = 3, .hh_degree = 2, .frames = 7});
 
-    void SetUp() override { write_nvv(scene, tree); }
+    void SetUp() override { voctree::write_nvv(scene, tree); }
     std::string file(const char* name) const { return (folder.path / name).string(); }
 };
 

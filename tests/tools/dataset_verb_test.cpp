@@ -64,7 +64,7 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
     EXPECT_EQ(field(text, "plates"), "none");
     EXPECT_EQ(field(text, "mattes").find("yes; the performer fills "), 0u) << text;
     EXPECT_EQ(field(text, "box"), "not given");
-    EXPECT_EQ(field(text, "memory").find(size_text(36 * 48 * 48 * 4) + " "), 0u) << text;
+    EXPECT_EQ(field(text, "memory").find(tools::size_text(36 * 48 * 48 * 4) + " "), 0u) << text;
     double a[3], b[3];
     ASSERT_EQ(std::sscanf(field(text, "hull").c_str(), "(%lf, %lf, %lf) to (%lf, %lf, %lf)", &a[0], &a[1], &a[2], &b[0],
                           &b[1], &b[2]),
@@ -105,7 +105,7 @@ TEST_F(DatasetVerb, DrawsTheRigAndTheSheet) {
     const auto look = folder.path / "look";
     const std::string text = say({"-o", look.string()});
     EXPECT_NE(text.find("wrote " + (look / "rig.png").string()), std::string::npos) << text;
-    const Image rig = read_png(look / "rig.png"), sheet = read_png(look / "contact_sheet.png");
+    const media::Image rig = media::read_png(look / "rig.png"), sheet = media::read_png(look / "contact_sheet.png");
     EXPECT_EQ(rig.width, 1280u);
     EXPECT_EQ(sheet.width, 600u) << "seven pictures in three columns";
     EXPECT_EQ(sheet.height, 600u);
@@ -122,18 +122,19 @@ TEST_F(DatasetVerb, WrongUseIsBadInput) {
 
 // Two cameras face each other along x; the box lies between them.
 TEST(RigDrawing, CamerasStandWhereTheyDo) {
-    std::vector<RigCamera> cameras(2);
+    std::vector<training::RigCamera> cameras(2);
     for (int i = 0; i < 2; ++i) {
-        const Camera from = test::look_at({i == 0 ? -2.0 : 2.0, 0, 0}, {0, 0, 0}, 10, 10);
+        const stage::Camera from = test::look_at({i == 0 ? -2.0 : 2.0, 0, 0}, {0, 0, 0}, 10, 10);
         cameras[static_cast<size_t>(i)].world_from_camera = from.world_from_camera;
-        Lens& lens = cameras[static_cast<size_t>(i)].lens;
+        training::Lens& lens = cameras[static_cast<size_t>(i)].lens;
         lens.fx = lens.fy = 10;
         lens.cx = lens.cy = 5;
         lens.width = lens.height = 10;
     }
     cameras[0].name = "left";
     cameras[1].name = "right";
-    const Image image = draw_rig({cameras[0]}, {cameras[1]}, std::pair(glm::dvec3(-0.5), glm::dvec3(0.5)));
+    const media::Image image =
+        tools::draw_rig({cameras[0]}, {cameras[1]}, std::pair(glm::dvec3(-0.5), glm::dvec3(0.5)));
     const auto count = [&](uint32_t begin, uint32_t end, auto wanted) {
         size_t found = 0;
         for (uint32_t y = 25; y < 600; ++y)

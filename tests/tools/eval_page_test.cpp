@@ -18,14 +18,15 @@ size_t count_of(const std::string& text, const std::string& part) {
 }
 
 struct EvalPage : testing::Test {
-    Dataset dataset = test::sphere_dataset({.cameras = 3, .frames = 4, .size = 20});
-    Evaluation evaluation;
+    training::Dataset dataset = test::sphere_dataset({.cameras = 3, .frames = 4, .size = 20});
+    training::Evaluation evaluation;
 
     void SetUp() override {
         evaluation.cameras.resize(3);
         evaluation.frames.resize(4);
         for (size_t i = 0; i < dataset.views.size(); ++i) {
-            const Quality quality{.psnr = 30.0 + static_cast<double>(i), .ssim = 0.9, .mae = 0.01, .flip = 0.05};
+            const training::Quality quality{
+                .psnr = 30.0 + static_cast<double>(i), .ssim = 0.9, .mae = 0.01, .flip = 0.05};
             evaluation.views.push_back(quality);
             evaluation.cameras[i / 4] = {quality, 4};
             evaluation.frames[i % 4] = {quality, 3};
@@ -33,14 +34,14 @@ struct EvalPage : testing::Test {
         evaluation.mean = {.psnr = 35.25, .ssim = 0.9, .mae = 0.01, .flip = 0.05};
     }
     std::string page(const std::vector<size_t>& views) const {
-        std::vector<PagePicture> pictures;
+        std::vector<tools::PagePicture> pictures;
         for (const size_t view : views) {
-            const Image truth = truth_over_white(dataset, dataset.views[view]);
-            Image render = truth;
+            const media::Image truth = training::truth_over_white(dataset, dataset.views[view]);
+            media::Image render = truth;
             render.at(3, 3)[1] = 0;
             pictures.push_back({view, truth, render});
         }
-        return comparison_page({"a.nvv", "data", "test", "llvmpipe"}, dataset, evaluation, pictures);
+        return tools::comparison_page({"a.nvv", "data", "test", "llvmpipe"}, dataset, evaluation, pictures);
     }
 };
 
@@ -80,7 +81,8 @@ TEST_F(EvalPage, PicturesSurviveTheirEncoding) {
         bytes.push_back(static_cast<uint8_t>(bits >> filled));
     }
     EXPECT_EQ((end - begin) % 4, 0u);
-    EXPECT_EQ(decode_image(bytes.data(), bytes.size(), "truth").rgba, truth_over_white(dataset, dataset.views[0]).rgba);
+    EXPECT_EQ(media::decode_image(bytes.data(), bytes.size(), "truth").rgba,
+              training::truth_over_white(dataset, dataset.views[0]).rgba);
 }
 
 TEST_F(EvalPage, HostileNamesStayText) {
@@ -90,45 +92,46 @@ TEST_F(EvalPage, HostileNamesStayText) {
     EXPECT_EQ(count_of(html, "<script>"), 1u) << "the page's own";
     EXPECT_EQ(html.find("<img src=x"), std::string::npos);
     EXPECT_NE(html.find("&lt;script&gt;alert(1)&lt;/script&gt;"), std::string::npos);
-    EXPECT_EQ(html_text("a&b<c>\"'\x01"), "a&amp;b&lt;c&gt;&quot;&#39; ");
+    EXPECT_EQ(tools::html_text("a&b<c>\"'\x01"), "a&amp;b&lt;c&gt;&quot;&#39; ");
 }
 
 TEST_F(EvalPage, LargePicturesAreShrunk) {
     test::Random random(5);
-    Image noise(4000, 20);  // cannot be compressed, so that the page's size tells
+    media::Image noise(4000, 20);  // cannot be compressed, so that the page's size tells
     for (uint8_t& byte : noise.rgba) byte = static_cast<uint8_t>(random.below(256));
-    const std::string html = comparison_page({}, dataset, evaluation, {{0, noise, noise}});
+    const std::string html = tools::comparison_page({}, dataset, evaluation, {{0, noise, noise}});
     EXPECT_LT(html.size(), noise.rgba.size() / 2);
     EXPECT_GT(html.size(), noise.rgba.size() / 16);
 }
 
 TEST(CameraLabels, AreWhatTheNamesBeginWith) {
-    Dataset dataset = test::sphere_dataset({.cameras = 3, .frames = 4, .size = 2});
-    EXPECT_EQ(camera_labels(dataset), (std::vector<std::string>{"c00", "c01", "c02"}));
-    for (View& view : dataset.views) view.name = "r_" + view.name.substr(5);  // all alike: numbers
-    EXPECT_EQ(camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"}));
+    training::Dataset dataset = test::sphere_dataset({.cameras = 3, .frames = 4, .size = 2});
+    EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"c00", "c01", "c02"}));
+    for (training::View& view : dataset.views) view.name = "r_" + view.name.substr(5);  // all alike: numbers
+    EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"}));
     dataset.views.resize(1);
     dataset.views[0].name = "only_one";
-    EXPECT_EQ(camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"})) << "two cameras have no picture";
+    EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"}))
+        << "two cameras have no picture";
     dataset.cameras.resize(1);
-    EXPECT_EQ(camera_labels(dataset), (std::vector<std::string>{"only_one"}));
+    EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"only_one"}));
 }
 
 TEST(SpreadViews, CoversCamerasAndInstants) {
-    const Dataset dataset = test::sphere_dataset({.cameras = 4, .frames = 6, .size = 2});
-    EXPECT_EQ(spread_views(dataset, 100).size(), 24u);
-    const std::vector<size_t> views = spread_views(dataset, 8);
+    const training::Dataset dataset = test::sphere_dataset({.cameras = 4, .frames = 6, .size = 2});
+    EXPECT_EQ(training::spread_views(dataset, 100).size(), 24u);
+    const std::vector<size_t> views = training::spread_views(dataset, 8);
     EXPECT_EQ(views.size(), 8u);
     EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
     std::set<uint32_t> cameras;
     std::set<size_t> frames;
     for (const size_t view : views) {
         cameras.insert(dataset.views[view].camera);
-        frames.insert(frame_of_view(dataset, dataset.views[view]));
+        frames.insert(training::frame_of_view(dataset, dataset.views[view]));
     }
     EXPECT_EQ(cameras.size(), 4u);
     EXPECT_GE(frames.size(), 5u);
-    EXPECT_EQ(spread_views(dataset, 1).size(), 1u);
+    EXPECT_EQ(training::spread_views(dataset, 1).size(), 1u);
 }
 
 }  // namespace

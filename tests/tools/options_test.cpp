@@ -12,16 +12,16 @@ namespace neuvv {
 namespace {
 
 TEST(Options, Size) {
-    const PictureSize size = parse_size("1280x720");
+    const tools::PictureSize size = tools::parse_size("1280x720");
     EXPECT_EQ(size.width, 1280u);
     EXPECT_EQ(size.height, 720u);
     for (const char* text : {"", "x", "640", "640x", "x480", "0x10", "10x0", "-1x10", "10x10x10", "10 x10", "10x10 ",
                              "16385x1", "4294967297x1", "1e3x10", "10X10"})
-        expect_input_error([&] { parse_size(text); }, {"--size", text, "1280x720"});
+        expect_input_error([&] { tools::parse_size(text); }, {"--size", text, "1280x720"});
 }
 
 TEST(Options, Colour) {
-    const auto parse = [](const std::string& text) { return parse_colour("--colour", text); };
+    const auto parse = [](const std::string& text) { return tools::parse_colour("--colour", text); };
     EXPECT_EQ(parse("clear"), glm::vec4(0));
     EXPECT_EQ(parse("white"), glm::vec4(1));
     EXPECT_EQ(parse("BLACK"), glm::vec4(0, 0, 0, 1));
@@ -32,7 +32,7 @@ TEST(Options, Colour) {
     for (const char* text : {"#ff8000", "ff8000", "#FF8000"}) {
         const glm::vec4 colour = parse(text);
         EXPECT_EQ(colour.r, 1);
-        EXPECT_NEAR(colour.g, linear_from_srgb(128 / 255.0), 1e-6);
+        EXPECT_NEAR(colour.g, media::linear_from_srgb(128 / 255.0), 1e-6);
         EXPECT_EQ(colour.b, 0);
         EXPECT_EQ(colour.a, 1);
     }
@@ -42,7 +42,7 @@ TEST(Options, Colour) {
 
 TEST(Options, FrameRange) {
     const auto expect_range = [](const char* text, double first, double last) {
-        const FrameRange range = parse_frame_range(text, 24);
+        const tools::FrameRange range = tools::parse_frame_range(text, 24);
         EXPECT_EQ(range.first, first) << text;
         EXPECT_EQ(range.last, last) << text;
     };
@@ -54,47 +54,47 @@ TEST(Options, FrameRange) {
     expect_range("11", 11, 11);
     expect_range("23:23", 23, 23);
     for (const char* text : {"a", "1:b", "-1:3", "3:2", "0:24", "23.5", "nan", "0:nan", "inf", "1:2:3", "1,2", " 1"})
-        expect_input_error([&] { parse_frame_range(text, 24); }, {"--frames", "0:23"});
+        expect_input_error([&] { tools::parse_frame_range(text, 24); }, {"--frames", "0:23"});
 }
 
 TEST(Options, Output) {
-    EXPECT_EQ(parse_output("a/b.mp4").kind, PictureOutput::Kind::kVideo);
-    EXPECT_EQ(parse_output("50%.mp4").file(3), "50%.mp4");
-    EXPECT_EQ(parse_output("b.PNG").kind, PictureOutput::Kind::kPicture);
-    EXPECT_EQ(parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
-    EXPECT_EQ(parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
-    EXPECT_EQ(parse_output("%d.png").file(12), "12.png");
-    EXPECT_EQ(parse_output("a/out_%04d.png").file("render"), "a/out_render.png");
-    EXPECT_FALSE(parse_output("out_%04d.png").exr);
-    EXPECT_TRUE(parse_output("out_%04d.EXR").exr);
-    EXPECT_EQ(parse_output("out_%04d.exr").file(7), "out_0007.exr");
-    EXPECT_EQ(parse_output("out.exr").kind, PictureOutput::Kind::kPicture);
+    EXPECT_EQ(tools::parse_output("a/b.mp4").kind, tools::PictureOutput::Kind::kVideo);
+    EXPECT_EQ(tools::parse_output("50%.mp4").file(3), "50%.mp4");
+    EXPECT_EQ(tools::parse_output("b.PNG").kind, tools::PictureOutput::Kind::kPicture);
+    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
+    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
+    EXPECT_EQ(tools::parse_output("%d.png").file(12), "12.png");
+    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file("render"), "a/out_render.png");
+    EXPECT_FALSE(tools::parse_output("out_%04d.png").exr);
+    EXPECT_TRUE(tools::parse_output("out_%04d.EXR").exr);
+    EXPECT_EQ(tools::parse_output("out_%04d.exr").file(7), "out_0007.exr");
+    EXPECT_EQ(tools::parse_output("out.exr").kind, tools::PictureOutput::Kind::kPicture);
     for (const char* text : {"", "out", "out.avi", "mp4", "out.mp4.tmp"})
-        expect_input_error([&] { parse_output(text); }, {"--output", "out_%04d.png"});
+        expect_input_error([&] { tools::parse_output(text); }, {"--output", "out_%04d.png"});
     for (const char* text : {"%s.png", "%04.png", "%n_%d.png", "%d_%d.png", "%%.png", "%.png", "%0d.png", "%00d.png",
                              "%4d.png", "%010d.png", "%04"})
-        expect_input_error([&] { parse_output(text); }, {"--output", text});
+        expect_input_error([&] { tools::parse_output(text); }, {"--output", text});
 }
 
 TEST(Options, OutputsAreCheckedBeforeWork) {
     const TemporaryFolder folder;
-    prepare_output_file("--json", folder.path / "a/b/c.json");
+    tools::prepare_output_file("--json", folder.path / "a/b/c.json");
     EXPECT_TRUE(std::filesystem::is_directory(folder.path / "a/b"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "a/b/c.json"));
-    prepare_output_file("--json", "c.json");  // in the working folder
-    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
-    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
+    tools::prepare_output_file("--json", "c.json");  // in the working folder
+    expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
+    expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
     write_text(folder.path / "wall", "a file where a folder should be");
-    expect_input_error([&] { prepare_output_file("--html", folder.path / "wall/x.html"); }, {"--html", "wall"});
-    expect_input_error([&] { prepare_output_folder("--images", folder.path / "wall"); }, {"--images", "wall"});
+    expect_input_error([&] { tools::prepare_output_file("--html", folder.path / "wall/x.html"); }, {"--html", "wall"});
+    expect_input_error([&] { tools::prepare_output_folder("--images", folder.path / "wall"); }, {"--images", "wall"});
 }
 
 TEST(Options, Texts) {
-    EXPECT_EQ(size_text(999), "999 B");
-    EXPECT_EQ(size_text(12'345'678), "12.3 MB");
-    EXPECT_EQ(format_duration(4.21), "4.2 s");
-    EXPECT_EQ(format_duration(125.4), "2:05");
-    EXPECT_EQ(format_duration(3723), "1:02:03");
+    EXPECT_EQ(tools::size_text(999), "999 B");
+    EXPECT_EQ(tools::size_text(12'345'678), "12.3 MB");
+    EXPECT_EQ(tools::format_duration(4.21), "4.2 s");
+    EXPECT_EQ(tools::format_duration(125.4), "2:05");
+    EXPECT_EQ(tools::format_duration(3723), "1:02:03");
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace neuvv {
 namespace {
 
-Image picture_of(uint8_t grey) {
-    Image image(16, 8);
+media::Image picture_of(uint8_t grey) {
+    media::Image image(16, 8);
     for (size_t i = 0; i < image.rgba.size(); ++i)
         image.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(grey + i / 4);
     return image;
@@ -18,25 +18,25 @@ Image picture_of(uint8_t grey) {
 
 struct Sink : testing::Test {
     TemporaryFolder folder;
-    RenderFacts facts{{"scene", "xxh3:0123"}, {"--size", "16x8"}};
+    tools::RenderFacts facts{{"scene", "xxh3:0123"}, {"--size", "16x8"}};
 
-    PictureSink sink(const char* name, bool resume) {
-        return {parse_output((folder.path / name).string()), {16, 8}, 25, facts, resume};
+    tools::PictureSink sink(const char* name, bool resume) {
+        return {tools::parse_output((folder.path / name).string()), {16, 8}, 25, facts, resume};
     }
     bool there(const char* name) const { return std::filesystem::exists(folder.path / name); }
 };
 
 TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     {
-        PictureSink first = sink("o_%02d.png", false);
+        tools::PictureSink first = sink("o_%02d.png", false);
         EXPECT_TRUE(first.resumable());
         EXPECT_FALSE(first.has(0));
         for (uint32_t i = 0; i < 3; ++i) first.add(i, picture_of(static_cast<uint8_t>(10 * i)));
     }  // interrupted
     EXPECT_TRUE(there("o_render.json"));
-    write_png(folder.path / "o_03.png", picture_of(99));  // of some other render
-    std::filesystem::remove(folder.path / "o_01.png");    // and one was thrown away
-    PictureSink second = sink("o_%02d.png", true);
+    media::write_png(folder.path / "o_03.png", picture_of(99));  // of some other render
+    std::filesystem::remove(folder.path / "o_01.png");           // and one was thrown away
+    tools::PictureSink second = sink("o_%02d.png", true);
     EXPECT_TRUE(second.has(0));
     EXPECT_FALSE(second.has(1));
     EXPECT_TRUE(second.has(2));
@@ -45,9 +45,9 @@ TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     second.add(3, picture_of(30));
     second.finish(4);
     for (uint8_t i = 0; i < 4; ++i)
-        EXPECT_EQ(read_png(folder.path / ("o_0" + std::to_string(i) + ".png")).rgba,
+        EXPECT_EQ(media::read_png(folder.path / ("o_0" + std::to_string(i) + ".png")).rgba,
                   picture_of(static_cast<uint8_t>(10 * i)).rgba);
-    const PictureSink third = sink("o_%02d.png", true);
+    const tools::PictureSink third = sink("o_%02d.png", true);
     for (uint32_t i = 0; i < 4; ++i) EXPECT_TRUE(third.has(i));
 }
 
@@ -84,27 +84,27 @@ TEST_F(Sink, DamagedRecordsAreNamed) {
 }
 
 TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
-    const auto fill = [](PictureSink& into, uint32_t from, uint32_t to) {
+    const auto fill = [](tools::PictureSink& into, uint32_t from, uint32_t to) {
         for (uint32_t i = from; i < to; ++i) into.add(i, picture_of(static_cast<uint8_t>(20 * i)));
     };
-    PictureSink straight = sink("straight.mp4", false);
+    tools::PictureSink straight = sink("straight.mp4", false);
     EXPECT_FALSE(straight.resumable());
     fill(straight, 0, 5);
     straight.finish(5);
     EXPECT_EQ(folder.entries(), 1u);
     {
-        PictureSink first = sink("100%.mp4", true);  // a path may have a percent sign
+        tools::PictureSink first = sink("100%.mp4", true);  // a path may have a percent sign
         fill(first, 0, 2);
     }
     EXPECT_TRUE(there("100%.mp4.frames"));
-    PictureSink second = sink("100%.mp4", true);
+    tools::PictureSink second = sink("100%.mp4", true);
     EXPECT_TRUE(second.has(1));
     EXPECT_FALSE(second.has(2));
     fill(second, 2, 5);
     second.finish(5);
     EXPECT_EQ(folder.entries(), 2u) << "the kept pictures are gone";
-    VideoReader a(folder.path / "straight.mp4"), b(folder.path / "100%.mp4");
-    Image of_a, of_b;
+    media::VideoReader a(folder.path / "straight.mp4"), b(folder.path / "100%.mp4");
+    media::Image of_a, of_b;
     for (int i = 0; i < 5; ++i) {
         ASSERT_TRUE(a.next(of_a) && b.next(of_b));
         EXPECT_EQ(of_a.rgba, of_b.rgba) << i;
@@ -113,7 +113,7 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
 }
 
 TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
-    PictureSink video = sink("v.mp4", true);
+    tools::PictureSink video = sink("v.mp4", true);
     write_text(folder.path / "v.mp4.frames/notes.txt", "mine");
     video.add(0, picture_of(0));
     video.finish(1);
@@ -122,11 +122,11 @@ TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
 }
 
 TEST_F(Sink, LinearPictures) {
-    PictureSink into = sink("o_%d.exr", false);
+    tools::PictureSink into = sink("o_%d.exr", false);
     EXPECT_TRUE(into.exr());
-    const LinearImage image{2, 1, {0.5f, 0.25f, 0, 1, 0, 0, 0, 0}, {1.5f, 2}};
+    const media::LinearImage image{2, 1, {0.5f, 0.25f, 0, 1, 0, 0, 0, 0}, {1.5f, 2}};
     into.add(0, image);
-    EXPECT_EQ(read_exr(folder.path / "o_0.exr").rgba, image.rgba);
+    EXPECT_EQ(media::read_exr(folder.path / "o_0.exr").rgba, image.rgba);
     EXPECT_TRUE(sink("o_%d.exr", true).has(0));
 }
 
@@ -134,9 +134,9 @@ TEST_F(Sink, ContentIsWhatCounts) {
     write_text(folder.path / "a", "content");
     write_text(folder.path / "b", "content");
     write_text(folder.path / "c", "Content");
-    EXPECT_EQ(content_fact(folder.path / "a"), content_fact(folder.path / "b"));
-    EXPECT_NE(content_fact(folder.path / "a"), content_fact(folder.path / "c"));
-    expect_input_error([&] { content_fact(folder.path / "none"); }, {"none"});
+    EXPECT_EQ(tools::content_fact(folder.path / "a"), tools::content_fact(folder.path / "b"));
+    EXPECT_NE(tools::content_fact(folder.path / "a"), tools::content_fact(folder.path / "c"));
+    expect_input_error([&] { tools::content_fact(folder.path / "none"); }, {"none"});
 }
 
 }  // namespace

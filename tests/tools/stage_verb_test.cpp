@@ -76,7 +76,7 @@ TEST_F(StageVerb, AShowFromNothing) {
     expect_done({"light", show, "rim", "--remove"});
     EXPECT_EQ(info()["performers"].size(), 3u);
     EXPECT_EQ(info()["lights"].size(), 1u);
-    write_paint(file("red.nvpaint"), {painted_field(read_nvv(clip)), {}});
+    voctree::write_paint(file("red.nvpaint"), {voctree::painted_field(voctree::read_nvv(clip)), {}});
     expect_done({"paint", show, "anna", "--add", file("red.nvpaint"), "--name", "red", "--blend", "tint"});
     expect_done({"paint", show, "anna", "--layer", "0", "--opacity", "0.5"});
     EXPECT_EQ(info()["performers"][0]["paint_layers"], 1);
@@ -86,17 +86,17 @@ TEST_F(StageVerb, AShowFromNothing) {
          {"6 s at 25 fps", "3 performers", "anna", "loop,speed:2", "eva.nvv", "key", "spot", "45.0°"})
         EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in: " << text.out;
     expect_done({"set", show, "anna", "--move", "1,0,0", "-o", file("other/copy.gltf")});
-    EXPECT_EQ(load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
+    EXPECT_EQ(stage::load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
 }
 
 // Sixteen lights shine and four cast shadows; which do not is said.
 TEST_F(StageVerb, LightsBeyondTheLimitsAreNamed) {
-    StageFile file = new_stage(show);
-    LightEdit point;
+    stage::StageFile file = edit::new_stage(show);
+    edit::LightEdit point;
     point.kind = "point";
-    add_light(file, "bulb", point, {});
-    for (int i = 1; i <= 16; ++i) add_light(file, "spot " + std::to_string(i), {}, {});
-    save_stage_file(file, show);
+    edit::add_light(file, "bulb", point, {});
+    for (int i = 1; i <= 16; ++i) edit::add_light(file, "spot " + std::to_string(i), {}, {});
+    stage::save_stage_file(file, show);
     const auto lights = info()["lights"];
     ASSERT_EQ(lights.size(), 18u);
     for (size_t i = 0; i < 18; ++i) {
@@ -152,7 +152,7 @@ TEST_F(StageVerb, ACameraPathIsMadeOfCameras) {
                                               "duration":5})"));
     const std::string text = run_neuvv({"info", show}).out;
     EXPECT_NE(text.find("camera path: 2 keys from 0 s to 3 s, linear, back every 5 s"), std::string::npos) << text;
-    const CameraPath path = load_stage(show).settings.camera_path.value();
+    const stage::CameraPath path = stage::load_stage(show).settings.camera_path.value();
     EXPECT_NEAR(path.keys[1].angle_y, glm::radians(30.0), 1e-12);
     EXPECT_LT(glm::length(path.keys[1].position - glm::dvec3(-3, 1, 2)), 1e-12);
     write_text(file("path.json"), R"({"camera_angle_y":0.5,"frames":[{"seconds":0.5,"transform_matrix":
@@ -289,7 +289,7 @@ TEST_F(StageVerb, FilesOfAnotherKindAreNamed) {
     expect_done({"add", show, clip, "--name", "anna"});
     const std::string before = read_text(show), layer = file("red.nvpaint"), other = file("other.nvv");
     test::put_clip(other, 9);
-    write_paint(layer, {painted_field(read_nvv(other)), {}});
+    voctree::write_paint(layer, {voctree::painted_field(voctree::read_nvv(other)), {}});
     expect_refused({"stage", "add", show, layer}, 2, {"red.nvpaint", "is a layer of paint"});
     expect_refused({"stage", "set", show, "anna", "--clip", layer}, 2, {"is a layer of paint"});
     expect_refused({"stage", "info", clip}, 2, {"eva.nvv", "is a clip", "neuvv stage new"});
@@ -336,18 +336,18 @@ TEST_F(StageVerb, AMissingClipIsNamedAndCanBeRemoved) {
 }
 
 TEST(StageOptions, VectorsAndColours) {
-    EXPECT_EQ(parse_vector("--at", "1,-2.5,1e-3"), glm::dvec3(1, -2.5, 1e-3));
+    EXPECT_EQ(tools::parse_vector("--at", "1,-2.5,1e-3"), glm::dvec3(1, -2.5, 1e-3));
     for (const char* text :
          {"", "1", "1,2", "1,2,3,4", "1,2,", ",1,2", "1,2,x", "1 2,3", "1,2 0,3", "nan,0,0", "1,2,3,"})
-        expect_input_error([&] { parse_vector("--at", text); }, {"--at", "3 numbers"});
+        expect_input_error([&] { tools::parse_vector("--at", text); }, {"--at", "3 numbers"});
     for (const char* text : {"inf,0,0", "1e99,0,0", "0,0,-1e999", "1,2e9,3"})
-        expect_input_error([&] { parse_vector("--at", text); }, {"--at", "too large"});
-    EXPECT_EQ(parse_vector("--at", " 1, 2 ,3"), glm::dvec3(1, 2, 3));
-    EXPECT_EQ(parse_vector("--at", "1e-999,0,0"), glm::dvec3(0));
-    EXPECT_EQ(parse_light_colour("--ambient", "0.25,2,0"), glm::dvec3(0.25, 2, 0));
-    EXPECT_EQ(parse_light_colour("--ambient", "white"), glm::dvec3(1));
-    EXPECT_NEAR(parse_light_colour("--ambient", "#bcbcbc").x, 0.5, 0.01) << "sRGB";
-    expect_input_error([&] { parse_light_colour("--ambient", "warm"); }, {"warm"});
+        expect_input_error([&] { tools::parse_vector("--at", text); }, {"--at", "too large"});
+    EXPECT_EQ(tools::parse_vector("--at", " 1, 2 ,3"), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(tools::parse_vector("--at", "1e-999,0,0"), glm::dvec3(0));
+    EXPECT_EQ(tools::parse_light_colour("--ambient", "0.25,2,0"), glm::dvec3(0.25, 2, 0));
+    EXPECT_EQ(tools::parse_light_colour("--ambient", "white"), glm::dvec3(1));
+    EXPECT_NEAR(tools::parse_light_colour("--ambient", "#bcbcbc").x, 0.5, 0.01) << "sRGB";
+    expect_input_error([&] { tools::parse_light_colour("--ambient", "warm"); }, {"warm"});
 }
 
 }  // namespace

@@ -15,19 +15,19 @@ namespace {
 using Box = std::pair<glm::dvec3, glm::dvec3>;
 
 // Where a world position falls in the picture, in pixels.
-glm::dvec2 project(const Camera& camera, glm::dvec3 position) {
+glm::dvec2 project(const stage::Camera& camera, glm::dvec3 position) {
     const glm::dvec3 p = glm::dvec3(glm::inverse(camera.world_from_camera) * glm::dvec4(position, 1));
     EXPECT_LT(p.z, 0) << "behind the camera";
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
-CameraPath views_of(size_t count, uint32_t width, uint32_t height) {
-    CameraPath path;
-    path.interpolation = Interpolation::kCut;
+stage::CameraPath views_of(size_t count, uint32_t width, uint32_t height) {
+    stage::CameraPath path;
+    path.interpolation = stage::Interpolation::kCut;
     path.width = width;
     path.height = height;
     for (size_t i = 0; i < count; ++i) {
-        CameraPathKey key;
+        stage::CameraPathKey key;
         key.time_s = static_cast<double>(i) / 25;
         key.angle_y = 2 * std::atan(0.4);
         path.keys.push_back(key);
@@ -37,28 +37,29 @@ CameraPath views_of(size_t count, uint32_t width, uint32_t height) {
 }
 
 TEST(ViewPath, OccupiedBoxIsThatOfTheLeaves) {
-    VOctree tree = test::random_tree({.leaves = 1});
-    build_topology(tree, {{1, 2, 3, 2}, {3, 0, 6, 3}});
+    voctree::VOctree tree = test::random_tree({.leaves = 1});
+    voctree::build_topology(tree, {{1, 2, 3, 2}, {3, 0, 6, 3}});
     tree.box_min = {-1, 0, 10};
     tree.box_size = {8, 16, 4};
-    const auto [low, high] = occupied_box(tree);
+    const auto [low, high] = tools::occupied_box(tree);
     EXPECT_EQ(low, glm::dvec3(1, 0, 13));    // tree (1/4, 0, 3/4)
     EXPECT_EQ(high, glm::dvec3(3, 12, 14));  // tree (1/2, 3/4, 1)
 }
 
 TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
-    VOctree tree = test::random_tree({.leaves = 1});
-    build_topology(tree, {});
-    const auto [low, high] = occupied_box(tree);
+    voctree::VOctree tree = test::random_tree({.leaves = 1});
+    voctree::build_topology(tree, {});
+    const auto [low, high] = tools::occupied_box(tree);
     EXPECT_EQ(low, glm::dvec3(tree.box_min));
     EXPECT_EQ(high, glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size));
 }
 
 TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
     const Box box{{-0.5, 0, -0.4}, {0.7, 1.8, 0.4}};
-    for (const PictureSize size : {PictureSize{720, 720}, PictureSize{1280, 720}, PictureSize{300, 500}}) {
+    for (const tools::PictureSize size :
+         {tools::PictureSize{720, 720}, tools::PictureSize{1280, 720}, tools::PictureSize{300, 500}}) {
         double outermost = 0;
-        for (const ViewStep& step : orbit_path(box, {{0, 23}, 25, 25}, size)) {
+        for (const tools::ViewStep& step : tools::orbit_path(box, {{0, 23}, 25, 25}, size)) {
             EXPECT_NEAR(glm::determinant(glm::dmat3(step.camera.world_from_camera)), 1, 1e-12);
             for (int corner = 0; corner < 8; ++corner) {
                 const glm::dvec3 p(corner & 1 ? box.first.x : box.second.x, corner & 2 ? box.first.y : box.second.y,
@@ -75,7 +76,7 @@ TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
 
 TEST(ViewPath, OrbitTurnsOnceInFourSecondsOrMore) {
     const Box box{{-1, -1, -1}, {1, 1, 1}};
-    const std::vector<ViewStep> path = orbit_path(box, {{0, 23}, 24, 24}, {64, 64});
+    const std::vector<tools::ViewStep> path = tools::orbit_path(box, {{0, 23}, 24, 24}, {64, 64});
     ASSERT_EQ(path.size(), 96u);  // the clip of one second, four times
     for (size_t i = 0; i < path.size(); ++i) EXPECT_NEAR(path[i].frame, static_cast<double>(i % 24), 1e-9);
     // From +Z over +X, looking inwards and a little down.
@@ -87,12 +88,12 @@ TEST(ViewPath, OrbitTurnsOnceInFourSecondsOrMore) {
     EXPECT_GT(path[0].camera.world_from_camera[3].y, 0);
     EXPECT_NEAR(glm::length(project(path[30].camera, {0, 0, 0}) - glm::dvec2(32, 32)), 0, 1e-9);
 
-    EXPECT_EQ(orbit_path(box, {{0, 149}, 25, 25}, {64, 64}).size(), 150u);  // six seconds: the clip once
-    EXPECT_EQ(orbit_path(box, {{5, 5}, 25, 30}, {64, 64}).size(), 120u);    // one frame for four seconds
+    EXPECT_EQ(tools::orbit_path(box, {{0, 149}, 25, 25}, {64, 64}).size(), 150u);  // six seconds: the clip once
+    EXPECT_EQ(tools::orbit_path(box, {{5, 5}, 25, 30}, {64, 64}).size(), 120u);    // one frame for four seconds
 }
 
 TEST(ViewPath, FasterOutputFallsBetweenFrames) {
-    const std::vector<ViewStep> path = orbit_path({{0, 0, 0}, {1, 1, 1}}, {{2, 4.5}, 10, 40}, {8, 8});
+    const std::vector<tools::ViewStep> path = tools::orbit_path({{0, 0, 0}, {1, 1, 1}}, {{2, 4.5}, 10, 40}, {8, 8});
     for (size_t i = 0; i < 14; ++i)
         EXPECT_NEAR(path[i].frame, std::min(4.5, 2 + 0.25 * static_cast<double>(i)), 1e-9) << i;
     EXPECT_NEAR(path[14].frame, 2, 1e-9);  // again
@@ -100,18 +101,18 @@ TEST(ViewPath, FasterOutputFallsBetweenFrames) {
 
 TEST(ViewPath, TooManyPicturesAreRefused) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
-    expect_input_error([&] { orbit_path(box, {{0, 99999}, 1, 1000}, {8, 8}); }, {"--fps", "lower --fps"});
+    expect_input_error([&] { tools::orbit_path(box, {{0, 99999}, 1, 1000}, {8, 8}); }, {"--fps", "lower --fps"});
     const double tiny = std::numeric_limits<float>::min();
-    expect_input_error([&] { orbit_path(box, {{0, 1}, tiny, tiny * 1e9}, {8, 8}); }, {"--fps"});
-    expect_input_error([&] { path_steps(views_of(1, 8, 8), {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
+    expect_input_error([&] { tools::orbit_path(box, {{0, 1}, tiny, tiny * 1e9}, {8, 8}); }, {"--fps"});
+    expect_input_error([&] { tools::path_steps(views_of(1, 8, 8), {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
 }
 
 TEST(ViewPath, ViewsAreAPictureEach) {
-    const Playback playback{{0, 10}, 25, 25};
-    CameraPath views = views_of(2, 100, 80);
+    const tools::Playback playback{{0, 10}, 25, 25};
+    stage::CameraPath views = views_of(2, 100, 80);
     views.keys[0].clip_time = 1;
     views.keys[1].clip_time = 0.25;
-    const auto timed = path_steps(views, playback, 11, {}, {7, 7});
+    const auto timed = tools::path_steps(views, playback, 11, {}, {7, 7});
     ASSERT_EQ(timed.size(), 2u);
     EXPECT_EQ(timed[0].frame, 10);
     EXPECT_EQ(timed[1].frame, 2.5);
@@ -120,41 +121,41 @@ TEST(ViewPath, ViewsAreAPictureEach) {
     EXPECT_NEAR(timed[0].camera.fx, 100, 1e-9);
 
     for (const size_t count : {3, 50, 1000}) {  // whatever i / 25 rounds to
-        const auto playing = path_steps(views_of(count, 10, 8), playback, 11, {}, {7, 7});
+        const auto playing = tools::path_steps(views_of(count, 10, 8), playback, 11, {}, {7, 7});
         ASSERT_EQ(playing.size(), count);
         EXPECT_EQ(playing[2].frame, 2);
     }
-    const auto fixed = path_steps(views_of(1, 10, 8), playback, 11, {}, {7, 7});
+    const auto fixed = tools::path_steps(views_of(1, 10, 8), playback, 11, {}, {7, 7});
     ASSERT_EQ(fixed.size(), 11u);
     EXPECT_EQ(fixed[10].frame, 10);
 }
 
 TEST(ViewPath, PicturesOfAPathAreAtTheirInstants) {
-    CameraPath path = views_of(3, 0, 0);
-    path.interpolation = Interpolation::kLinear;
+    stage::CameraPath path = views_of(3, 0, 0);
+    path.interpolation = stage::Interpolation::kLinear;
     for (size_t i = 0; i < 3; ++i) {
         path.keys[i].time_s = static_cast<double>(i);
         path.keys[i].position = {static_cast<double>(i), 0, 0};
     }
     path.duration_s = 2;
-    const auto open = path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
+    const auto open = tools::path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
     ASSERT_EQ(open.size(), 21u) << "both ends are shown";
     for (size_t i = 0; i < open.size(); ++i)
         EXPECT_NEAR(open[i].camera.world_from_camera[3].x, static_cast<double>(i) / 10, 1e-12);
     EXPECT_EQ(open[1].frame, 2.5) << "the clip keeps its speed";
     path.cyclic = true;
     path.duration_s = 3;
-    const auto cycle = path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
+    const auto cycle = tools::path_steps(path, {{0, 10}, 25, 10}, 11, {}, {8, 8});
     ASSERT_EQ(cycle.size(), 30u) << "the first key is not shown twice";
     EXPECT_NEAR(cycle[29].camera.world_from_camera[3].x, 0.2, 1e-12);
 }
 
 TEST(ViewPath, AnotherSizeKeepsTheVerticalAngleOfView) {
-    CameraPath views = views_of(1, 100, 80);
+    stage::CameraPath views = views_of(1, 100, 80);
     views.keys[0].clip_time = 0;
     views.keys[0].shift = {0.125, 0};  // 10 of 80 pixels
-    const auto path = path_steps(views, {}, 1, {300, 160}, {7, 7});
-    const Camera& camera = path.at(0).camera;
+    const auto path = tools::path_steps(views, {}, 1, {300, 160}, {7, 7});
+    const stage::Camera& camera = path.at(0).camera;
     EXPECT_EQ(camera.width, 300u);
     EXPECT_NEAR(camera.fy, 200, 1e-9);
     EXPECT_NEAR(camera.fx, 200, 1e-9);
@@ -163,9 +164,9 @@ TEST(ViewPath, AnotherSizeKeepsTheVerticalAngleOfView) {
 }
 
 TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
-    CameraPath views = views_of(1, 0, 0);
+    stage::CameraPath views = views_of(1, 0, 0);
     views.keys[0].angle_x = 2 * std::atan(1 / 3.0);
-    const auto path = path_steps(views, {{0, 0}, 25, 25}, 1, {}, {200, 100});
+    const auto path = tools::path_steps(views, {{0, 0}, 25, 25}, 1, {}, {200, 100});
     ASSERT_EQ(path.size(), 1u);
     EXPECT_NEAR(path[0].camera.fx, 300, 1e-9);
     EXPECT_NEAR(path[0].camera.fy, 300, 1e-9);
@@ -178,7 +179,7 @@ TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
     const double clip_fps = double{29.97f};
     for (const double rate : {29.97, 59.94, 14.985}) {
-        const auto path = orbit_path(box, {{0, 8999}, clip_fps, rate}, {8, 8});
+        const auto path = tools::orbit_path(box, {{0, 8999}, clip_fps, rate}, {8, 8});
         const size_t every = rate > 30 ? 2 : 1;
         for (size_t i = 0; i < path.size(); i += every) EXPECT_EQ(path[i].frame, std::floor(path[i].frame)) << i;
         EXPECT_GT(path.size(), 4000u);
@@ -186,9 +187,9 @@ TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
 }
 
 TEST(ViewPath, DepthRangeHoldsTheBox) {
-    ViewStep step;
+    tools::ViewStep step;
     step.camera.world_from_camera[3] = glm::dvec4(0, 0, 10, 1);
-    const auto [near, far] = depth_range({step}, {{-1, -1, -1}, {1, 1, 1}});
+    const auto [near, far] = tools::depth_range({step}, {{-1, -1, -1}, {1, 1, 1}});
     EXPECT_NEAR(near, 10 - std::sqrt(3.0), 1e-12);
     EXPECT_NEAR(far, 10 + std::sqrt(3.0), 1e-12);
 }

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Bases, HatRowsSumToOne) {
     for (const auto& [frames, bases] : {std::pair(1u, 1u), {9u, 1u}, {9u, 2u}, {10u, 4u}, {75u, 31u}, {64u, 64u}}) {
-        const std::vector<float> basis = hat_basis(frames, bases);
+        const std::vector<float> basis = training::hat_basis(frames, bases);
         ASSERT_EQ(basis.size(), size_t{frames} * bases);
         for (uint32_t t = 0; t < frames && bases > 1; t++) {
             float sum = 0;
@@ -26,18 +26,18 @@ TEST(Bases, HatRowsSumToOne) {
 }
 
 TEST(Bases, OneBasisIsConstant) {
-    for (const float value : hat_basis(9, 1)) EXPECT_EQ(value, 1);
+    for (const float value : training::hat_basis(9, 1)) EXPECT_EQ(value, 1);
 }
 
 TEST(Bases, AsManyBasesAsFramesAreTheIdentity) {
-    const std::vector<float> basis = hat_basis(12, 12);
+    const std::vector<float> basis = training::hat_basis(12, 12);
     for (uint32_t t = 0; t < 12; t++)
         for (uint32_t c = 0; c < 12; c++) EXPECT_EQ(basis[t * 12 + c], t == c ? 1.0f : 0.0f);
 }
 
 TEST(Bases, GammaSweepsItsRangeAndNeverStartsAtTheZeroOfOddDegrees) {
     for (const uint32_t bases : {1u, 2u, 31u}) {
-        const std::vector<float> weights = initial_gamma_weights(bases);
+        const std::vector<float> weights = training::initial_gamma_weights(bases);
         ASSERT_EQ(weights.size(), bases);
         for (uint32_t c = 1; c < bases; c++) EXPECT_GT(weights[c], weights[c - 1]);
         const auto share = [](float weight) { return 1 / (1 + std::exp(-static_cast<double>(weight))); };
@@ -53,21 +53,21 @@ TEST(Bases, GammaSweepsItsRangeAndNeverStartsAtTheZeroOfOddDegrees) {
 TEST(CourseSolver, FindsTheWeightsOfACourseInTheSpan) {
     Random random(1);
     for (const auto& [frames, bases] : {std::pair(1u, 1u), {10u, 4u}, {24u, 24u}, {75u, 31u}}) {
-        const std::vector<float> basis = hat_basis(frames, bases);
+        const std::vector<float> basis = training::hat_basis(frames, bases);
         std::vector<float> truth(bases), course(frames), found(bases);
         for (float& weight : truth) weight = static_cast<float>(random.bell());
         for (uint32_t t = 0; t < frames; t++)
             for (uint32_t c = 0; c < bases; c++) course[t] += basis[t * bases + c] * truth[c];
-        CourseSolver(basis, frames, bases).solve(course.data(), found.data());
+        training::CourseSolver(basis, frames, bases).solve(course.data(), found.data());
         for (uint32_t c = 0; c < bases; c++) EXPECT_NEAR(found[c], truth[c], 1e-4) << frames << ' ' << bases;
     }
 }
 
 TEST(CourseSolver, ComesNearACourseOutsideTheSpan) {
-    const std::vector<float> basis = hat_basis(9, 2);  // straight lines
+    const std::vector<float> basis = training::hat_basis(9, 2);  // straight lines
     const std::vector<float> course = {0, 0, 0, 0, 1, 0, 0, 0, 0};
     std::vector<float> weights(2);
-    CourseSolver(basis, 9, 2).solve(course.data(), weights.data());
+    training::CourseSolver(basis, 9, 2).solve(course.data(), weights.data());
     EXPECT_NEAR(weights[0], 1.0 / 9, 1e-4);  // the best line is the mean
     EXPECT_NEAR(weights[1], 1.0 / 9, 1e-4);
 }
@@ -75,7 +75,7 @@ TEST(CourseSolver, ComesNearACourseOutsideTheSpan) {
 TEST(CourseSolver, ColumnsThatBecameAlikeShare) {
     const std::vector<float> basis = {1, 1, 1, 1, 1, 1}, course = {2, 2, 2};  // 3 frames × 2 equal columns
     std::vector<float> weights(2);
-    CourseSolver(basis, 3, 2).solve(course.data(), weights.data());
+    training::CourseSolver(basis, 3, 2).solve(course.data(), weights.data());
     EXPECT_NEAR(weights[0], 1, 1e-3);
     EXPECT_NEAR(weights[1], 1, 1e-3);
 }

@@ -16,22 +16,23 @@ namespace {
 constexpr uint32_t kSize = 44;                                     // six tiles across, the last one cut
 using TileKey = std::tuple<double, uint32_t, uint32_t, uint32_t>;  // time, camera, x, y
 
-const Dataset& capture() {
-    static const Dataset dataset = sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .reach_m = 0.2});
+const training::Dataset& capture() {
+    static const training::Dataset dataset =
+        sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .reach_m = 0.2});
     return dataset;
 }
 
-TileKey key_of(const Batch& batch, const Tile& tile) {
+TileKey key_of(const training::Batch& batch, const Tile& tile) {
     return {batch.time, tile.camera, tile.x, tile.y};
 }
 
-const View& view_of(const Dataset& dataset, double time, uint32_t camera) {
-    for (const View& view : dataset.views)
+const training::View& view_of(const training::Dataset& dataset, double time, uint32_t camera) {
+    for (const training::View& view : dataset.views)
         if (view.time == time && view.camera == camera) return view;
     throw std::logic_error("no such view");
 }
 
-bool holds_foreground(const View& view, uint32_t x0, uint32_t y0) {
+bool holds_foreground(const training::View& view, uint32_t x0, uint32_t y0) {
     for (uint32_t y = y0; y < std::min(y0 + kTile, view.image.height); y++)
         for (uint32_t x = x0; x < std::min(x0 + kTile, view.image.width); x++)
             if (view.image.at(x, y)[3] > 0) return true;
@@ -39,21 +40,21 @@ bool holds_foreground(const View& view, uint32_t x0, uint32_t y0) {
 }
 
 // How often each tile was drawn until every instant's epoch had ended once: batches hold whole epochs.
-std::map<TileKey, uint32_t> draws_of_an_epoch(BatchSampler& sampler) {
+std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
     std::map<TileKey, uint32_t> draws;
     for (size_t i = 0; i < capture().times.size(); i++) {
-        const Batch batch = sampler.next();
+        const training::Batch batch = sampler.next();
         for (const Tile& tile : batch.tiles) draws[key_of(batch, tile)]++;
     }
     return draws;
 }
 
 TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
-    BatchSampler sampler(capture(), 100000, 3);
+    training::BatchSampler sampler(capture(), 100000, 3);
     size_t background = 0, background_drawn = 0, rays = 0;
     for (int epoch = 0; epoch < 5; epoch++) {
         const std::map<TileKey, uint32_t> draws = draws_of_an_epoch(sampler);
-        for (const View& view : capture().views)
+        for (const training::View& view : capture().views)
             for (uint32_t y = 0; y < kSize; y += kTile)
                 for (uint32_t x = 0; x < kSize; x += kTile) {
                     const auto found = draws.find({view.time, view.camera, x, y});
@@ -76,7 +77,7 @@ TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
 
 TEST(Batch, InstantsComeInRunsAndEvenly) {
     constexpr uint32_t kInARow = 3;
-    BatchSampler sampler(capture(), 2, 8, kInARow);
+    training::BatchSampler sampler(capture(), 2, 8, kInARow);
     std::map<double, int> batches;
     std::vector<double> times;
     for (uint32_t i = 0; i < 8 * kInARow; i++) {
@@ -89,11 +90,11 @@ TEST(Batch, InstantsComeInRunsAndEvenly) {
 }
 
 TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
-    BatchSampler sampler(capture(), 7, 4);
+    training::BatchSampler sampler(capture(), 7, 4);
     std::map<TileKey, uint32_t> draws;
     std::map<double, bool> ended;
     while (ended.size() < capture().times.size()) {
-        const Batch batch = sampler.next();
+        const training::Batch batch = sampler.next();
         ASSERT_GT(batch.tiles.size(), 0u);
         ASSERT_LE(batch.tiles.size(), 7u);
         for (const Tile& tile : batch.tiles) {
@@ -101,7 +102,7 @@ TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
             if (++draws[key_of(batch, tile)] == 2) ended[batch.time] = true;
         }
     }
-    for (const View& view : capture().views)
+    for (const training::View& view : capture().views)
         for (uint32_t y = 0; y < kSize; y += kTile)
             for (uint32_t x = 0; x < kSize; x += kTile)
                 if (holds_foreground(view, x, y)) {
@@ -110,10 +111,10 @@ TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
 }
 
 TEST(Batch, TheSameSeedGivesTheSameBatches) {
-    BatchSampler a(capture(), 50, 5), b(capture(), 50, 5), other(capture(), 50, 6);
+    training::BatchSampler a(capture(), 50, 5), b(capture(), 50, 5), other(capture(), 50, 6);
     bool differs = false;
     for (int i = 0; i < 20; i++) {
-        const Batch from_a = a.next(), from_b = b.next(), from_other = other.next();
+        const training::Batch from_a = a.next(), from_b = b.next(), from_other = other.next();
         EXPECT_EQ(from_a.time, from_b.time);
         EXPECT_EQ(from_a.target, from_b.target);
         ASSERT_EQ(from_a.tiles.size(), from_b.tiles.size());
@@ -125,14 +126,14 @@ TEST(Batch, TheSameSeedGivesTheSameBatches) {
 }
 
 TEST(Batch, ASkippedBatchChangesNothingThatFollows) {
-    BatchSampler whole(capture(), 9, 5), resumed(capture(), 9, 5);
+    training::BatchSampler whole(capture(), 9, 5), resumed(capture(), 9, 5);
     for (int i = 0; i < 12; i++) {
         const uint32_t samples = i < 7 ? 1 : 2;
         whole.next(samples);
         resumed.skip(samples);
     }
     for (int i = 0; i < 8; i++) {
-        const Batch a = whole.next(2), b = resumed.next(2);
+        const training::Batch a = whole.next(2), b = resumed.next(2);
         EXPECT_EQ(a.time, b.time);
         EXPECT_EQ(a.target, b.target);
         EXPECT_EQ(a.background, b.background);
@@ -142,8 +143,8 @@ TEST(Batch, ASkippedBatchChangesNothingThatFollows) {
 }
 
 TEST(Batch, SeveralRaysSeeOnePixel) {
-    BatchSampler sampler(capture(), 400, 6);
-    const Batch batch = sampler.next(2);
+    training::BatchSampler sampler(capture(), 400, 6);
+    const training::Batch batch = sampler.next(2);
     ASSERT_EQ(batch.tiles.size() % 4, 0u);
     EXPECT_LE(batch.tiles.size(), 400u);
     std::map<std::tuple<uint32_t, uint32_t, uint32_t>, glm::vec4> pixels;
@@ -153,18 +154,19 @@ TEST(Batch, SeveralRaysSeeOnePixel) {
                    y = static_cast<uint32_t>(tile.y + i % kTilePixels / kTile) / 2;
         const auto [found, fresh] = pixels.try_emplace({tile.camera, x, y}, batch.target[i]);
         EXPECT_EQ(found->second, batch.target[i]);
-        const auto view = std::find_if(capture().views.begin(), capture().views.end(),
-                                       [&](const View& v) { return v.camera == tile.camera && v.time == batch.time; });
+        const auto view = std::find_if(capture().views.begin(), capture().views.end(), [&](const training::View& v) {
+            return v.camera == tile.camera && v.time == batch.time;
+        });
         ASSERT_NE(view, capture().views.end());
         if (x < kSize && y < kSize) {
-            EXPECT_EQ(batch.target[i], foreground(capture(), *view, x, y));
+            EXPECT_EQ(batch.target[i], training::foreground(capture(), *view, x, y));
         }
     }
     EXPECT_EQ(pixels.size() * 4, batch.target.size());
 }
 
 TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
-    BatchSampler sampler(capture(), 100, 8);
+    training::BatchSampler sampler(capture(), 100, 8);
     glm::dvec2 sum(0), squares(0);
     double count = 0;
     while (count < 4000)
@@ -182,8 +184,8 @@ TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
 }
 
 TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
-    BatchSampler sampler(capture(), 100000, 7);
-    const Batch batch = sampler.next();
+    training::BatchSampler sampler(capture(), 100000, 7);
+    const training::Batch batch = sampler.next();
     ASSERT_EQ(batch.target.size(), batch.tiles.size() * kTilePixels);
     ASSERT_EQ(batch.background.size(), batch.target.size());
     size_t beyond = 0, partial = 0;
@@ -199,7 +201,8 @@ TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
         const double alpha = pixel[3] / 255.0;
         partial += alpha > 0 && alpha < 1 ? 1 : 0;
         ASSERT_NEAR(batch.target[i].a, alpha, 1e-6);
-        for (int c = 0; c < 3; c++) ASSERT_NEAR(batch.target[i][c], alpha * linear_from_srgb(pixel[c] / 255.0), 1e-5);
+        for (int c = 0; c < 3; c++)
+            ASSERT_NEAR(batch.target[i][c], alpha * media::linear_from_srgb(pixel[c] / 255.0), 1e-5);
         EXPECT_EQ(batch.background[i], batch.background[i - i % kTilePixels]) << "one colour a tile";
     }
     EXPECT_GT(beyond, 100u);
@@ -208,32 +211,33 @@ TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
 }
 
 TEST(Batch, ACapturedPlateStandsBehindTheRays) {
-    Dataset dataset = capture();
-    for (Image& plate : dataset.plates) {
-        plate = Image(kSize, kSize);
+    training::Dataset dataset = capture();
+    for (media::Image& plate : dataset.plates) {
+        plate = media::Image(kSize, kSize);
         for (uint32_t i = 0; i < kSize * kSize * 4; i++)
             plate.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 255 : 60 + i % 101);
     }
-    BatchSampler sampler(dataset, 100000, 8);
-    const Batch batch = sampler.next();
+    training::BatchSampler sampler(dataset, 100000, 8);
+    const training::Batch batch = sampler.next();
     for (size_t i = 0; i < batch.target.size(); i++) {
         if (batch.target[i].a < 0) continue;
         const Tile& tile = batch.tiles[i / kTilePixels];
         const auto x = static_cast<uint32_t>(tile.x + i % kTile), y = static_cast<uint32_t>(tile.y + i % 64 / kTile);
         const uint8_t* plate = dataset.plates[tile.camera].at(x, y);
-        for (int c = 0; c < 3; c++) ASSERT_NEAR(batch.background[i][c], linear_from_srgb(plate[c] / 255.0), 1e-6);
-        ASSERT_EQ(batch.target[i], foreground(dataset, view_of(dataset, batch.time, tile.camera), x, y));
+        for (int c = 0; c < 3; c++)
+            ASSERT_NEAR(batch.background[i][c], media::linear_from_srgb(plate[c] / 255.0), 1e-6);
+        ASSERT_EQ(batch.target[i], training::foreground(dataset, view_of(dataset, batch.time, tile.camera), x, y));
     }
 }
 
 TEST(Batch, IgnoredPixelsTeachNothing) {
-    Dataset dataset = capture();
-    for (View& view : dataset.views) {
+    training::Dataset dataset = capture();
+    for (training::View& view : dataset.views) {
         view.ignored.resize(kSize * kSize);
         for (uint32_t i = 0; i < kSize * kSize; i++) view.ignored[i] = i % kSize < kSize / 2;
     }
-    BatchSampler sampler(dataset, 100000, 8);
-    const Batch batch = sampler.next();
+    training::BatchSampler sampler(dataset, 100000, 8);
+    const training::Batch batch = sampler.next();
     size_t known = 0;
     for (size_t i = 0; i < batch.target.size(); i++) {
         const Tile& tile = batch.tiles[i / kTilePixels];
@@ -246,9 +250,9 @@ TEST(Batch, IgnoredPixelsTeachNothing) {
 }
 
 TEST(Batch, AnInstantWithoutMatterStillGivesABatch) {
-    Dataset dataset = capture();
-    for (View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
-    BatchSampler sampler(dataset, 3, 9);
+    training::Dataset dataset = capture();
+    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    training::BatchSampler sampler(dataset, 3, 9);
     for (int i = 0; i < 50; i++) {
         const size_t tiles = sampler.next().tiles.size();
         EXPECT_GE(tiles, 1u);

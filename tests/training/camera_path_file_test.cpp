@@ -23,9 +23,9 @@ struct CameraPathFile : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path where = folder.path / "path.json";
 
-    CameraPath read(const json& document) {
+    stage::CameraPath read(const json& document) {
         write_text(where, document.dump());
-        return read_camera_path(where, 25);
+        return training::read_camera_path(where, 25);
     }
     void expect_bad(json document, const std::function<void(json&)>& damage, std::initializer_list<std::string> parts) {
         damage(document);
@@ -34,7 +34,7 @@ struct CameraPathFile : testing::Test {
 };
 
 // A level camera at `place` that looks along −Z, but for `yaw_deg` about +Y.
-void expect_pose(const CameraPathKey& key, glm::dvec3 place, double yaw_deg) {
+void expect_pose(const stage::CameraPathKey& key, glm::dvec3 place, double yaw_deg) {
     EXPECT_LT(glm::distance(key.position, place), 1e-9)
         << key.position.x << " " << key.position.y << " " << key.position.z;
     const glm::dquat turn = glm::angleAxis(yaw_deg * kDegree, glm::dvec3(0, 1, 0));
@@ -62,9 +62,9 @@ json ngp_file() {
 }
 
 TEST_F(CameraPathFile, InstantNgp) {
-    const CameraPath path = read(ngp_file());
+    const stage::CameraPath path = read(ngp_file());
     ASSERT_EQ(path.keys.size(), 4u);
-    EXPECT_EQ(path.interpolation, Interpolation::kSmooth);
+    EXPECT_EQ(path.interpolation, stage::Interpolation::kSmooth);
     EXPECT_FALSE(path.cyclic);
     EXPECT_EQ(path.width, 0u);
     // A timestamp is when the next key is reached: the first is at 0, the last at the third's stamp, here 6 s.
@@ -80,15 +80,15 @@ TEST_F(CameraPathFile, InstantNgpLoopsAndOldFiles) {
     json file = ngp_file();
     file["loop"] = true;
     file["spline_order"] = 1;
-    const CameraPath loop = read(file);
+    const stage::CameraPath loop = read(file);
     EXPECT_TRUE(loop.cyclic);
-    EXPECT_EQ(loop.interpolation, Interpolation::kLinear);
+    EXPECT_EQ(loop.interpolation, stage::Interpolation::kLinear);
     EXPECT_EQ(loop.duration_s, 6);
     EXPECT_NEAR(loop.keys[3].time_s, 4.5, 1e-12);
     for (const char* name : {"loop", "duration_seconds", "spline_order"}) file.erase(name);
     for (json& key : file["path"]) key.erase("timestamp");
-    const CameraPath old = read(file);
-    EXPECT_EQ(old.interpolation, Interpolation::kSmooth);
+    const stage::CameraPath old = read(file);
+    EXPECT_EQ(old.interpolation, stage::Interpolation::kSmooth);
     EXPECT_NEAR(old.keys[1].time_s, 5.0 / 3, 1e-12) << "evenly over instant-ngp's five seconds";
     EXPECT_NEAR(old.duration_s, 5, 1e-12);
     file["scale"] = 0.5;  // as the data set's transforms.json has them, added by hand
@@ -142,7 +142,7 @@ json nerfstudio_file() {
 
 TEST_F(CameraPathFile, Nerfstudio) {
     json file = nerfstudio_file();
-    const CameraPath path = read(file);
+    const stage::CameraPath path = read(file);
     ASSERT_EQ(path.keys.size(), 6u);
     EXPECT_EQ(path.width, 960u);
     EXPECT_EQ(path.height, 540u);
@@ -155,7 +155,7 @@ TEST_F(CameraPathFile, Nerfstudio) {
     EXPECT_NEAR(path.duration_s, 5.0 / 24, 1e-12);
     file["is_cycle"] = true;
     for (size_t i = 0; i < 6; ++i) file["camera_path"][i]["render_time"] = static_cast<double>(i) / 5;
-    const CameraPath cycle = read(file);
+    const stage::CameraPath cycle = read(file);
     EXPECT_TRUE(cycle.cyclic);
     EXPECT_NEAR(cycle.duration_s, 0.25, 1e-12);
     EXPECT_EQ(cycle.keys[1].clip_time, 0.2);
@@ -164,7 +164,7 @@ TEST_F(CameraPathFile, Nerfstudio) {
 TEST_F(CameraPathFile, NerfstudioKeyframesAlone) {
     json file = nerfstudio_file();
     file["camera_path"] = json::array();
-    const CameraPath path = read(file);
+    const stage::CameraPath path = read(file);
     ASSERT_EQ(path.keys.size(), 3u);
     expect_pose(path.keys[2], {20, 2, 3}, 0);
     EXPECT_EQ(path.keys[1].time_s, 2);
@@ -204,12 +204,12 @@ TEST_F(CameraPathFile, NerfstudioDamageIsNamed) {
 }
 
 TEST_F(CameraPathFile, OursRoundTrips) {
-    CameraPath path;
+    stage::CameraPath path;
     path.cyclic = true;
     path.duration_s = 4.75;
-    path.interpolation = Interpolation::kLinear;
+    path.interpolation = stage::Interpolation::kLinear;
     for (int i = 0; i < 3; ++i) {
-        CameraPathKey key;
+        stage::CameraPathKey key;
         key.time_s = 1.1 * i;
         key.position = {1.0 / 3, -2.5 * i, 1e-3};
         key.world_from_camera = glm::normalize(glm::dquat(0.3, 0.1 * i, -0.7, 0.2));
@@ -222,9 +222,9 @@ TEST_F(CameraPathFile, OursRoundTrips) {
         path.height = sized ? 800 : 0;
         if (sized) path.keys[1].stretch = 1.1;
         if (sized) path.keys[2].shift = {0.05, -0.25};
-        write_camera_path(where, path);
+        training::write_camera_path(where, path);
         EXPECT_EQ(folder.entries(), 1u);
-        const CameraPath back = read_camera_path(where, 25);
+        const stage::CameraPath back = training::read_camera_path(where, 25);
         ASSERT_EQ(back.keys.size(), 3u);
         EXPECT_EQ(back.cyclic, path.cyclic);
         EXPECT_EQ(back.duration_s, path.duration_s);
@@ -232,7 +232,7 @@ TEST_F(CameraPathFile, OursRoundTrips) {
         EXPECT_EQ(back.width, path.width);
         EXPECT_EQ(back.height, path.height);
         for (size_t i = 0; i < 3; ++i) {
-            const CameraPathKey &a = path.keys[i], &b = back.keys[i];
+            const stage::CameraPathKey &a = path.keys[i], &b = back.keys[i];
             EXPECT_EQ(b.time_s, a.time_s);
             EXPECT_EQ(b.position, a.position);
             EXPECT_NEAR(std::abs(glm::dot(b.world_from_camera, a.world_from_camera)), 1, 1e-12);
@@ -254,9 +254,9 @@ TEST_F(CameraPathFile, DamagedBytesDoNoHarm) {
             for (int i = 0; i < 3; ++i) bytes[below(bytes.size())] = "0123456789-e.,:[]{}\"tn"[below(22)];
             write_text(where, bytes);
             try {
-                const CameraPath path = read_camera_path(where, 25);
+                const stage::CameraPath path = training::read_camera_path(where, 25);
                 for (int i = -2; i < 12; ++i) {
-                    const Camera camera = camera_at(path, 0.1 * i * path.duration_s, 64, 48);
+                    const stage::Camera camera = stage::camera_at(path, 0.1 * i * path.duration_s, 64, 48);
                     ASSERT_TRUE(std::isfinite(camera.fx) && std::isfinite(glm::determinant(camera.world_from_camera)));
                 }
             } catch (const InputError& error) {
@@ -275,19 +275,19 @@ TEST_F(CameraPathFile, FramesWithoutSecondsAreViews) {
     document["frames"].push_back(transforms_key(2));
     document["frames"].push_back(transforms_key(3));
     document["frames"][1].update({{"time", 0.25}, {"w", 100}, {"h", 50}});
-    const CameraPath path = read(document);
+    const stage::CameraPath path = read(document);
     ASSERT_EQ(path.keys.size(), 2u);
-    EXPECT_EQ(path.interpolation, Interpolation::kCut);
+    EXPECT_EQ(path.interpolation, stage::Interpolation::kCut);
     EXPECT_EQ(path.width, 0u);
     EXPECT_FALSE(path.keys[0].clip_time);
     EXPECT_EQ(path.keys[0].angle_x, 0.8);
     EXPECT_EQ(path.keys[1].time_s, 1 / 25.0);
     EXPECT_EQ(path.keys[1].clip_time, 0.25);
-    EXPECT_NEAR(camera_at(path, 1 / 25.0, 100, 50).fx, 50 / std::tan(0.4), 1e-9);
-    EXPECT_NEAR(camera_at(path, 0, 300, 50).fx, 150 / std::tan(0.4), 1e-9);
+    EXPECT_NEAR(stage::camera_at(path, 1 / 25.0, 100, 50).fx, 50 / std::tan(0.4), 1e-9);
+    EXPECT_NEAR(stage::camera_at(path, 0, 300, 50).fx, 150 / std::tan(0.4), 1e-9);
     document["frames"][0]["fl_x"] = 500;
     expect_input_error([&] { read(document); }, {"path.json", "frames[0]", "w and h"});
-    expect_input_error([&] { read_camera_path(folder.path / "none.json", 25); }, {"none.json"});
+    expect_input_error([&] { training::read_camera_path(folder.path / "none.json", 25); }, {"none.json"});
 }
 
 TEST_F(CameraPathFile, OursIsCheckedToo) {
@@ -297,7 +297,7 @@ TEST_F(CameraPathFile, OursIsCheckedToo) {
         good["frames"].back()["seconds"] = 0.5 * i;
     }
     EXPECT_EQ(read(good).duration_s, 1);
-    EXPECT_EQ(read(good).interpolation, Interpolation::kSmooth);
+    EXPECT_EQ(read(good).interpolation, stage::Interpolation::kSmooth);
     EXPECT_EQ(read(good).keys[0].angle_y, 0.8);
     expect_bad(good, [](json& j) { j["frames"][1].erase("seconds"); }, {"frames[1]", "no seconds"});
     expect_bad(good, [](json& j) { j["frames"][2]["seconds"] = 0.5; }, {"frames[2]", "ascend"});

@@ -18,13 +18,13 @@ namespace {
 
 const std::filesystem::path kPerformer = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
 
-const Device& device() {
-    static const Device shared("", Validation::kOn);
+const gpu::Device& device() {
+    static const gpu::Device shared("", gpu::Validation::kOn);
     return shared;
 }
 
-CaptureSettings small_settings() {
-    CaptureSettings settings;
+training::CaptureSettings small_settings() {
+    training::CaptureSettings settings;
     settings.cameras = 6;
     settings.frames = 3;
     settings.fps = 1;
@@ -34,20 +34,20 @@ CaptureSettings small_settings() {
     return settings;
 }
 
-CaptureResult run(const std::filesystem::path& folder, const CaptureSettings& settings,
-                  const std::filesystem::path& model = kPerformer) {
-    const CaptureResult result = capture(device(), model, folder, settings, nullptr);
+training::CaptureResult run(const std::filesystem::path& folder, const training::CaptureSettings& settings,
+                            const std::filesystem::path& model = kPerformer) {
+    const training::CaptureResult result = training::capture(device(), model, folder, settings, nullptr);
     EXPECT_EQ(device().drain_validation_messages(), std::vector<std::string>());
     return result;
 }
 
-glm::dvec2 project(const Camera& camera, const glm::vec3& point) {
+glm::dvec2 project(const stage::Camera& camera, const glm::vec3& point) {
     const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(point, 1));
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
 // The largest alpha in the 3 × 3 pixels around a place in the picture.
-int alpha_near(const Image& image, const glm::dvec2& place) {
+int alpha_near(const media::Image& image, const glm::dvec2& place) {
     int largest = 0;
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
@@ -61,7 +61,7 @@ int alpha_near(const Image& image, const glm::dvec2& place) {
 }
 
 // Every vertex projects onto the silhouette, and the silhouette ends where the vertices do.
-void expect_silhouette(const View& view, const Camera& camera, const std::vector<glm::vec3>& points) {
+void expect_silhouette(const training::View& view, const stage::Camera& camera, const std::vector<glm::vec3>& points) {
     glm::dvec2 low(1e9), high(-1e9), alpha_low(1e9), alpha_high(-1e9);
     int missed = 0;
     for (const glm::vec3& point : points) {
@@ -85,12 +85,13 @@ void expect_silhouette(const View& view, const Camera& camera, const std::vector
 
 TEST(Capture, DataSetMatchesTheModel) {
     const TemporaryFolder folder;
-    const CaptureSettings settings = small_settings();
-    const CaptureResult result = run(folder.path, settings);
+    const training::CaptureSettings settings = small_settings();
+    const training::CaptureResult result = run(folder.path, settings);
     EXPECT_TRUE(result.complete);
     EXPECT_EQ(result.train_cameras, 4u);
     EXPECT_EQ(result.test_cameras, 2u);
-    const Dataset train = load_dataset(folder.path, Split::kTrain), test = load_dataset(folder.path, Split::kTest);
+    const training::Dataset train = training::load_dataset(folder.path, training::Split::kTrain),
+                            test = training::load_dataset(folder.path, training::Split::kTest);
     EXPECT_EQ(train.cameras.size(), 4u);
     EXPECT_EQ(train.views.size(), 12u);
     EXPECT_EQ(test.views.size(), 6u);
@@ -98,8 +99,8 @@ TEST(Capture, DataSetMatchesTheModel) {
     EXPECT_EQ(train.fps, 1);
     EXPECT_EQ(train.plates.at(0).width, 0u);
 
-    const GltfScene scene = load_gltf(kPerformer);
-    const auto [low, high] = bounds_over(scene, 0, {0, 1, 2});
+    const stage::GltfScene scene = stage::load_gltf(kPerformer);
+    const auto [low, high] = stage::bounds_over(scene, 0, {0, 1, 2});
     ASSERT_TRUE(train.box);
     for (int i = 0; i < 3; ++i) {
         EXPECT_LT(train.box->first[i], low[i]);
@@ -107,27 +108,28 @@ TEST(Capture, DataSetMatchesTheModel) {
         EXPECT_LT(train.box->second[i] - train.box->first[i], (high[i] - low[i]) * 1.2);
     }
     const auto node = static_cast<uint32_t>(scene.nodes.size() - 1);
-    for (const Dataset* set : {&train, &test})
-        for (const View& view : set->views) {
-            PosedVertices vertices;
-            pose_vertices(scene, pose_scene(scene, 0, view.time * 2), node, scene.meshes[0].primitives[0], vertices);
+    for (const training::Dataset* set : {&train, &test})
+        for (const training::View& view : set->views) {
+            stage::PosedVertices vertices;
+            stage::pose_vertices(scene, stage::pose_scene(scene, 0, view.time * 2), node, scene.meshes[0].primitives[0],
+                                 vertices);
             expect_silhouette(view, set->cameras[view.camera], vertices.positions);
         }
 }
 
 TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
     const TemporaryFolder clear_folder, checker_folder;
-    CaptureSettings settings = small_settings();
+    training::CaptureSettings settings = small_settings();
     settings.frames = 2;
     run(clear_folder.path, settings);
-    settings.background = CaptureBackground::kChecker;
+    settings.background = training::CaptureBackground::kChecker;
     run(checker_folder.path, settings);
-    const Dataset clear = load_dataset(clear_folder.path, Split::kTrain);
-    const Dataset checker = load_dataset(checker_folder.path, Split::kTrain);
+    const training::Dataset clear = training::load_dataset(clear_folder.path, training::Split::kTrain);
+    const training::Dataset checker = training::load_dataset(checker_folder.path, training::Split::kTrain);
     double worst = 0;
     for (size_t v = 0; v < clear.views.size(); ++v) {
-        const Image& picture = checker.views[v].image;
-        const Image& plate = checker.plates.at(checker.views[v].camera);
+        const media::Image& picture = checker.views[v].image;
+        const media::Image& plate = checker.plates.at(checker.views[v].camera);
         ASSERT_EQ(plate.width, picture.width);
         EXPECT_NE(std::equal(plate.rgba.begin() + 4, plate.rgba.end(), plate.rgba.begin()), true) << "one colour only";
         for (uint32_t y = 0; y < picture.height; ++y)
@@ -136,8 +138,8 @@ TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
                 if (picture.at(x, y)[3] == 0) {
                     for (int c = 0; c < 3; ++c) ASSERT_EQ(picture.at(x, y)[c], plate.at(x, y)[c]);
                 }
-                const glm::vec4 difference =
-                    foreground(clear, clear.views[v], x, y) - foreground(checker, checker.views[v], x, y);
+                const glm::vec4 difference = training::foreground(clear, clear.views[v], x, y) -
+                                             training::foreground(checker, checker.views[v], x, y);
                 for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(static_cast<double>(difference[c])));
             }
     }
@@ -147,8 +149,8 @@ TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
 TEST(Capture, AStoppedCaptureLeavesNoTransforms) {
     const TemporaryFolder folder;
     write_text(folder.path / "transforms_train.json", "of an older capture");
-    const CaptureResult result =
-        capture(device(), kPerformer, folder.path, small_settings(), [](uint64_t done, uint64_t) { return done < 2; });
+    const training::CaptureResult result = training::capture(device(), kPerformer, folder.path, small_settings(),
+                                                             [](uint64_t done, uint64_t) { return done < 2; });
     EXPECT_FALSE(result.complete);
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_train.json"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
@@ -163,20 +165,20 @@ TEST(Capture, AModelWithoutAnimationShowsItsRestPose) {
     glb.root["meshes"][0]["primitives"][0]["material"] = 0;
     const test::TemporaryFolder model;
     const TemporaryFolder folder;
-    CaptureSettings settings = small_settings();
+    training::CaptureSettings settings = small_settings();
     settings.frames = 2;
     settings.holdout = 0;
     run(folder.path, settings, model.write(glb.bytes()));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
-    const Dataset dataset = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset dataset = training::load_dataset(folder.path, training::Split::kTrain);
     ASSERT_EQ(dataset.views.size(), 12u);
     EXPECT_EQ(dataset.views[0].image.rgba, dataset.views[1].image.rgba);
 }
 
 TEST(Capture, BadSettingsNameTheirOption) {
     const TemporaryFolder folder;
-    const auto refuse = [&](const std::function<void(CaptureSettings&)>& change, const std::string& option) {
-        CaptureSettings settings = small_settings();
+    const auto refuse = [&](const std::function<void(training::CaptureSettings&)>& change, const std::string& option) {
+        training::CaptureSettings settings = small_settings();
         change(settings);
         expect_input_error([&] { run(folder.path, settings); }, {option});
     };
@@ -196,21 +198,21 @@ TEST(Capture, BadSettingsNameTheirOption) {
 }
 
 TEST(Performer, StandsOnTheFloorAndMoves) {
-    const GltfScene scene = load_gltf(kPerformer);
-    ASSERT_EQ(find_animation(scene, "dance"), 0u);
+    const stage::GltfScene scene = stage::load_gltf(kPerformer);
+    ASSERT_EQ(stage::find_animation(scene, "dance"), 0u);
     EXPECT_NEAR(scene.animations[0].duration_s, 3, 1e-6);
-    const auto [low, high] = bounds_over(scene, kNoAnimation, {0});
+    const auto [low, high] = stage::bounds_over(scene, stage::kNoAnimation, {0});
     EXPECT_NEAR(low.y, 0, 0.01);
     EXPECT_NEAR(high.y, 1.72, 0.05);
     std::vector<double> times;
     for (int f = 0; f < 75; ++f) times.push_back(f / 25.0);
-    const auto moving = bounds_over(scene, 0, times);
+    const auto moving = stage::bounds_over(scene, 0, times);
     EXPECT_GT(moving.first.y, -0.03) << "no foot sinks into the floor";
     EXPECT_GT(moving.second.y, 1.8) << "arms rise above the head";
     EXPECT_GT(moving.second.x - moving.first.x, 1.5);
     EXPECT_LT(moving.second.x - moving.first.x, 2.5);
-    const glm::dvec3 start = pose_scene(scene, 0, 0).world_from_node[0][3],
-                     end = pose_scene(scene, 0, 3).world_from_node[0][3];
+    const glm::dvec3 start = stage::pose_scene(scene, 0, 0).world_from_node[0][3],
+                     end = stage::pose_scene(scene, 0, 3).world_from_node[0][3];
     EXPECT_LT(glm::length(start - end), 1e-5) << "the end joins the start";
 }
 
@@ -229,17 +231,18 @@ TEST(Performer, TheScriptMakesTheFile) {
 // The mattes that `neuvv matte` finds in a captured room against the capture's own.
 TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     const TemporaryFolder folder;
-    CaptureSettings settings = small_settings();
+    training::CaptureSettings settings = small_settings();
     settings.width = settings.height = 160;
-    settings.background = CaptureBackground::kChecker;
+    settings.background = training::CaptureBackground::kChecker;
     run(folder.path, settings);
-    const Dataset truth = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset truth = training::load_dataset(folder.path, training::Split::kTrain);
     std::filesystem::create_directories(folder.path / "mattes");
-    const MattesMade made = make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
+    const training::MattesMade made =
+        training::make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
     EXPECT_EQ(made.pictures, 18u);
     EXPECT_EQ(made.cameras_with_plate, 6u);
     EXPECT_EQ(made.missing_split, "");
-    const Dataset found = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset found = training::load_dataset(folder.path, training::Split::kTrain);
     double both = 0, either = 0, error = 0, pixels = 0;
     for (size_t i = 0; i < truth.views.size(); ++i)
         for (size_t k = 3; k < truth.views[i].image.rgba.size(); k += 4) {

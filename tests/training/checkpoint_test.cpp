@@ -19,14 +19,14 @@ namespace neuvv::test {
 namespace {
 
 // A tree whose weights half precision does not hold.
-VOctree some_tree() {
-    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = 5, .hh_degree = 2, .frames = 6});
+voctree::VOctree some_tree() {
+    voctree::VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = 5, .hh_degree = 2, .frames = 6});
     Random random(6);
     for (float& weight : tree.weights) weight += static_cast<float>(1e-5 * random.bell());
     return tree;
 }
 
-RunState some_run() {
+training::RunState some_run() {
     return {.seed = 0xfedcba9876543210u,
             .step = 1234567890,
             .adam_step = 77,
@@ -50,28 +50,28 @@ RunState some_run() {
 }
 
 // Puts recognisable numbers into every moment and the leaves' use; returns those of the weights' first moments.
-std::vector<float> fill_moments(const Device& device, const TrainingStep& step) {
+std::vector<float> fill_moments(const gpu::Device& device, const training::TrainingStep& step) {
     Random random(8);
-    const auto put = [&](const Buffer& buffer, size_t count, double low) {
+    const auto put = [&](const gpu::Buffer& buffer, size_t count, double low) {
         std::vector<float> values(count);
         for (float& value : values) value = static_cast<float>(random.uniform(low, 1));
-        upload(device, buffer, values.data(), count * sizeof(float));
+        gpu::upload(device, buffer, values.data(), count * sizeof(float));
         return values;
     };
-    const Moments& moments = step.moments();
+    const training::Moments& moments = step.moments();
     const size_t numbers = size_t{4} * step.field().planes() * step.field().leaf_count;
     const size_t rows = size_t{2} * step.field().frames * step.field().bases;
     put(moments.second, numbers, 0);
     put(moments.rows_first, rows, -1);
     put(moments.rows_second, rows, 0);
-    LeafUse use;
+    training::LeafUse use;
     for (uint32_t i = 0; i < step.field().leaf_count; i++) {
         use.reach.push_back(static_cast<float>(random.uniform()));
         use.pull.push_back(static_cast<float>(random.uniform()));
     }
     for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; i++)
         use.frames.push_back(static_cast<uint32_t>(random.below(1u << 31)));
-    write_use(device, step.tally(), use);
+    training::write_use(device, step.tally(), use);
     return put(moments.first, numbers, -1);
 }
 
@@ -80,13 +80,13 @@ using CheckpointTest = GpuTest;
 TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "scene.nvv";
-    const VOctree tree = some_tree();
-    const TrainingStep step(device(), tree, 1, 1);
+    const voctree::VOctree tree = some_tree();
+    const training::TrainingStep step(device(), tree, 1, 1);
     const std::vector<float> first = fill_moments(device(), step);
-    const Checkpoint saved = take_checkpoint(step, tree, some_run());
+    const training::Checkpoint saved = training::take_checkpoint(step, tree, some_run());
     EXPECT_EQ(saved.tree.weights, tree.weights);
-    save_checkpoint(nvv, saved);
-    const Checkpoint loaded = load_checkpoint(nvv);
+    training::save_checkpoint(nvv, saved);
+    const training::Checkpoint loaded = training::load_checkpoint(nvv);
 
     EXPECT_EQ(loaded.tree.weights, tree.weights);  // bit for bit
     EXPECT_EQ(loaded.tree.sigma_basis, tree.sigma_basis);
@@ -97,7 +97,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
         const float kept = std::bit_cast<float>(uint32_t{loaded.first[i]} << 16);
         ASSERT_NEAR(kept, first[i], std::abs(first[i]) / 256);  // bfloat16
     }
-    const RunState run = some_run();
+    const training::RunState run = some_run();
     EXPECT_EQ(loaded.run.seed, run.seed);
     EXPECT_EQ(loaded.run.step, run.step);
     EXPECT_EQ(loaded.run.adam_step, run.adam_step);
@@ -119,21 +119,21 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.lambda_smooth, run.lambda_smooth);
     EXPECT_EQ(loaded.run.program, run.program);
     EXPECT_EQ(folder.entries(), 2u) << "nothing lies about";
-    EXPECT_EQ(read_nvv(nvv).leaf_count, tree.leaf_count);
+    EXPECT_EQ(voctree::read_nvv(nvv).leaf_count, tree.leaf_count);
 }
 
 TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "scene.nvv";
-    const VOctree tree = some_tree();
-    const TrainingStep step(device(), tree, 1, 1);
+    const voctree::VOctree tree = some_tree();
+    const training::TrainingStep step(device(), tree, 1, 1);
     fill_moments(device(), step);
-    const Checkpoint before = take_checkpoint(step, tree, some_run());
-    save_checkpoint(nvv, before);
-    const Checkpoint loaded = load_checkpoint(nvv);
-    const TrainingStep resumed(device(), loaded.tree, 1, 1);
-    restore_moments(device(), resumed, loaded);
-    const Checkpoint after = take_checkpoint(resumed, loaded.tree, loaded.run);
+    const training::Checkpoint before = training::take_checkpoint(step, tree, some_run());
+    training::save_checkpoint(nvv, before);
+    const training::Checkpoint loaded = training::load_checkpoint(nvv);
+    const training::TrainingStep resumed(device(), loaded.tree, 1, 1);
+    training::restore_moments(device(), resumed, loaded);
+    const training::Checkpoint after = training::take_checkpoint(resumed, loaded.tree, loaded.run);
     EXPECT_EQ(after.tree.weights, before.tree.weights);
     EXPECT_EQ(after.first, before.first);
     EXPECT_EQ(after.second, before.second);
@@ -147,11 +147,11 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
 // Files at rest; these need no device.
 struct StateFile {
     TemporaryFolder folder;
-    std::filesystem::path nvv = folder.path / "scene.nvv", state = state_path(nvv);
-    Checkpoint checkpoint{some_run(), some_tree(), {}, {}, {}, {}, {}};
+    std::filesystem::path nvv = folder.path / "scene.nvv", state = training::state_path(nvv);
+    training::Checkpoint checkpoint{some_run(), some_tree(), {}, {}, {}, {}, {}};
 
     StateFile() {
-        VOctree& tree = checkpoint.tree;
+        voctree::VOctree& tree = checkpoint.tree;
         checkpoint.first.resize(size_t{4} * tree.leaf_count * (4 + hh_count(tree.hh_degree)));
         checkpoint.second = checkpoint.first;
         checkpoint.rows_first.resize(size_t{2} * tree.frames * tree.bases);
@@ -159,24 +159,24 @@ struct StateFile {
         checkpoint.use.reach.resize(tree.leaf_count);
         checkpoint.use.pull.resize(tree.leaf_count);
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
-        save_checkpoint(nvv, checkpoint);
+        training::save_checkpoint(nvv, checkpoint);
     }
     // Writes the state again with one chunk changed or (no bytes) left out.
     void rewrite(const std::string& name, const std::vector<uint8_t>* bytes) const {
-        std::vector<NvvChunk> chunks;
-        const VOctree tree = read_nvv(state, &chunks);
-        std::erase_if(chunks, [&](const NvvChunk& chunk) { return chunk.name == name; });
+        std::vector<voctree::NvvChunk> chunks;
+        const voctree::VOctree tree = voctree::read_nvv(state, &chunks);
+        std::erase_if(chunks, [&](const voctree::NvvChunk& chunk) { return chunk.name == name; });
         if (bytes) chunks.push_back({name, *bytes});
-        write_nvv(state, tree, chunks);
+        voctree::write_nvv(state, tree, chunks);
     }
     void refused(std::initializer_list<std::string> parts) const {
-        expect_input_error([&] { load_checkpoint(nvv); }, parts);
+        expect_input_error([&] { training::load_checkpoint(nvv); }, parts);
     }
 };
 
 TEST(CheckpointFile, LoadsAsWritten) {
     const StateFile file;
-    EXPECT_EQ(load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
+    EXPECT_EQ(training::load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
 }
 
 TEST(CheckpointFile, RefusesAMissingState) {
@@ -227,9 +227,9 @@ TEST(CheckpointFile, RefusesChunksThatAreMissingOrDoNotFit) {
 TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
     for (const char* name : {"wf32", "row1", "row2", "rech", "mom1", "mom2"}) {
         const StateFile file;
-        std::vector<NvvChunk> chunks;
-        read_nvv(file.state, &chunks);
-        for (NvvChunk& chunk : chunks) {
+        std::vector<voctree::NvvChunk> chunks;
+        voctree::read_nvv(file.state, &chunks);
+        for (voctree::NvvChunk& chunk : chunks) {
             if (chunk.name != name) continue;
             std::fill_n(chunk.bytes.begin(), 4, uint8_t{0xff});  // NaN
             file.rewrite(name, &chunk.bytes);
@@ -252,15 +252,26 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
         file.rewrite("run0", &bytes);
     };
     put(good);
-    EXPECT_EQ(load_checkpoint(file.nvv).run.max_depth, 4u);
-    const std::pair<const char*, nlohmann::json> kBad[] = {
-        {"max_depth", 0},          {"max_depth", 5},  // the tree has four levels
-        {"max_depth", 999},        {"elapsed_s", -1},      {"minutes", -1},
-        {"step", "many"},          {"stage", kStageCount}, {"stage", 4294967297},
-        {"adam_step", 4294967295}, {"step", 1e300},        {"rays", -1},
-        {"adam_step", -1},         {"seed", nullptr},      {"tiles_per_step", 0},
-        {"tiles_per_step", 65537}, {"lambda_grad", -1},    {"lambda_point", 1e300},
-        {"lambda_smooth", "much"}, {"program", 7}};
+    EXPECT_EQ(training::load_checkpoint(file.nvv).run.max_depth, 4u);
+    const std::pair<const char*, nlohmann::json> kBad[] = {{"max_depth", 0},
+                                                           {"max_depth", 5},  // the tree has four levels
+                                                           {"max_depth", 999},
+                                                           {"elapsed_s", -1},
+                                                           {"minutes", -1},
+                                                           {"step", "many"},
+                                                           {"stage", training::kStageCount},
+                                                           {"stage", 4294967297},
+                                                           {"adam_step", 4294967295},
+                                                           {"step", 1e300},
+                                                           {"rays", -1},
+                                                           {"adam_step", -1},
+                                                           {"seed", nullptr},
+                                                           {"tiles_per_step", 0},
+                                                           {"tiles_per_step", 65537},
+                                                           {"lambda_grad", -1},
+                                                           {"lambda_point", 1e300},
+                                                           {"lambda_smooth", "much"},
+                                                           {"program", 7}};
     for (const auto& [key, value] : kBad) {
         SCOPED_TRACE(key);
         nlohmann::json bad = good;
@@ -275,12 +286,15 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
 
 TEST_F(CheckpointTest, AnotherDataSetIsRefusedOnResume) {
     const StateFile file;  // six frames
-    const Dataset dataset = sphere_dataset({.cameras = 3, .frames = 2, .size = 16});
-    TrainSettings settings;
+    const training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 2, .size = 16});
+    training::TrainSettings settings;
     settings.resume = true;
     settings.steps = 1;
-    expect_input_error([&] { train(device(), dataset, settings, file.nvv, [](const TrainProgress&) { return true; }); },
-                       {"scene.nvv.state", "frames", "data set"});
+    expect_input_error(
+        [&] {
+            training::train(device(), dataset, settings, file.nvv, [](const training::TrainProgress&) { return true; });
+        },
+        {"scene.nvv.state", "frames", "data set"});
 }
 
 }  // namespace

@@ -149,9 +149,9 @@ struct ColmapTest : testing::TestWithParam<bool> {
     void write_pictures() const {
         for (const auto& image : sample.images) test::write_grey_png(folder.path / "images" / image.name, 64, 48);
     }
-    Rig read(Split split = Split::kTrain) const {
+    training::Rig read(training::Split split = training::Split::kTrain) const {
         test::write_colmap(model(), sample, GetParam());
-        return read_rig(folder.path, split);
+        return training::read_rig(folder.path, split);
     }
     void expect_bad(const std::function<void(ColmapSample&)>& damage, std::initializer_list<std::string> parts) {
         const ColmapSample good = sample;
@@ -169,7 +169,7 @@ TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
         sample.cameras = {{7, model.id, model.name, 64, 48, model.parameters}};
         sample.images = {{1, pose_of(1), 7, "a.png"}, {2, pose_of(2), 7, "b.png"}};
         write_pictures();
-        const Rig rig = read();
+        const training::Rig rig = read();
         ASSERT_EQ(rig.cameras.size(), 1u);
         EXPECT_EQ(rig.cameras[0].name, "b");
         EXPECT_EQ(rig.cameras[0].lens.width, 64u);
@@ -188,7 +188,7 @@ TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
 
 TEST_P(ColmapTest, EveryEighthPictureIsHeldOut) {
     write_pictures();
-    const Rig train = read(), test = read(Split::kTest);
+    const training::Rig train = read(), test = read(training::Split::kTest);
     EXPECT_EQ(train.format, "colmap");
     ASSERT_EQ(train.cameras.size(), 7u);
     ASSERT_EQ(test.cameras.size(), 2u);
@@ -205,13 +205,15 @@ TEST_P(ColmapTest, TheModelMayStandElsewhere) {
     write_pictures();
     for (const char* place : {"sparse", "colmap/sparse/0", "."}) {
         test::write_colmap(folder.path / place, sample, GetParam());
-        EXPECT_EQ(read_rig(folder.path, Split::kTrain).cameras.size(), 7u) << place;
+        EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 7u) << place;
         for (const char* file : {"cameras", "images"})
             for (const char* ending : {".bin", ".txt"})
                 std::filesystem::remove(folder.path / place / (std::string(file) + ending));
     }
-    expect_input_error([&] { read_rig(folder.path, Split::kTrain); }, {folder.path.string(), "sparse/0"});
-    expect_input_error([&] { read_rig(folder.path, Split::kTrain, "colmap"); }, {"no sparse model"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); },
+                       {folder.path.string(), "sparse/0"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain, "colmap"); },
+                       {"no sparse model"});
 }
 
 // One image a camera was calibrated, the video lies in folders.
@@ -224,12 +226,12 @@ TEST_P(ColmapTest, FoldersOfFramesAreVideosOfStillCameras) {
             test::write_grey_png(folder.path / "images" / name, 64, 48);
             test::write_grey_png(folder.path / "masks" / name, 64, 48, 255);
         }
-    const Rig train = read(), held_out = read(Split::kTest);
+    const training::Rig train = read(), held_out = read(training::Split::kTest);
     ASSERT_EQ(train.cameras.size(), 2u);
     ASSERT_EQ(train.shots.size(), 3u + 4u);
     ASSERT_EQ(held_out.shots.size(), 4u);
     EXPECT_EQ(train.cameras[0].name, "cam1");
-    EXPECT_EQ(train.masks, MaskMeaning::kMatte);
+    EXPECT_EQ(train.masks, training::MaskMeaning::kMatte);
     const std::vector<double> times = {0, 2 / 3.0, 1};
     for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(train.shots[i].time, times[i], 1e-12);
     EXPECT_EQ(train.shots[0].picture.path, folder.path / "images" / "cam1" / "8.png");
@@ -249,11 +251,11 @@ TEST_P(ColmapTest, VideosOfCameras) {
     for (int camera = 0; camera < 2; ++camera)
         for (const char* kind : {"videos", "masks"}) {
             std::filesystem::create_directories(folder.path / kind);
-            VideoWriter video(folder.path / kind / fmt::format("cam{}.mp4", camera), 64, 48, 10);
-            for (int frame = 0; frame < 3; ++frame) video.add(Image(64, 48));
+            media::VideoWriter video(folder.path / kind / fmt::format("cam{}.mp4", camera), 64, 48, 10);
+            for (int frame = 0; frame < 3; ++frame) video.add(media::Image(64, 48));
             video.finish();
         }
-    const Rig rig = read();
+    const training::Rig rig = read();
     ASSERT_EQ(rig.shots.size(), 3u);
     EXPECT_EQ(rig.fps, 10);
     EXPECT_EQ(rig.shots[2].picture.path, folder.path / "videos" / "cam1.mp4");
@@ -268,7 +270,7 @@ TEST_P(ColmapTest, ImagesOfAFolderAreHeldOutTogether) {
     for (int i = 0; i < 6; ++i)
         sample.images.push_back({i, pose_of(i), 2, fmt::format("rig/{}/f{:02}.png", i / 3, 5 * (i % 3))});
     write_pictures();
-    const Rig rig = read(), held_out = read(Split::kTest);
+    const training::Rig rig = read(), held_out = read(training::Split::kTest);
     ASSERT_EQ(rig.cameras.size(), 3u);
     ASSERT_EQ(held_out.cameras.size(), 3u);
     EXPECT_EQ(rig.cameras[1].name, "rig/1/f05");
@@ -282,7 +284,7 @@ TEST_P(ColmapTest, TheBoxLeavesStraysOut) {
     for (const double stray : {-500.0, 500.0, 1e300, std::numeric_limits<double>::infinity()})
         sample.points.push_back({stray, stray, stray});
     if (!GetParam()) sample.points.pop_back();  // text knows no infinity
-    const Rig rig = read();
+    const training::Rig rig = read();
     ASSERT_TRUE(rig.box);
     EXPECT_NEAR(rig.box->first.x, -0.5, 0.05);
     EXPECT_NEAR(rig.box->second.x, 1.5, 0.05);
@@ -326,10 +328,10 @@ TEST_P(ColmapTest, TruncatedAnywhereIsNeverSilent) {
         for (size_t length = 0; length < whole.size(); length += 1 + whole.size() / 200) {
             write_text(file, whole.substr(0, length));
             if (GetParam())
-                expect_input_error([&] { read_rig(folder.path, Split::kTrain); }, {stem});
+                expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); }, {stem});
             else  // a text may end after any of its lines
                 try {
-                    EXPECT_LE(read_rig(folder.path, Split::kTrain).cameras.size(), 7u);
+                    EXPECT_LE(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 7u);
                 } catch (const InputError&) {
                 }
         }
@@ -352,7 +354,8 @@ TEST_P(ColmapBinary, CountsBeyondTheFile) {
             std::string damaged;
             test::append(damaged, count);
             write_text(file, damaged + whole.substr(8));
-            expect_input_error([&] { read_rig(folder.path, Split::kTrain); }, {stem, fmt::format("{}", count)});
+            expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); },
+                               {stem, fmt::format("{}", count)});
         }
         write_text(file, whole);
     }
@@ -365,15 +368,17 @@ TEST(ColmapText, NamesMayHoldSpacesAndLinesEndInWindows) {
     write_text(folder.path / "sparse/images.txt",
                "1 1 0 0 0 0 0 0 1 a b.png \r\n\r\n2 1 0 0 0 1 0 0 1 c.png\r\n0 0 -1\r\n");
     for (const char* name : {"a b.png", "c.png"}) test::write_grey_png(folder.path / "images" / name, 8, 6);
-    EXPECT_EQ(read_rig(folder.path, Split::kTest).cameras.at(0).name, "a b");
+    EXPECT_EQ(training::read_rig(folder.path, training::Split::kTest).cameras.at(0).name, "a b");
     write_text(folder.path / "sparse/cameras.txt", "1 PINHOLE 8 6 9 nine 4 3\n");
-    expect_input_error([&] { read_rig(folder.path, Split::kTest); }, {"cameras.txt", "line 1", "nine"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTest); },
+                       {"cameras.txt", "line 1", "nine"});
     write_text(folder.path / "sparse/cameras.txt", "1 PINHOLE 8 6 9 9 4\n");
-    expect_input_error([&] { read_rig(folder.path, Split::kTest); }, {"cameras.txt", "line 1", "parameter"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTest); },
+                       {"cameras.txt", "line 1", "parameter"});
 }
 
 TEST(NaturalOrderTest, NumbersCountByTheirValue) {
-    const NaturalOrder less;
+    const training::NaturalOrder less;
     const std::vector<std::string> ordered = {"", "01", "1", "2", "10", "a1b2", "a1b10", "a2", "f9", "f10", "f10a"};
     for (size_t i = 0; i < ordered.size(); ++i)
         for (size_t j = 0; j < ordered.size(); ++j) EXPECT_EQ(less(ordered[i], ordered[j]), i < j) << i << " " << j;

@@ -11,17 +11,17 @@
 namespace neuvv::test {
 namespace {
 
-VOctree tree_of(uint32_t frames, uint32_t bases, uint32_t hh_degree = 1) {
-    VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = hh_degree});
+voctree::VOctree tree_of(uint32_t frames, uint32_t bases, uint32_t hh_degree = 1) {
+    voctree::VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = hh_degree});
     tree.frames = frames;
-    tree.sigma_basis = tree.gamma_basis = hat_basis(frames, bases);
+    tree.sigma_basis = tree.gamma_basis = training::hat_basis(frames, bases);
     return tree;
 }
 
 TEST(Compact, NoFrameShowsADifference) {
-    const VOctree before = tree_of(6, 6);
-    VOctree after = before;
-    make_compact(after);
+    const voctree::VOctree before = tree_of(6, 6);
+    voctree::VOctree after = before;
+    training::make_compact(after);
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     size_t live = 0;
     double largest = 0;
@@ -44,8 +44,8 @@ TEST(Compact, NoFrameShowsADifference) {
 }
 
 TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
-    VOctree tree = tree_of(6, 6);
-    make_compact(tree);
+    voctree::VOctree tree = tree_of(6, 6);
+    training::make_compact(tree);
     size_t empty = 0;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < 6; c++) {
@@ -58,9 +58,9 @@ TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
 }
 
 TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
-    VOctree tree = tree_of(6, 6);
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    const auto same_place = [](const LeafPlace& a, const LeafPlace& b) {
+    voctree::VOctree tree = tree_of(6, 6);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const auto same_place = [](const voctree::LeafPlace& a, const voctree::LeafPlace& b) {
         return a.x == b.x && a.y == b.y && a.z == b.z && a.depth == b.depth;
     };
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
@@ -70,28 +70,28 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
         if (std::any_of(tree.leaf(leaf), tree.leaf(leaf) + 6, [](float sigma) { return sigma > 0; }))
             live.push_back(leaf);
     ASSERT_GT(live.size(), tree.leaf_count / 2);
-    VOctree after = tree;
-    drop_empty_leaves(after);
-    EXPECT_EQ(defect_of(after), "");
+    voctree::VOctree after = tree;
+    training::drop_empty_leaves(after);
+    EXPECT_EQ(voctree::defect_of(after), "");
     ASSERT_EQ(after.leaf_count, live.size());
-    const std::vector<LeafPlace> places_after = leaf_places(after);
+    const std::vector<voctree::LeafPlace> places_after = voctree::leaf_places(after);
     for (uint32_t leaf = 0; leaf < after.leaf_count; leaf++) {
         EXPECT_TRUE(same_place(places_after[leaf], places[live[leaf]])) << leaf;
         EXPECT_TRUE(std::equal(after.leaf(leaf), after.leaf(leaf) + after.weights_per_leaf(), tree.leaf(live[leaf])));
     }
 
-    VOctree shared = tree_of(6, 5);  // a frame between two bases sees the sum of both
+    voctree::VOctree shared = tree_of(6, 5);  // a frame between two bases sees the sum of both
     const uint32_t leaves = shared.leaf_count;
     std::fill_n(shared.leaf(0), 5, -1.0f);
-    drop_empty_leaves(shared);
+    training::drop_empty_leaves(shared);
     EXPECT_EQ(shared.leaf_count, leaves);
 }
 
 // A negative weight takes part in other frames than its own: it must stay.
 TEST(Compact, SharedBasesKeepNegativeWeights) {
-    const VOctree before = tree_of(9, 5);
-    VOctree after = before;
-    make_compact(after);
+    const voctree::VOctree before = tree_of(9, 5);
+    voctree::VOctree after = before;
+    training::make_compact(after);
     size_t negative = 0;
     for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++)
         for (uint32_t c = 0; c < 5; c++) {

@@ -23,8 +23,8 @@ json pose_at(double x, double y, double z) {
 }
 
 // A picture with a matte: opaque, half clear and clear columns, the colour telling pictures apart.
-Image matte_picture(uint32_t width, uint32_t height, uint8_t red) {
-    Image image(width, height);
+media::Image matte_picture(uint32_t width, uint32_t height, uint8_t red) {
+    media::Image image(width, height);
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {
             uint8_t* pixel = image.at(x, y);
@@ -50,14 +50,15 @@ struct DatasetTest : testing::Test {
                                           {"time", instant / 2.0},
                                           {"transform_matrix", pose_at(camera, 1.5, 3)}});
                 std::filesystem::create_directories(folder.path / "train");
-                write_png(folder.path / "train" / (name + ".png"),
-                          matte_picture(6, 4, static_cast<uint8_t>(10 * instant + 100 * camera)));
+                media::write_png(folder.path / "train" / (name + ".png"),
+                                 matte_picture(6, 4, static_cast<uint8_t>(10 * instant + 100 * camera)));
             }
     }
 
-    Dataset load(const json& document, const char* name = "transforms_train.json", Split split = Split::kTrain) {
+    training::Dataset load(const json& document, const char* name = "transforms_train.json",
+                           training::Split split = training::Split::kTrain) {
         write_text(folder.path / name, document.dump());
-        return load_dataset(folder.path, split);
+        return training::load_dataset(folder.path, split);
     }
     void expect_bad(const std::function<void(json&)>& damage, std::initializer_list<std::string> parts) {
         json document = good;
@@ -67,7 +68,7 @@ struct DatasetTest : testing::Test {
 };
 
 TEST_F(DatasetTest, GoodDataLoads) {
-    const Dataset data = load(good);
+    const training::Dataset data = load(good);
     ASSERT_EQ(data.views.size(), 6u);
     ASSERT_EQ(data.cameras.size(), 2u);
     EXPECT_EQ(data.views[0].name, "c0_f2");
@@ -79,7 +80,7 @@ TEST_F(DatasetTest, GoodDataLoads) {
     EXPECT_EQ(data.fps, 12.5);
     ASSERT_TRUE(data.box);
     EXPECT_EQ(data.box->second, glm::dvec3(1, 2, 1));
-    const Camera& camera = data.cameras[1];
+    const stage::Camera& camera = data.cameras[1];
     EXPECT_EQ(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(1, 1.5, 3));
     EXPECT_NEAR(camera.fx, 3 / std::tan(0.4), 1e-12);
     EXPECT_EQ(camera.fy, camera.fx);
@@ -98,7 +99,7 @@ TEST_F(DatasetTest, FocalLengthInPixelsEqualsAnAngle) {
     pixels["fl_y"] = 9;
     pixels["cx"] = 2.5;
     pixels["cy"] = 1.25;
-    const Camera camera = load(pixels).cameras[0];
+    const stage::Camera camera = load(pixels).cameras[0];
     EXPECT_EQ(camera.fy, 9);
     EXPECT_EQ(camera.cx, 2.5);
     EXPECT_EQ(camera.cy, 1.25);
@@ -107,7 +108,7 @@ TEST_F(DatasetTest, FocalLengthInPixelsEqualsAnAngle) {
 TEST_F(DatasetTest, AFramesOwnFieldsWin) {
     json document = good;
     document["frames"][1]["camera_angle_x"] = 1.2;
-    const Dataset data = load(document);
+    const training::Dataset data = load(document);
     ASSERT_EQ(data.cameras.size(), 3u);  // another lens is another camera
     EXPECT_NEAR(data.cameras[1].fx, 3 / std::tan(0.6), 1e-12);
 }
@@ -123,7 +124,7 @@ TEST_F(DatasetTest, FoldersTellPicturesOfOneNameApart) {
     std::filesystem::create_directories(folder.path / "b");
     std::filesystem::copy_file(folder.path / "train" / "c0_f2.png", folder.path / "b" / "c0_f2.png");
     document["frames"][1]["file_path"] = "./b/c0_f2";
-    const Dataset data = load(document);
+    const training::Dataset data = load(document);
     EXPECT_EQ(data.views[0].name, "train_c0_f2");
     EXPECT_EQ(data.views[1].name, "b_c0_f2");
 }
@@ -132,43 +133,49 @@ TEST_F(DatasetTest, OneFileHoldsOutEveryEighthCamera) {
     json document = {{"camera_angle_x", 0.8}};
     for (int camera = 0; camera < 10; ++camera) {
         const std::string name = "train/h" + std::to_string(camera);
-        write_png(folder.path / (name + ".png"), matte_picture(6, 4, 1));
+        media::write_png(folder.path / (name + ".png"), matte_picture(6, 4, 1));
         document["frames"].push_back({{"file_path", name}, {"transform_matrix", pose_at(camera, 0, 4)}});
     }
-    const Dataset test = load(document, "transforms.json", Split::kTest);
+    const training::Dataset test = load(document, "transforms.json", training::Split::kTest);
     ASSERT_EQ(test.cameras.size(), 2u);
     EXPECT_EQ(test.cameras[0].world_from_camera[3].x, 0);
     EXPECT_EQ(test.cameras[1].world_from_camera[3].x, 8);
-    EXPECT_EQ(load(document, "transforms.json", Split::kTrain).cameras.size(), 8u);
+    EXPECT_EQ(load(document, "transforms.json", training::Split::kTrain).cameras.size(), 8u);
 
     document["frames"].erase(document["frames"].begin() + 1, document["frames"].end());
-    expect_input_error([&] { load(document, "transforms.json", Split::kTest); }, {"transforms.json", "one camera"});
+    expect_input_error([&] { load(document, "transforms.json", training::Split::kTest); },
+                       {"transforms.json", "one camera"});
 }
 
 TEST_F(DatasetTest, MissingFilesAreNamed) {
-    expect_input_error([&] { load_dataset(folder.path / "nowhere", Split::kTrain); }, {"nowhere"});
-    expect_input_error([&] { load_dataset(folder.path, Split::kTrain); }, {"transforms_train.json"});
+    expect_input_error([&] { training::load_dataset(folder.path / "nowhere", training::Split::kTrain); }, {"nowhere"});
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTrain); },
+                       {"transforms_train.json"});
     load(good);
-    expect_input_error([&] { load_dataset(folder.path, Split::kTest); }, {"transforms_test.json"});
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); }, {"transforms_test.json"});
     std::filesystem::remove(folder.path / "train" / "c1_f0.png");
     expect_input_error([&] { load(good); }, {"transforms_train.json", "frames[3].file_path", "c1_f0.png"});
 }
 
 TEST_F(DatasetTest, TheLayoutIsRecognisedOrForced) {
     load(good);
-    EXPECT_EQ(read_rig(folder.path, Split::kTrain).format, "nerf");
-    EXPECT_EQ(load_dataset(folder.path, Split::kTrain, {.format = "nerf"}).views.size(), 6u);
-    expect_input_error([&] { load_dataset(folder.path, Split::kTrain, {.format = "nrf"}); }, {"--format", "nerf"});
+    EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).format, "nerf");
+    EXPECT_EQ(training::load_dataset(folder.path, training::Split::kTrain, {.format = "nerf"}).views.size(), 6u);
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTrain, {.format = "nrf"}); },
+                       {"--format", "nerf"});
     const TemporaryFolder empty;
-    expect_input_error([&] { load_dataset(empty.path, Split::kTrain); }, {"transforms.json", "(nerf)"});
-    expect_input_error([&] { load_dataset(empty.path, Split::kTrain, {.format = "nerf"}); }, {"transforms.json"});
+    expect_input_error([&] { training::load_dataset(empty.path, training::Split::kTrain); },
+                       {"transforms.json", "(nerf)"});
+    expect_input_error([&] { training::load_dataset(empty.path, training::Split::kTrain, {.format = "nerf"}); },
+                       {"transforms.json"});
 }
 
 TEST_F(DatasetTest, TruncatedJsonAtEveryLength) {
     const std::string whole = good.dump();
     for (size_t length = 0; length < whole.size(); length += 7) {
         write_text(folder.path / "transforms_train.json", whole.substr(0, length));
-        expect_input_error([&] { load_dataset(folder.path, Split::kTrain); }, {"transforms_train.json"});
+        expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTrain); },
+                           {"transforms_train.json"});
     }
 }
 
@@ -197,7 +204,8 @@ TEST_F(DatasetTest, NumbersThatAreNone) {
     ASSERT_NE(at, std::string::npos);
     for (const char* number : {"NaN", "nan", "Infinity", "-Infinity", "1e999", "-1e999", "0x10", "1,5"}) {
         write_text(folder.path / "transforms_train.json", whole.substr(0, at) + number + whole.substr(at + 3));
-        expect_input_error([&] { load_dataset(folder.path, Split::kTrain); }, {"transforms_train.json"});
+        expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTrain); },
+                           {"transforms_train.json"});
     }
     for (const double angle : {0.0, -0.5, 3.2, 1e30})
         expect_bad([&](json& j) { j["camera_angle_x"] = angle; }, {"camera_angle_x"});
@@ -230,7 +238,7 @@ TEST_F(DatasetTest, SizesMustAgree) {
     expect_bad([](json& j) { j["w"] = 1u << 20; }, {"w"});
     expect_bad([](json& j) { j.erase("h"); }, {"w and h"});
     expect_bad([](json& j) { j["w"] = 7; }, {"train/c", ".png", "6×4", "7×4"});
-    write_png(folder.path / "train" / "c1_f1.png", matte_picture(5, 4, 1));
+    media::write_png(folder.path / "train" / "c1_f1.png", matte_picture(5, 4, 1));
     expect_bad([](json&) {}, {"c1_f1.png", "5×4"});
     expect_bad([](json& j) { j.erase("w"), j.erase("h"); }, {"c1_f1.png", "5×4"});
 }
@@ -249,9 +257,9 @@ TEST_F(DatasetTest, PicturesMustBeWholePngs) {
 TEST_F(DatasetTest, AMatteIsNeeded) {
     const auto fill_alpha = [&](uint8_t alpha) {
         for (const auto& entry : std::filesystem::directory_iterator(folder.path / "train")) {
-            Image image = read_png(entry.path());
+            media::Image image = media::read_png(entry.path());
             for (size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = alpha;
-            write_png(entry.path(), image);
+            media::write_png(entry.path(), image);
         }
     };
     fill_alpha(255);
@@ -282,50 +290,51 @@ TEST_F(DatasetTest, WhatALensDoesNotKnowIsRefused) {
 }
 
 TEST_F(DatasetTest, ForegroundWithoutAPlateIsStraightAlpha) {
-    const Dataset data = load(good);
-    const View& view = data.views[1];  // camera 1, instant 2: red 120
-    const auto linear = [](int byte) { return static_cast<float>(linear_from_srgb(byte / 255.0)); };
-    EXPECT_EQ(foreground(data, view, 2, 3), glm::vec4(0));
-    const glm::vec4 half = foreground(data, view, 1, 2);
+    const training::Dataset data = load(good);
+    const training::View& view = data.views[1];  // camera 1, instant 2: red 120
+    const auto linear = [](int byte) { return static_cast<float>(media::linear_from_srgb(byte / 255.0)); };
+    EXPECT_EQ(training::foreground(data, view, 2, 3), glm::vec4(0));
+    const glm::vec4 half = training::foreground(data, view, 1, 2);
     const float alpha = 128 / 255.0f;
     EXPECT_FLOAT_EQ(half.a, alpha);
     EXPECT_FLOAT_EQ(half.r, alpha * linear(120));
     EXPECT_FLOAT_EQ(half.g, alpha * linear(40));
     EXPECT_FLOAT_EQ(half.b, alpha * linear(80));
-    const Image truth = truth_over_white(data, view);  // the encoded blend of image viewers
+    const media::Image truth = training::truth_over_white(data, view);  // the encoded blend of image viewers
     EXPECT_NEAR(truth.at(1, 2)[0], 120 * alpha + 255 * (1 - alpha), 0.51);
     EXPECT_EQ(truth.at(3, 0)[0], 255);
 }
 
 // Pictures over a plate must give back the colours of the same pictures without one.
 TEST_F(DatasetTest, APlateIsTakenOutOfThePicture) {
-    const Dataset clear = load(good);
+    const training::Dataset clear = load(good);
     json document = good;
-    Image plate(6, 4);
+    media::Image plate(6, 4);
     for (size_t i = 0; i < plate.rgba.size(); ++i)
         plate.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(50 + 7 * (i % 23));
-    write_png(folder.path / "plate.png", plate);
+    media::write_png(folder.path / "plate.png", plate);
     for (json& frame : document["frames"])
         if (frame["transform_matrix"][0][3] == 1) frame["background_path"] = "plate.png";
-    for (const View& view : clear.views) {
+    for (const training::View& view : clear.views) {
         if (view.camera != 1) continue;
-        Image captured = view.image;
+        media::Image captured = view.image;
         for (uint32_t y = 0; y < 4; ++y)
             for (uint32_t x = 0; x < 6; ++x)
                 for (int c = 0; c < 3; ++c) {
-                    const glm::vec4 own = foreground(clear, view, x, y);
-                    const double behind = linear_from_srgb(plate.at(x, y)[c] / 255.0);
+                    const glm::vec4 own = training::foreground(clear, view, x, y);
+                    const double behind = media::linear_from_srgb(plate.at(x, y)[c] / 255.0);
                     const double light = own[c] + (1 - own.a) * behind;
-                    captured.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(light)));
+                    captured.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(light)));
                 }
-        write_png(folder.path / "train" / (view.name + ".png"), captured);
+        media::write_png(folder.path / "train" / (view.name + ".png"), captured);
     }
-    const Dataset data = load(document);
+    const training::Dataset data = load(document);
     ASSERT_EQ(data.plates.size(), 2u);
     EXPECT_EQ(data.plates[0].width, 0u);
     EXPECT_EQ(data.plates[1].rgba, plate.rgba);
     for (size_t i = 0; i < data.views.size(); ++i) {
-        const Image expected = truth_over_white(clear, clear.views[i]), truth = truth_over_white(data, data.views[i]);
+        const media::Image expected = training::truth_over_white(clear, clear.views[i]),
+                           truth = training::truth_over_white(data, data.views[i]);
         for (size_t b = 0; b < truth.rgba.size(); ++b) ASSERT_NEAR(truth.rgba[b], expected.rgba[b], 2) << i << " " << b;
     }
 
@@ -339,7 +348,7 @@ TEST_F(DatasetTest, APlateIsTakenOutOfThePicture) {
 TEST(RealData, TheMageStandsWhereItsCamerasLook) {
     const std::filesystem::path folder = std::filesystem::path(NEUVV_DATA_DIR) / "mage";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-    const Dataset data = load_dataset(folder, Split::kTest);
+    const training::Dataset data = training::load_dataset(folder, training::Split::kTest);
     EXPECT_EQ(data.cameras.size(), 4u);
     EXPECT_EQ(data.views.size(), 4u * 24);
     ASSERT_EQ(data.times.size(), 24u);
@@ -347,8 +356,8 @@ TEST(RealData, TheMageStandsWhereItsCamerasLook) {
     EXPECT_EQ(data.times.back(), 1);
     ASSERT_TRUE(data.box);
     const glm::dvec3 centre = 0.5 * (data.box->first + data.box->second);
-    for (const View& view : data.views) {
-        const Camera& camera = data.cameras[view.camera];
+    for (const training::View& view : data.views) {
+        const stage::Camera& camera = data.cameras[view.camera];
         const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(centre, 1));
         ASSERT_LT(p.z, 0);
         const double x = camera.cx - camera.fx * p.x / p.z, y = camera.cy + camera.fy * p.y / p.z;

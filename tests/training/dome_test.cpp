@@ -9,25 +9,26 @@
 namespace neuvv {
 namespace {
 
-std::array<uint32_t, kRings> count_rings(const std::vector<DomeCamera>& dome, const std::vector<bool>* only = nullptr) {
-    std::array<uint32_t, kRings> counts{};
+std::array<uint32_t, training::kRings> count_rings(const std::vector<training::DomeCamera>& dome,
+                                                   const std::vector<bool>* only = nullptr) {
+    std::array<uint32_t, training::kRings> counts{};
     for (size_t i = 0; i < dome.size(); ++i) counts[dome[i].ring] += !only || (*only)[i] ? 1 : 0;
     return counts;
 }
 
 TEST(Dome, FourRingsInProportionToTheirCircumference) {
-    EXPECT_EQ(count_rings(dome_cameras(66)), (std::array<uint32_t, kRings>{21, 20, 16, 9}));
-    for (uint32_t count = 1; count < 200; ++count) ASSERT_EQ(dome_cameras(count).size(), count);
-    for (const DomeCamera& camera : dome_cameras(66))
-        EXPECT_NEAR(std::asin(camera.outward.y), glm::radians(kRingElevation_deg[camera.ring]), 1e-12);
+    EXPECT_EQ(count_rings(training::dome_cameras(66)), (std::array<uint32_t, training::kRings>{21, 20, 16, 9}));
+    for (uint32_t count = 1; count < 200; ++count) ASSERT_EQ(training::dome_cameras(count).size(), count);
+    for (const training::DomeCamera& camera : training::dome_cameras(66))
+        EXPECT_NEAR(std::asin(camera.outward.y), glm::radians(training::kRingElevation_deg[camera.ring]), 1e-12);
 }
 
 TEST(Dome, CamerasLookAtTheCentreWithTheSkyUp) {
-    DomeFit fit;
+    training::DomeFit fit;
     fit.centre = {1, 2, 3};
     fit.radius = 4;
-    for (const DomeCamera& from : dome_cameras(66)) {
-        const Camera camera = make_camera(from, fit, 100, 100);
+    for (const training::DomeCamera& from : training::dome_cameras(66)) {
+        const stage::Camera camera = training::make_camera(from, fit, 100, 100);
         const glm::dmat3 axes(camera.world_from_camera);
         EXPECT_NEAR(glm::determinant(axes), 1, 1e-12);
         EXPECT_LT(glm::length(axes[2] * 4.0 - (glm::dvec3(camera.world_from_camera[3]) - fit.centre)), 1e-12);
@@ -37,7 +38,7 @@ TEST(Dome, CamerasLookAtTheCentreWithTheSkyUp) {
 }
 
 TEST(Dome, NoTwoCamerasAreClose) {
-    const auto dome = dome_cameras(66);
+    const auto dome = training::dome_cameras(66);
     double closest = 2;
     for (size_t i = 0; i < dome.size(); ++i)
         for (size_t k = 0; k < i; ++k) closest = std::min(closest, glm::length(dome[i].outward - dome[k].outward));
@@ -45,8 +46,8 @@ TEST(Dome, NoTwoCamerasAreClose) {
 }
 
 TEST(Dome, HoldoutIsSpreadOverRingsAndAround) {
-    const auto dome = dome_cameras(66);
-    const std::vector<bool> held = held_out(66, 0.1);
+    const auto dome = training::dome_cameras(66);
+    const std::vector<bool> held = training::held_out(66, 0.1);
     EXPECT_EQ(std::count(held.begin(), held.end(), true), 7);
     for (const uint32_t in_ring : count_rings(dome, &held)) {
         EXPECT_GE(in_ring, 1u);
@@ -61,7 +62,7 @@ TEST(Dome, HoldoutIsSpreadOverRingsAndAround) {
 
 TEST(Dome, HoldoutLeavesOneOfEachKind) {
     const auto count = [](uint32_t cameras, double share) {
-        const std::vector<bool> held = held_out(cameras, share);
+        const std::vector<bool> held = training::held_out(cameras, share);
         return std::count(held.begin(), held.end(), true);
     };
     EXPECT_EQ(count(66, 0), 0);
@@ -74,16 +75,16 @@ TEST(Dome, HoldoutLeavesOneOfEachKind) {
 }
 
 TEST(Dome, TheSmallestRadiusThatHoldsEveryPoint) {
-    const auto dome = dome_cameras(20);
-    DomeFit fit;
+    const auto dome = training::dome_cameras(20);
+    training::DomeFit fit;
     fit.centre = {0.5, 1, 0};
     fit.focal = {3, 2};
     fit.margin = 0.1;
     const std::vector<glm::vec3> points = {{1.4f, 1, 0}, {0, 0, 0.3f}, {0.5f, 2.1f, -0.5f}};
-    include_points(fit, dome, points);
+    training::include_points(fit, dome, points);
     double largest = 0;
-    for (const DomeCamera& from : dome) {
-        const Camera camera = make_camera(from, fit, 200, 300);
+    for (const training::DomeCamera& from : dome) {
+        const stage::Camera camera = training::make_camera(from, fit, 200, 300);
         for (const glm::vec3& point : points) {
             const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(point, 1));
             ASSERT_LT(p.z, 0);

@@ -41,10 +41,10 @@ struct EasyMocapTest : testing::Test {
                 test::write_grey_png(folder.path / "images" / names[i] / fmt::format("{:06}.png", frame), 64, 48);
         }
     }
-    Rig read(Split split = Split::kTrain) const {
+    training::Rig read(training::Split split = training::Split::kTrain) const {
         write_text(folder.path / "intri.yml", intrinsics);
         write_text(folder.path / "extri.yml", extrinsics);
-        return read_rig(folder.path, split);
+        return training::read_rig(folder.path, split);
     }
     // With the first `from` of a file replaced.
     void expect_bad(std::string EasyMocapTest::*file, const std::string& from, const std::string& to,
@@ -59,7 +59,7 @@ struct EasyMocapTest : testing::Test {
 };
 
 TEST_F(EasyMocapTest, APointFallsWhereOpenCvPutsIt) {
-    const Rig rig = read();
+    const training::Rig rig = read();
     EXPECT_EQ(rig.format, "easymocap");
     ASSERT_EQ(rig.cameras.size(), 2u);
     EXPECT_EQ(rig.cameras[1].name, "10");
@@ -78,9 +78,9 @@ TEST_F(EasyMocapTest, APointFallsWhereOpenCvPutsIt) {
 }
 
 TEST_F(EasyMocapTest, AMatrixServesAsRotationToo) {
-    const Rig from_vector = read();
+    const training::Rig from_vector = read();
     for (size_t at = 0; (at = extrinsics.find("R_", at)) != std::string::npos;) extrinsics.replace(at, 2, "V_");
-    const Rig from_matrix = read();
+    const training::Rig from_matrix = read();
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             EXPECT_NEAR(from_matrix.cameras[1].world_from_camera[column][row],
@@ -92,7 +92,7 @@ TEST_F(EasyMocapTest, FramesMeetByName) {
     for (const std::string& name : names)
         for (int frame = 0; frame < 3; ++frame)
             test::write_grey_png(folder.path / "mask" / name / fmt::format("{:06}.png", frame), 64, 48, 255);
-    const Rig train = read(), held_out = read(Split::kTest);
+    const training::Rig train = read(), held_out = read(training::Split::kTest);
     ASSERT_EQ(held_out.cameras.size(), 1u);
     EXPECT_EQ(held_out.cameras[0].name, "01");
     EXPECT_EQ(held_out.shots.size(), 3u);
@@ -109,21 +109,22 @@ TEST_F(EasyMocapTest, MasksOfSmallNumbersAreLabels) {
     for (const std::string key : {"D_", "dist_"})  // no distortion: every pixel stays where it is
         for (size_t at = 0; (at = intrinsics.find(key, at)) != std::string::npos;)
             intrinsics.replace(at, key.size(), "x_");
-    for (const auto& [masks, value, meaning] :
-         {std::tuple("mask_cihp", 200, MaskMeaning::kLabels), std::tuple("mask", 1, MaskMeaning::kLabels),
-          std::tuple("masks", 200, MaskMeaning::kMatte)}) {
-        Image mask(64, 48);
+    for (const auto& [masks, value, meaning] : {std::tuple("mask_cihp", 200, training::MaskMeaning::kLabels),
+                                                std::tuple("mask", 1, training::MaskMeaning::kLabels),
+                                                std::tuple("masks", 200, training::MaskMeaning::kMatte)}) {
+        media::Image mask(64, 48);
         for (size_t i = 0; i < mask.rgba.size(); ++i)
             mask.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 255 : i / 4 % 64 >= 32 ? value : 0);
         for (const std::string& name : names)
             for (int frame = 0; frame < 3; ++frame) {
                 std::filesystem::create_directories(folder.path / masks / name);
-                write_png(folder.path / masks / name / fmt::format("{:06}.png", frame), mask);
+                media::write_png(folder.path / masks / name / fmt::format("{:06}.png", frame), mask);
             }
         EXPECT_EQ(read().masks, meaning) << masks;
-        const Dataset dataset = load_dataset(folder.path, Split::kTrain);
+        const training::Dataset dataset = training::load_dataset(folder.path, training::Split::kTrain);
         EXPECT_EQ(dataset.views[0].image.at(20, 20)[3], 0) << masks;
-        EXPECT_EQ(dataset.views[0].image.at(50, 20)[3], meaning == MaskMeaning::kLabels ? 255 : value) << masks;
+        EXPECT_EQ(dataset.views[0].image.at(50, 20)[3], meaning == training::MaskMeaning::kLabels ? 255 : value)
+            << masks;
     }
 }
 
@@ -168,7 +169,7 @@ TEST_F(EasyMocapTest, DamageIsNamed) {
     expect_bad(ex, "[1.0", "[1.5", {"extri.yml", "Rot_01", "no rotation"});
     read();
     std::filesystem::remove(folder.path / "extri.yml");
-    expect_input_error([&] { read_rig(folder.path, Split::kTrain); }, {"extri.yml"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); }, {"extri.yml"});
 }
 
 TEST_F(EasyMocapTest, TruncatedAnywhereIsNeverSilent) {
@@ -187,7 +188,8 @@ TEST_F(EasyMocapTest, TruncatedAnywhereIsNeverSilent) {
 TEST_F(EasyMocapTest, PicklesAreRefusedWithTheMend) {
     const TemporaryFolder zju;
     write_text(zju.path / "annots.npy", "\x93NUMPY");
-    expect_input_error([&] { read_rig(zju.path, Split::kTrain); }, {"annots.npy", "pickle", "intri.yml", "README"});
+    expect_input_error([&] { training::read_rig(zju.path, training::Split::kTrain); },
+                       {"annots.npy", "pickle", "intri.yml", "README"});
 }
 
 }  // namespace

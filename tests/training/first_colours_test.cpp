@@ -9,9 +9,9 @@ namespace neuvv::test {
 namespace {
 
 // The sphere's pictures, each all of one colour: that of `colours` by frame.
-Dataset painted(const SphereCapture& capture, const std::vector<std::array<uint8_t, 3>>& colours) {
-    Dataset dataset = sphere_dataset(capture);
-    for (View& view : dataset.views) {
+training::Dataset painted(const SphereCapture& capture, const std::vector<std::array<uint8_t, 3>>& colours) {
+    training::Dataset dataset = sphere_dataset(capture);
+    for (training::View& view : dataset.views) {
         const auto& colour = colours[static_cast<size_t>(std::lround(view.time * (capture.frames - 1.0)))];
         for (uint32_t i = 0; i < capture.size * capture.size; i++)
             std::copy(colour.begin(), colour.end(), &view.image.rgba[size_t{4} * i]);
@@ -21,23 +21,23 @@ Dataset painted(const SphereCapture& capture, const std::vector<std::array<uint8
 
 TEST(FirstColours, AreWhatTheCamerasSeeInAllowedInstants) {
     const SphereCapture capture;
-    const Dataset dataset = painted(capture, {{200, 100, 50}, {20, 30, 40}, {20, 30, 40}});
+    const training::Dataset dataset = painted(capture, {{200, 100, 50}, {20, 30, 40}, {20, 30, 40}});
     const std::vector<glm::vec3> places = {glm::vec3(capture.centre(0)), glm::vec3(capture.centre(1)), {0, 5, 0}};
-    const std::vector<glm::vec3> colours = first_colours(dataset, places, {1, 6, 7});
+    const std::vector<glm::vec3> colours = training::first_colours(dataset, places, {1, 6, 7});
     for (int c = 0; c < 3; c++) {
-        EXPECT_NEAR(colours[0][c], linear_from_srgb_byte(std::array<uint8_t, 3>{200, 100, 50}[static_cast<size_t>(c)]),
-                    1e-4);
-        EXPECT_NEAR(colours[1][c], linear_from_srgb_byte(std::array<uint8_t, 3>{20, 30, 40}[static_cast<size_t>(c)]),
-                    1e-4);
+        EXPECT_NEAR(colours[0][c],
+                    media::linear_from_srgb_byte(std::array<uint8_t, 3>{200, 100, 50}[static_cast<size_t>(c)]), 1e-4);
+        EXPECT_NEAR(colours[1][c],
+                    media::linear_from_srgb_byte(std::array<uint8_t, 3>{20, 30, 40}[static_cast<size_t>(c)]), 1e-4);
         EXPECT_EQ(colours[2][c], 0.5f);  // no matte anywhere near
     }
 }
 
 TEST(FrameOfTime, FewDigitsStillMeanAWholeFrame) {
-    for (uint32_t frame = 0; frame < 24; frame++) EXPECT_EQ(frame_of_time(frame / 23.0, 24), frame);
-    EXPECT_EQ(frame_of_time(0.56522, 24), 13);
-    EXPECT_NEAR(frame_of_time(0.5, 24), 11.5, 1e-12);
-    EXPECT_EQ(frame_of_time(0.7, 1), 0);
+    for (uint32_t frame = 0; frame < 24; frame++) EXPECT_EQ(training::frame_of_time(frame / 23.0, 24), frame);
+    EXPECT_EQ(training::frame_of_time(0.56522, 24), 13);
+    EXPECT_NEAR(training::frame_of_time(0.5, 24), 11.5, 1e-12);
+    EXPECT_EQ(training::frame_of_time(0.7, 1), 0);
 }
 
 }  // namespace

@@ -11,72 +11,74 @@ namespace {
 
 const SphereCapture kCapture{.cameras = 8, .frames = 3, .size = 40};
 
-const Dataset& capture() {
-    static const Dataset dataset = sphere_dataset(kCapture);
+const training::Dataset& capture() {
+    static const training::Dataset dataset = sphere_dataset(kCapture);
     return dataset;
 }
 
-VOctree first_tree() {
-    return initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
+voctree::VOctree first_tree() {
+    return training::initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
 }
 
-glm::dvec3 middle_of(const LeafPlace& place) {
+glm::dvec3 middle_of(const voctree::LeafPlace& place) {
     return (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
 }
 
-glm::dvec3 world_of(const VOctree& tree, glm::dvec3 place) {
+glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
 }
 
 // σ before relu, with as many hat bases as frames: the weight itself.
-float sigma_at(const VOctree& tree, uint32_t leaf, uint32_t frame) {
+float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
     return tree.leaf(leaf)[frame];
 }
 
 // Every frame used every leaf, with these reaches and as much pull.
-LeafUse use_of(const VOctree& tree, std::vector<float> reach) {
+training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> reach) {
     return {reach, reach, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
-void expect_sound(const VOctree& tree) {
-    EXPECT_EQ(defect_of(tree), "");
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    for (uint32_t leaf = 0; leaf < places.size(); leaf++) ASSERT_EQ(find_leaf(tree, middle_of(places[leaf])), leaf);
+void expect_sound(const voctree::VOctree& tree) {
+    EXPECT_EQ(voctree::defect_of(tree), "");
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    for (uint32_t leaf = 0; leaf < places.size(); leaf++)
+        ASSERT_EQ(voctree::find_leaf(tree, middle_of(places[leaf])), leaf);
 }
 
 TEST(Grow, DepthOfAResolution) {
     const std::pair<uint32_t, uint32_t> kDepths[] = {{1, 1}, {2, 1}, {3, 2}, {8, 3}, {9, 4}, {512, 9}, {2048, 11}};
-    for (const auto& [resolution, depth] : kDepths) EXPECT_EQ(depth_of_resolution(resolution), depth) << resolution;
+    for (const auto& [resolution, depth] : kDepths)
+        EXPECT_EQ(training::depth_of_resolution(resolution), depth) << resolution;
 }
 
 TEST(Grow, NaturalResolutionIsAPixelALeaf) {
-    Dataset dataset = capture();
+    training::Dataset dataset = capture();
     const std::pair<glm::dvec3, glm::dvec3> box = {{-1, -0.5, -0.5}, {1, 0.5, 0.5}};
-    for (Camera& camera : dataset.cameras) camera.fx = 150;  // 3 m away: a pixel is 2 cm
-    EXPECT_EQ(natural_resolution(dataset, box), 100u);
-    for (Camera& camera : dataset.cameras) camera.fx = 1e-3;
-    EXPECT_EQ(natural_resolution(dataset, box), 32u);
-    for (Camera& camera : dataset.cameras) camera.fx = 1e9;
-    EXPECT_EQ(natural_resolution(dataset, box), 512u);
+    for (stage::Camera& camera : dataset.cameras) camera.fx = 150;  // 3 m away: a pixel is 2 cm
+    EXPECT_EQ(training::natural_resolution(dataset, box), 100u);
+    for (stage::Camera& camera : dataset.cameras) camera.fx = 1e-3;
+    EXPECT_EQ(training::natural_resolution(dataset, box), 32u);
+    for (stage::Camera& camera : dataset.cameras) camera.fx = 1e9;
+    EXPECT_EQ(training::natural_resolution(dataset, box), 512u);
 }
 
 TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
-    const VOctree tree = first_tree();
+    const voctree::VOctree tree = first_tree();
     expect_sound(tree);
     EXPECT_EQ(tree.box_size.x, tree.box_size.y);
     EXPECT_EQ(tree.box_size.x, tree.box_size.z);
     EXPECT_EQ(tree.frames, 3u);
     EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
     EXPECT_EQ(tree.fps, 25);
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    for (const LeafPlace& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    for (const voctree::LeafPlace& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
     EXPECT_LT(places.size(), 512u);
     for (uint32_t frame = 0; frame < 3; frame++) {
         const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
         for (const glm::dvec3 off : {glm::dvec3(0), glm::dvec3(0.38, 0, 0), glm::dvec3(-0.2, 0.2, 0.2)}) {
             const glm::dvec3 place = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
-            const uint32_t leaf = find_leaf(tree, place);
+            const uint32_t leaf = voctree::find_leaf(tree, place);
             ASSERT_NE(leaf, UINT32_MAX);
             EXPECT_GT(sigma_at(tree, leaf, frame), 0);
         }
@@ -84,8 +86,8 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
 }
 
 TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
-    const VOctree tree = first_tree();
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const voctree::VOctree tree = first_tree();
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     size_t forbidden = 0;
     for (uint32_t leaf = 0; leaf < places.size(); leaf++) {
         const glm::dvec3 middle = world_of(tree, middle_of(places[leaf]));
@@ -104,42 +106,44 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
 }
 
 TEST(Grow, PrunesWhatIsNotReached) {
-    VOctree tree = first_tree();
+    voctree::VOctree tree = first_tree();
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
     std::vector<float> reach(tree.leaf_count, 0.5f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) reach[leaf] = 0.001f;
-    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
+    const voctree::VOctree grown =
+        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
-    const std::vector<LeafPlace> places = leaf_places(grown);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
         EXPECT_NE(before % 3, 0u);
         EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
     }
 }
 
 TEST(Grow, NothingReachedLeavesTheTree) {
-    const VOctree tree = first_tree();
-    const VOctree grown = grow(capture(), tree, use_of(tree, std::vector<float>(tree.leaf_count)),
-                               {.max_depth = 5, .prune_below = 0.01f});
+    const voctree::VOctree tree = first_tree();
+    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, std::vector<float>(tree.leaf_count)),
+                                                  {.max_depth = 5, .prune_below = 0.01f});
     EXPECT_EQ(grown.weights, tree.weights);
 }
 
 TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
-    VOctree tree = first_tree();
+    voctree::VOctree tree = first_tree();
     Random random(2);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
     std::vector<float> reach(tree.leaf_count, 0.01f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) reach[leaf] = 0.9f;
-    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
+    const voctree::VOctree grown =
+        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
-    const std::vector<LeafPlace> places = leaf_places(grown);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
         const glm::dvec3 middle = middle_of(places[leaf]);
-        const uint32_t parent = find_leaf(tree, middle);
+        const uint32_t parent = voctree::find_leaf(tree, middle);
         const bool child = places[leaf].depth == 4;
         EXPECT_EQ(child, parent % 2 == 0);
         children += child ? 1 : 0;
@@ -159,44 +163,47 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
 }
 
 TEST(Grow, StaysWithinDepthAndLeafLimits) {
-    const VOctree tree = first_tree();
+    const voctree::VOctree tree = first_tree();
     std::vector<float> reach(tree.leaf_count);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
-    const GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
-    EXPECT_EQ(grow(capture(), tree, use_of(tree, reach), at_depth).leaf_count, tree.leaf_count);
+    const training::GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
+    EXPECT_EQ(training::grow(capture(), tree, use_of(tree, reach), at_depth).leaf_count, tree.leaf_count);
 
-    const GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
-    const VOctree grown = grow(capture(), tree, use_of(tree, reach), limited);
+    const training::GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
+    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, reach), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
-    const std::vector<LeafPlace> places = leaf_places(grown);
-    for (const LeafPlace& place : places)  // the ten of most reach, which are the last
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
+    for (const voctree::LeafPlace& place : places)  // the ten of most reach, which are the last
         if (place.depth > 3) {
-            EXPECT_GE(find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
+            EXPECT_GE(voctree::find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
         }
-    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const LeafPlace& p) { return p.depth == 4; }));
+    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const voctree::LeafPlace& p) { return p.depth == 4; }));
 }
 
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
-    const VOctree tree = first_tree();
+    const voctree::VOctree tree = first_tree();
     std::vector<float> reach(tree.leaf_count);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
-    const VOctree grown = grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
+    const voctree::VOctree grown =
+        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
-    for (const LeafPlace& place : leaf_places(grown)) EXPECT_LE(find_leaf(tree, middle_of(place)), 20u);
+    for (const voctree::LeafPlace& place : voctree::leaf_places(grown))
+        EXPECT_LE(voctree::find_leaf(tree, middle_of(place)), 20u);
 }
 
 TEST(Grow, DividesWhereTheLossPullsHardest) {
-    const VOctree tree = first_tree();
-    LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    const voctree::VOctree tree = first_tree();
+    training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.pull[leaf] = static_cast<float>(leaf * 7 % 101);
-    const VOctree grown = grow(capture(), tree, use, {.max_depth = 5, .divide_from = 0.1f, .divide_share = 0.25f});
+    const voctree::VOctree grown =
+        training::grow(capture(), tree, use, {.max_depth = 5, .divide_from = 0.1f, .divide_share = 0.25f});
     expect_sound(grown);
     float least_divided = 1000, most_whole = 0;
     size_t whole = 0;
-    for (const LeafPlace& place : leaf_places(grown)) {
-        const float pull = use.pull[find_leaf(tree, middle_of(place))];
+    for (const voctree::LeafPlace& place : voctree::leaf_places(grown)) {
+        const float pull = use.pull[voctree::find_leaf(tree, middle_of(place))];
         if (place.depth == 4)
             least_divided = std::min(least_divided, pull);
         else {
@@ -209,27 +216,28 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
 }
 
 TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
-    const VOctree tree = first_tree();
-    const LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    const voctree::VOctree tree = first_tree();
+    const training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     const double edge = static_cast<double>(tree.box_size.x) / 8;
     const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // in the middle of the ring
-    const GrowSettings too_small{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 2.5 * edge / footprint};
-    EXPECT_EQ(grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
-    const GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
-    const VOctree grown = grow(capture(), tree, use, large);
-    for (const LeafPlace& place : leaf_places(grown)) EXPECT_EQ(place.depth, 4u);
+    const training::GrowSettings too_small{
+        .max_depth = 5, .divide_from = 0.1f, .divide_pixels = 2.5 * edge / footprint};
+    EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
+    const training::GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
+    const voctree::VOctree grown = training::grow(capture(), tree, use, large);
+    for (const voctree::LeafPlace& place : voctree::leaf_places(grown)) EXPECT_EQ(place.depth, 4u);
 }
 
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
-    const VOctree tree = first_tree();
-    LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
+    const voctree::VOctree tree = first_tree();
+    training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
-    const VOctree grown = grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
+    const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
     ASSERT_EQ(grown.leaf_count, tree.leaf_count);
-    const std::vector<LeafPlace> places = leaf_places(grown);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
     size_t emptied = 0;
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
         for (uint32_t frame = 0; frame < 3; frame++) {
             const bool unused = before % 2 == 1 && frame == 1;
             const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);

@@ -17,8 +17,8 @@ bool allowed(const std::vector<uint32_t>& bits, size_t words, size_t cell, uint3
 }
 
 // Cells of a grid over [−1, 1]³ that lie in every picture whole.
-std::vector<HullCell> grid(uint32_t side) {
-    std::vector<HullCell> cells;
+std::vector<training::HullCell> grid(uint32_t side) {
+    std::vector<training::HullCell> cells;
     const float edge = 2.0f / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++) {
         const glm::vec3 at(i % side, i / side % side, i / side / side);
@@ -29,10 +29,10 @@ std::vector<HullCell> grid(uint32_t side) {
 
 TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
     const SphereCapture capture;
-    const Dataset dataset = sphere_dataset(capture);
-    const std::vector<HullCell> cells = grid(24);
-    const std::vector<uint32_t> bits = carve(dataset, cells);
-    ASSERT_EQ(hull_words(dataset), 1u);
+    const training::Dataset dataset = sphere_dataset(capture);
+    const std::vector<training::HullCell> cells = grid(24);
+    const std::vector<uint32_t> bits = training::carve(dataset, cells);
+    ASSERT_EQ(training::hull_words(dataset), 1u);
     ASSERT_EQ(bits.size(), cells.size());
     for (uint32_t frame = 0; frame < capture.frames; frame++) {
         size_t matter = 0, empty = 0, empty_kept = 0;
@@ -57,26 +57,27 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
 TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
     const SphereCapture capture{
         .cameras = 4, .frames = 1, .size = 200, .radius_m = 0.3, .reach_m = 0, .distance_m = 2.5};
-    const Dataset dataset = sphere_dataset(capture);
+    const training::Dataset dataset = sphere_dataset(capture);
     const double pixel_m = capture.distance_m / dataset.cameras[0].fx;
     Random random(4);
-    std::vector<HullCell> touching;
+    std::vector<training::HullCell> touching;
     for (int i = 0; i < 3000; i++) {
         const glm::dvec3 away = glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()));
         const double radius = random.uniform(0.03, 0.25);
         const double distance = capture.radius_m + radius - 1.5 * pixel_m;
         touching.push_back({glm::vec3(capture.centre(0) + distance * away), static_cast<float>(radius)});
     }
-    const std::vector<uint32_t> bits = carve(dataset, touching);
+    const std::vector<uint32_t> bits = training::carve(dataset, touching);
     EXPECT_EQ(std::count(bits.begin(), bits.end(), 0u), 0);
 }
 
 TEST(Hull, FramesBeyondThirtyTwoHaveTheirOwnBits) {
     const SphereCapture capture{.cameras = 6, .frames = 40, .size = 24, .radius_m = 0.25, .reach_m = 0.6};
-    const Dataset dataset = sphere_dataset(capture);
-    ASSERT_EQ(hull_words(dataset), 2u);
+    const training::Dataset dataset = sphere_dataset(capture);
+    ASSERT_EQ(training::hull_words(dataset), 2u);
     for (const uint32_t seen : {0u, 31u, 32u, 39u}) {
-        const std::vector<uint32_t> bits = carve(dataset, {{glm::vec3(capture.centre(capture.time(seen))), 0.05f}});
+        const std::vector<uint32_t> bits =
+            training::carve(dataset, {{glm::vec3(capture.centre(capture.time(seen))), 0.05f}});
         ASSERT_EQ(bits.size(), 2u);
         for (uint32_t frame = 0; frame < capture.frames; frame++) {
             const double moved = glm::length(capture.centre(capture.time(frame)) - capture.centre(capture.time(seen)));
@@ -93,35 +94,35 @@ TEST(Hull, FramesBeyondThirtyTwoHaveTheirOwnBits) {
 
 TEST(Hull, NeedsTwoCamerasThatSeeTheCell) {
     const SphereCapture capture{.cameras = 2, .frames = 1};
-    Dataset dataset = sphere_dataset(capture);
-    const std::vector<HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
-    EXPECT_EQ(carve(dataset, centre)[0], 1u);
-    Dataset turned = dataset;  // the second camera looks away
+    training::Dataset dataset = sphere_dataset(capture);
+    const std::vector<training::HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
+    EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
+    training::Dataset turned = dataset;  // the second camera looks away
     turned.cameras[1].world_from_camera[0] *= -1;
     turned.cameras[1].world_from_camera[2] *= -1;
-    EXPECT_EQ(carve(turned, centre)[0], 0u);
+    EXPECT_EQ(training::carve(turned, centre)[0], 0u);
     dataset.views.pop_back();  // there is but one picture: it decides
-    EXPECT_EQ(carve(dataset, centre)[0], 1u);
+    EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
 }
 
 // Half a picture says nothing of the other half.
 TEST(Hull, ACellAtThePicturesEdgeIsNotCarvedByIt) {
     const SphereCapture capture{.cameras = 3, .frames = 1};
-    Dataset dataset = sphere_dataset(capture);
-    const std::vector<HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
-    Image& image = dataset.views[2].image;
+    training::Dataset dataset = sphere_dataset(capture);
+    const std::vector<training::HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
+    media::Image& image = dataset.views[2].image;
     std::fill(image.rgba.begin(), image.rgba.end(), uint8_t{0});
-    EXPECT_EQ(carve(dataset, centre)[0], 0u) << "the third camera sees background there";
+    EXPECT_EQ(training::carve(dataset, centre)[0], 0u) << "the third camera sees background there";
     dataset.cameras[2].cx += capture.size / 2.0;
-    EXPECT_EQ(carve(dataset, centre)[0], 1u);
+    EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
 }
 
 TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
     SphereCapture capture;
-    Dataset dataset = sphere_dataset(capture);
+    training::Dataset dataset = sphere_dataset(capture);
     for (const bool given : {false, true}) {
         if (given) dataset.box = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}};
-        const auto [low, high] = hull_box(dataset);
+        const auto [low, high] = training::hull_box(dataset);
         const glm::dvec3 reach(capture.reach_m, 0, 0), radius(capture.radius_m), middle = capture.centre(0.5);
         for (int axis = 0; axis < 3; axis++) {
             EXPECT_LE(low[axis], (middle - reach - radius)[axis]);
@@ -132,42 +133,42 @@ TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
 }
 
 TEST(Hull, RefusesMattesThatFitNowhere) {
-    Dataset dataset = sphere_dataset({.frames = 1});
-    Dataset mirrored = dataset;
-    for (View& view : mirrored.views) {
-        const Image image = view.image;
+    training::Dataset dataset = sphere_dataset({.frames = 1});
+    training::Dataset mirrored = dataset;
+    for (training::View& view : mirrored.views) {
+        const media::Image image = view.image;
         for (uint32_t y = 0; y < image.height; y++)  // what is seen on the left edge by some, on the right by others
             for (uint32_t x = 0; x < image.width; x++)
                 view.image.at(x, y)[3] = (view.camera % 2 ? x < 3 : x + 3 >= image.width) ? 255 : 0;
     }
-    for (View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
-    for (const Dataset* bad : {&dataset, &mirrored})
-        expect_input_error([&] { hull_box(*bad); }, {"sphere", "mattes", "alpha"});
+    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    for (const training::Dataset* bad : {&dataset, &mirrored})
+        expect_input_error([&] { training::hull_box(*bad); }, {"sphere", "mattes", "alpha"});
 }
 
 TEST(Hull, RefusesCamerasThatAllLookTheSameWay) {
-    Dataset dataset = sphere_dataset({.frames = 1});
+    training::Dataset dataset = sphere_dataset({.frames = 1});
     for (size_t i = 0; i < dataset.cameras.size(); i++) {
         dataset.cameras[i] = dataset.cameras[0];
         dataset.cameras[i].world_from_camera[3].y += 0.1 * static_cast<double>(i);
     }
-    expect_input_error([&] { hull_box(dataset); }, {"sphere", "aabb"});
+    expect_input_error([&] { training::hull_box(dataset); }, {"sphere", "aabb"});
 }
 
 // One camera's picture is empty, but that is not to be believed: matter must stay. Believed, all would go.
 TEST(Hull, IgnoredPixelsDoNotCarve) {
     const SphereCapture capture{.frames = 1};
-    const Dataset truth = sphere_dataset(capture);
-    Dataset dataset = truth;
-    View& view = dataset.views[2];
+    const training::Dataset truth = sphere_dataset(capture);
+    training::Dataset dataset = truth;
+    training::View& view = dataset.views[2];
     std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
-    const std::vector<HullCell> cells = grid(16);
+    const std::vector<training::HullCell> cells = grid(16);
     const auto count = [](const std::vector<uint32_t>& bits) {
         return std::count_if(bits.begin(), bits.end(), [](uint32_t word) { return word != 0; });
     };
-    EXPECT_EQ(count(carve(dataset, cells)), 0);
+    EXPECT_EQ(count(training::carve(dataset, cells)), 0);
     view.ignored.resize(size_t{capture.size} * capture.size, true);
-    const std::vector<uint32_t> believed = carve(truth, cells), kept = carve(dataset, cells);
+    const std::vector<uint32_t> believed = training::carve(truth, cells), kept = training::carve(dataset, cells);
     EXPECT_GT(count(believed), 0);
     for (size_t i = 0; i < cells.size(); i++) EXPECT_TRUE(kept[i] || !believed[i]) << i;
     EXPECT_LT(count(kept), static_cast<ptrdiff_t>(cells.size()) / 4) << "the others still carve";

@@ -10,7 +10,8 @@
 namespace neuvv {
 namespace {
 
-Lens make_lens(LensModel model, std::array<double, 6> k, double p1 = 0, double p2 = 0, double s1 = 0, double s2 = 0) {
+training::Lens make_lens(training::LensModel model, std::array<double, 6> k, double p1 = 0, double p2 = 0,
+                         double s1 = 0, double s2 = 0) {
     return {.model = model,
             .fx = 500,
             .fy = 480,
@@ -28,67 +29,73 @@ Lens make_lens(LensModel model, std::array<double, 6> k, double p1 = 0, double p
 constexpr double kPlaces[3][2] = {{0.3, -0.2}, {-0.5, 0.4}, {0, 0.6}};
 
 // Written out from the formulas in OpenCV's and COLMAP's documents, with other code.
-void expect_places(const Lens& lens, const double (&expected)[3][2]) {
+void expect_places(const training::Lens& lens, const double (&expected)[3][2]) {
     for (int i = 0; i < 3; ++i) {
-        const glm::dvec2 at = project(lens, {kPlaces[i][0], kPlaces[i][1]});
+        const glm::dvec2 at = training::project(lens, {kPlaces[i][0], kPlaces[i][1]});
         EXPECT_NEAR(at.x, expected[i][0], 1e-8) << i;
         EXPECT_NEAR(at.y, expected[i][1], 1e-8) << i;
     }
-    EXPECT_EQ(project(lens, {0, 0}), glm::dvec2(320, 240));
+    EXPECT_EQ(training::project(lens, {0, 0}), glm::dvec2(320, 240));
 }
 
 TEST(Lens, Pinhole) {
-    const Lens lens = make_lens(LensModel::kPinhole, {});
+    const training::Lens lens = make_lens(training::LensModel::kPinhole, {});
     expect_places(lens, {{470, 144}, {70, 432}, {320, 528}});
     EXPECT_FALSE(lens.distorts());
 }
 
 TEST(Lens, Brown) {
-    const Lens lens = make_lens(LensModel::kBrown, {-0.25, 0.08, -0.01, 0.03, -0.02, 0.005}, 0.002, -0.003);
+    const training::Lens lens =
+        make_lens(training::LensModel::kBrown, {-0.25, 0.08, -0.01, 0.03, -0.02, 0.005}, 0.002, -0.003);
     expect_places(lens, {{464.222110865, 147.697849046}, {92.763267531, 414.439090536}, {319.46, 503.750772518}});
     EXPECT_TRUE(lens.distorts());
-    EXPECT_FALSE(make_lens(LensModel::kBrown, {}).distorts());
+    EXPECT_FALSE(make_lens(training::LensModel::kBrown, {}).distorts());
 }
 
 TEST(Lens, Fisheye) {
-    const Lens lens = make_lens(LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003});
+    const training::Lens lens = make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003});
     expect_places(lens, {{464.787295409, 147.336130938}, {94.427000595, 413.240063543}, {320.0, 502.805754288}});
-    EXPECT_TRUE(make_lens(LensModel::kFisheye, {}).distorts()) << "its angles are not a pinhole's tangents";
+    EXPECT_TRUE(make_lens(training::LensModel::kFisheye, {}).distorts()) << "its angles are not a pinhole's tangents";
 }
 
 TEST(Lens, ThinPrismFisheye) {
-    const Lens lens = make_lens(LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003}, 0.002, -0.003, 0.004, -0.006);
+    const training::Lens lens =
+        make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003}, 0.002, -0.003, 0.004, -0.006);
     expect_places(lens, {{464.487924213, 147.336130938}, {93.67936756, 413.316013566}, {320.146026618, 502.805754288}});
 }
 
 TEST(Lens, Fov) {
-    const Lens lens = make_lens(LensModel::kFov, {0.9});
+    const training::Lens lens = make_lens(training::LensModel::kFov, {0.9});
     expect_places(lens, {{474.942377154, 140.836878621}, {79.669084812, 424.574142864}, {320.0, 520.178075247}});
-    EXPECT_NEAR(project(make_lens(LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
+    EXPECT_NEAR(training::project(make_lens(training::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
 }
 
 TEST(Lens, ScalingMovesPlacesWithThePicture) {
-    const Lens lens = make_lens(LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
-    const glm::dvec2 whole = project(lens, {0.3, -0.2}), half = project(scaled(lens, 320, 120), {0.3, -0.2});
+    const training::Lens lens = make_lens(training::LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
+    const glm::dvec2 whole = training::project(lens, {0.3, -0.2}),
+                     half = training::project(training::scaled(lens, 320, 120), {0.3, -0.2});
     EXPECT_NEAR(half.x, whole.x / 2, 1e-9);
     EXPECT_NEAR(half.y, whole.y / 4, 1e-9);
 }
 
 // r (1 + k1 r²) turns back at r = √(−1 / 3 k1).
 TEST(Lens, FoldingIsFound) {
-    EXPECT_NEAR(fold_radius(make_lens(LensModel::kBrown, {-0.3}), 2), std::sqrt(1 / 0.9), 1e-3);
-    EXPECT_EQ(fold_radius(make_lens(LensModel::kBrown, {-0.3}), 1), 1);
-    EXPECT_EQ(fold_radius(make_lens(LensModel::kBrown, {0.3}), 2), 2);
-    EXPECT_LT(fold_radius(make_lens(LensModel::kBrown, {0.3, 0, 0, -1}), 2), 1.01);  // a pole at r = 1
-    EXPECT_LT(fold_radius(make_lens(LensModel::kBrown, {}, 0.3), 2), 2);             // the tangential terms alone
-    EXPECT_EQ(fold_radius(make_lens(LensModel::kFisheye, {}), 100), 100);
+    EXPECT_NEAR(training::fold_radius(make_lens(training::LensModel::kBrown, {-0.3}), 2), std::sqrt(1 / 0.9), 1e-3);
+    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {-0.3}), 1), 1);
+    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3}), 2), 2);
+    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3, 0, 0, -1}), 2),
+              1.01);  // a pole at r = 1
+    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {}, 0.3), 2),
+              2);  // the tangential terms alone
+    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kFisheye, {}), 100), 100);
     // θ (1 − θ²/2) turns back at θ = √(2/3)
-    EXPECT_NEAR(fold_radius(make_lens(LensModel::kFisheye, {-0.5}), 2), std::tan(std::sqrt(2.0 / 3)), 1e-3);
-    EXPECT_LT(fold_radius(make_lens(LensModel::kBrown, {NAN}), 2), 0.001);
+    EXPECT_NEAR(training::fold_radius(make_lens(training::LensModel::kFisheye, {-0.5}), 2),
+                std::tan(std::sqrt(2.0 / 3)), 1e-3);
+    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {NAN}), 2), 0.001);
 }
 
-Image noise(uint32_t width, uint32_t height) {
-    Image image(width, height);
+media::Image noise(uint32_t width, uint32_t height) {
+    media::Image image(width, height);
     uint32_t state = 7;
     for (uint8_t& byte : image.rgba) byte = static_cast<uint8_t>((state = state * 1664525 + 1013904223) >> 24);
     for (size_t i = 0; i < image.rgba.size(); i += 4)
@@ -97,16 +104,16 @@ Image noise(uint32_t width, uint32_t height) {
 }
 
 TEST(Undistort, APinholeChangesNothing) {
-    const Undistortion map = make_undistortion(make_lens(LensModel::kPinhole, {}));
+    const training::Undistortion map = training::make_undistortion(make_lens(training::LensModel::kPinhole, {}));
     EXPECT_EQ(map.seen, 1);
     EXPECT_EQ(map.fold_degrees, 0);
-    const Image image = noise(640, 480);
-    EXPECT_EQ(undistort(image, map, ColourOf::kCapture).rgba, image.rgba);
-    EXPECT_EQ(undistort(image, map, ColourOf::kForeground).rgba, image.rgba);
-    EXPECT_TRUE(undistort_ignored({}, map).empty());
+    const media::Image image = noise(640, 480);
+    EXPECT_EQ(training::undistort(image, map, training::ColourOf::kCapture).rgba, image.rgba);
+    EXPECT_EQ(training::undistort(image, map, training::ColourOf::kForeground).rgba, image.rgba);
+    EXPECT_TRUE(training::undistort_ignored({}, map).empty());
     std::vector<bool> ignored(640 * 480);
     ignored[777] = true;
-    EXPECT_EQ(undistort_ignored(ignored, map), ignored);
+    EXPECT_EQ(training::undistort_ignored(ignored, map), ignored);
 }
 
 // A board of squares in front of the camera, in normalised coordinates, its edges softened over a few pixels.
@@ -115,14 +122,14 @@ double board(glm::dvec2 xy) {
 }
 
 // The board seen through a lens, found by searching for the direction that each pixel's centre shows.
-Image board_through(const Lens& lens) {
-    Image image(lens.width, lens.height);
+media::Image board_through(const training::Lens& lens) {
+    media::Image image(lens.width, lens.height);
     for (uint32_t y = 0; y < lens.height; ++y)
         for (uint32_t x = 0; x < lens.width; ++x) {
             const glm::dvec2 goal(x + 0.5, y + 0.5);
             glm::dvec2 xy = (goal - glm::dvec2(lens.cx, lens.cy)) / glm::dvec2(lens.fx, lens.fy);
-            for (int i = 0; i < 25; ++i) xy += (goal - project(lens, xy)) / glm::dvec2(lens.fx, lens.fy);
-            const auto value = static_cast<uint8_t>(std::lround(255 * srgb_from_linear(board(xy))));
+            for (int i = 0; i < 25; ++i) xy += (goal - training::project(lens, xy)) / glm::dvec2(lens.fx, lens.fy);
+            const auto value = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(board(xy))));
             std::fill_n(image.at(x, y), 3, value);
             image.at(x, y)[3] = 255;
         }
@@ -130,15 +137,16 @@ Image board_through(const Lens& lens) {
 }
 
 TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
-    for (const Lens& full : {make_lens(LensModel::kBrown, {0.08, 0.01}, 0.004, -0.003),
-                             make_lens(LensModel::kBrown, {-0.2, 0.05}, 0.002, 0.003),
-                             make_lens(LensModel::kFisheye, {0.02, -0.01}), make_lens(LensModel::kFov, {0.6})}) {
-        const Lens lens = scaled(full, 200, 150);
-        Lens pinhole = lens;
-        pinhole.model = LensModel::kPinhole;
-        const Undistortion map = make_undistortion(lens);
-        const Image straight = undistort(board_through(lens), map, ColourOf::kForeground);
-        const Image truth = board_through(pinhole), bent = board_through(lens);
+    for (const training::Lens& full :
+         {make_lens(training::LensModel::kBrown, {0.08, 0.01}, 0.004, -0.003),
+          make_lens(training::LensModel::kBrown, {-0.2, 0.05}, 0.002, 0.003),
+          make_lens(training::LensModel::kFisheye, {0.02, -0.01}), make_lens(training::LensModel::kFov, {0.6})}) {
+        const training::Lens lens = training::scaled(full, 200, 150);
+        training::Lens pinhole = lens;
+        pinhole.model = training::LensModel::kPinhole;
+        const training::Undistortion map = training::make_undistortion(lens);
+        const media::Image straight = training::undistort(board_through(lens), map, training::ColourOf::kForeground);
+        const media::Image truth = board_through(pinhole), bent = board_through(lens);
         double error = 0, without = 0;
         size_t seen = 0;
         for (size_t i = 0; i < map.places.size(); ++i) {
@@ -158,19 +166,19 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
 }
 
 TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
-    const Lens pincushion = make_lens(LensModel::kBrown, {0.4});
-    const Undistortion map = make_undistortion(pincushion);
+    const training::Lens pincushion = make_lens(training::LensModel::kBrown, {0.4});
+    const training::Undistortion map = training::make_undistortion(pincushion);
     EXPECT_FALSE(map.sees(0)) << "the corner of the pinhole's picture lies outside the lens's";
     EXPECT_TRUE(map.sees(240 * 640 + 320));
-    std::vector<bool> ignored = undistort_ignored({}, map);
+    std::vector<bool> ignored = training::undistort_ignored({}, map);
     ASSERT_EQ(ignored.size(), 640u * 480);
     EXPECT_TRUE(ignored[0]);
     EXPECT_FALSE(ignored[240 * 640 + 320]);
     std::vector<bool> centre(640 * 480);
     centre[240 * 640 + 320] = true;
-    EXPECT_TRUE(undistort_ignored(centre, map)[240 * 640 + 320]);
+    EXPECT_TRUE(training::undistort_ignored(centre, map)[240 * 640 + 320]);
 
-    const Undistortion folded = make_undistortion(make_lens(LensModel::kBrown, {-2}));
+    const training::Undistortion folded = training::make_undistortion(make_lens(training::LensModel::kBrown, {-2}));
     EXPECT_NEAR(folded.fold_degrees, std::atan(std::sqrt(1.0 / 6)) * 180 / 3.14159265, 0.1);
     EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the picture";
     EXPECT_LT(folded.seen, 0.8);
@@ -178,19 +186,19 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
 
 // Colour beside a clear pixel must not be darkened by it, in foregrounds; in captures it is light like all other.
 TEST(Undistort, ColourIsWeightedByAlpha) {
-    Lens lens = make_lens(LensModel::kPinhole, {});
+    training::Lens lens = make_lens(training::LensModel::kPinhole, {});
     lens.width = 2;
     lens.height = 1;
-    Undistortion map = make_undistortion(lens);
+    training::Undistortion map = training::make_undistortion(lens);
     map.places[0] = {1, 0.5f};  // half-way between the two pixels
-    Image image(2, 1);
+    media::Image image(2, 1);
     const uint8_t pixels[8] = {200, 100, 0, 255, 0, 0, 0, 0};
     std::copy(pixels, pixels + 8, image.rgba.begin());
-    const Image foreground = undistort(image, map, ColourOf::kForeground);
+    const media::Image foreground = training::undistort(image, map, training::ColourOf::kForeground);
     EXPECT_EQ(foreground.at(0, 0)[0], 200);
     EXPECT_EQ(foreground.at(0, 0)[3], 128);
-    const Image capture = undistort(image, map, ColourOf::kCapture);
-    EXPECT_NEAR(capture.at(0, 0)[0], 255 * srgb_from_linear(0.5 * linear_from_srgb(200 / 255.0)), 0.51);
+    const media::Image capture = training::undistort(image, map, training::ColourOf::kCapture);
+    EXPECT_NEAR(capture.at(0, 0)[0], 255 * media::srgb_from_linear(0.5 * media::linear_from_srgb(200 / 255.0)), 0.51);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ Volume pool(const Volume& in) {
     return out;
 }
 
-Volume scaled(const Image& image) {
+Volume scaled(const media::Image& image) {
     const double shift[] = {-0.030, -0.088, -0.188}, scale[] = {0.458, 0.448, 0.450};
     Volume out(3, std::vector<std::vector<double>>(image.height, std::vector<double>(image.width)));
     for (size_t c = 0; c < 3; c++)
@@ -126,7 +126,7 @@ void normalise(Volume& volume) {
         }
 }
 
-double plain_lpips(const Image& a, const Image& b, const Arrays& arrays) {
+double plain_lpips(const media::Image& a, const media::Image& b, const Arrays& arrays) {
     Volume of_a = scaled(a), of_b = scaled(b);
     double distance = 0;
     for (size_t i = 0; i < 5; i++) {
@@ -147,9 +147,9 @@ double plain_lpips(const Image& a, const Image& b, const Arrays& arrays) {
     return distance;
 }
 
-Image noise_image(uint32_t width, uint32_t height, uint64_t seed) {
+media::Image noise_image(uint32_t width, uint32_t height, uint64_t seed) {
     Random random(seed);
-    Image image(width, height);
+    media::Image image(width, height);
     for (uint8_t& byte : image.rgba) byte = static_cast<uint8_t>(random.below(256));
     return image;
 }
@@ -162,13 +162,13 @@ struct LpipsTest : ::testing::Test {
 TEST_F(LpipsTest, IsThePlainDefinition) {
     const Arrays arrays = random_network();
     write_weights(file, arrays);
-    const Lpips lpips(file);
+    const training::Lpips lpips(file);
     const struct {
         uint32_t width, height;
     } sizes[] = {{32, 32}, {150, 67}, {91, 134}};  // strips of outputs that are full, cut and alone
     for (const auto& size : sizes) {
-        const Image a = noise_image(size.width, size.height, 1);
-        Image b = a;
+        const media::Image a = noise_image(size.width, size.height, 1);
+        media::Image b = a;
         for (size_t i = 0; i < b.rgba.size(); i += 3) b.rgba[i] = static_cast<uint8_t>(b.rgba[i] / 2);
         const double expected = plain_lpips(a, b, arrays);
         EXPECT_GT(expected, 0.01);
@@ -184,15 +184,15 @@ TEST_F(LpipsTest, OtherArraysAreIgnoredButNoneMayLackOrBeMisshapen) {
     Arrays more = good;
     more["scaling_layer.shift"] = {{1, 3, 1, 1}, {0, 0, 0}};
     write_weights(file, more);
-    EXPECT_NO_THROW(Lpips{file});
+    EXPECT_NO_THROW(training::Lpips{file});
     for (const auto& [name, array] : good) {
         Arrays bad = good;
         bad.erase(name);
         write_weights(file, bad);
-        expect_input_error([&] { Lpips{file}; }, {"weights.npz", name, "missing"});
+        expect_input_error([&] { training::Lpips{file}; }, {"weights.npz", name, "missing"});
         bad[name] = {{2, 3}, std::vector<float>(6)};
         write_weights(file, bad);
-        expect_input_error([&] { Lpips{file}; }, {"weights.npz", "shape"});
+        expect_input_error([&] { training::Lpips{file}; }, {"weights.npz", "shape"});
     }
 }
 

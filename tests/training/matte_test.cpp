@@ -19,8 +19,8 @@ const SphereCapture kCapture{
     .cameras = 2, .frames = 9, .size = 96, .radius_m = 0.22, .reach_m = 0.8, .first_angle = 1.5};
 
 // A wall of stripes and checks in colours between dark and bright.
-Image wall(uint32_t side) {
-    Image image(side, side);
+media::Image wall(uint32_t side) {
+    media::Image image(side, side);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
             const uint32_t check = (x / 12 + y / 12) % 2;
@@ -33,18 +33,19 @@ Image wall(uint32_t side) {
 }
 
 // What a camera before the wall sees: mixed in linear light, noise of about `sigma` steps, brighter by `exposure`.
-Image seen(const Image& performer, const Image& background, double sigma, int exposure, uint64_t seed) {
+media::Image seen(const media::Image& performer, const media::Image& background, double sigma, int exposure,
+                  uint64_t seed) {
     Random random(seed);
-    Image image = background;
+    media::Image image = background;
     for (size_t i = 0; i < image.rgba.size(); i++) {
         if (i % 4 == 3) continue;
         const double alpha = performer.rgba[i | 3] / 255.0;
-        const double light = alpha * linear_from_srgb(performer.rgba[i] / 255.0) +
-                             (1 - alpha) * linear_from_srgb(background.rgba[i] / 255.0);
+        const double light = alpha * media::linear_from_srgb(performer.rgba[i] / 255.0) +
+                             (1 - alpha) * media::linear_from_srgb(background.rgba[i] / 255.0);
         double noise = -6;  // twelve uniform numbers: a normal distribution, nearly
         for (int k = 0; k < 12; k++) noise += static_cast<double>(random.below(1000)) / 999;
         image.rgba[i] = static_cast<uint8_t>(
-            std::clamp(std::lround(255 * srgb_from_linear(light) + sigma * noise + exposure), 0l, 255l));
+            std::clamp(std::lround(255 * media::srgb_from_linear(light) + sigma * noise + exposure), 0l, 255l));
     }
     return image;
 }
@@ -54,7 +55,7 @@ struct Agreement {
     double mae = 0;  // mean absolute error of alpha, over the picture
 };
 
-Agreement agreement(const std::vector<uint8_t>& matte, const Image& truth) {
+Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth) {
     double both = 0, either = 0, error = 0;
     for (size_t i = 0; i < matte.size(); i++) {
         const bool a = matte[i] > 127, b = truth.rgba[4 * i + 3] > 127;
@@ -66,47 +67,49 @@ Agreement agreement(const std::vector<uint8_t>& matte, const Image& truth) {
 }
 
 // The capture as cameras see it that know no mattes.
-Dataset opaque_capture(const Dataset& truth, double sigma) {
-    Dataset dataset = truth;
+training::Dataset opaque_capture(const training::Dataset& truth, double sigma) {
+    training::Dataset dataset = truth;
     for (size_t i = 0; i < dataset.views.size(); i++)
         dataset.views[i].image = seen(truth.views[i].image, wall(kCapture.size), sigma, 0, i);
     return dataset;
 }
 
 TEST(Matte, FindsThePerformerBeforeACleanPlate) {
-    const Dataset truth = sphere_dataset(kCapture);
+    const training::Dataset truth = sphere_dataset(kCapture);
     for (const double sigma : {0.0, 1.0, 3.0})
         for (const size_t view : {0, 4, 12}) {
             SCOPED_TRACE(sigma);
-            const Image& performer = truth.views[view].image;
-            const Image plate = seen(Image(96, 96), wall(96), sigma, 0, 100);
-            const Image picture = seen(performer, wall(96), sigma, 0, view);
-            const Agreement found = agreement(difference_matte(picture, plate, {}), performer);
+            const media::Image& performer = truth.views[view].image;
+            const media::Image plate = seen(media::Image(96, 96), wall(96), sigma, 0, 100);
+            const media::Image picture = seen(performer, wall(96), sigma, 0, view);
+            const Agreement found = agreement(training::difference_matte(picture, plate, {}), performer);
             EXPECT_GT(found.iou, sigma > 2 ? 0.93 : 0.97);
             EXPECT_LT(found.mae, sigma > 2 ? 0.006 : 0.003);
         }
 }
 
 TEST(Matte, ADriftOfTheExposureIsNoPerformer) {
-    const Dataset truth = sphere_dataset(kCapture);
-    const Image& performer = truth.views[3].image;
-    const Image picture = seen(performer, wall(96), 1, 15, 5), plate = seen(Image(96, 96), wall(96), 1, 0, 6);
-    EXPECT_GT(agreement(difference_matte(picture, plate, {}), performer).iou, 0.95);
+    const training::Dataset truth = sphere_dataset(kCapture);
+    const media::Image& performer = truth.views[3].image;
+    const media::Image picture = seen(performer, wall(96), 1, 15, 5),
+                       plate = seen(media::Image(96, 96), wall(96), 1, 0, 6);
+    EXPECT_GT(agreement(training::difference_matte(picture, plate, {}), performer).iou, 0.95);
 }
 
 TEST(Matte, NothingIsFoundWhereNothingIs) {
-    const Image a = seen(Image(96, 96), wall(96), 2, 0, 1), b = seen(Image(96, 96), wall(96), 2, 0, 2);
-    const std::vector<uint8_t> matte = difference_matte(a, b, {});
+    const media::Image a = seen(media::Image(96, 96), wall(96), 2, 0, 1),
+                       b = seen(media::Image(96, 96), wall(96), 2, 0, 2);
+    const std::vector<uint8_t> matte = training::difference_matte(a, b, {});
     EXPECT_EQ(std::accumulate(matte.begin(), matte.end(), 0u), 0u);
 }
 
 TEST(Matte, EdgesAreSoft) {
-    Image plate(40, 40), picture(40, 40);  // black, with a white square whose left column is half covered
+    media::Image plate(40, 40), picture(40, 40);  // black, with a white square whose left column is half covered
     for (uint32_t y = 10; y < 30; y++)
         for (uint32_t x = 10; x < 30; x++)
             std::fill_n(picture.at(x, y), 3,
-                        static_cast<uint8_t>(x == 10 ? std::lround(255 * srgb_from_linear(0.5)) : 255));
-    const std::vector<uint8_t> matte = difference_matte(picture, plate, {});
+                        static_cast<uint8_t>(x == 10 ? std::lround(255 * media::srgb_from_linear(0.5)) : 255));
+    const std::vector<uint8_t> matte = training::difference_matte(picture, plate, {});
     EXPECT_NEAR(matte[20 * 40 + 10], 128, 2);
     EXPECT_EQ(matte[20 * 40 + 11], 255);
     EXPECT_EQ(matte[20 * 40 + 29], 255);
@@ -114,7 +117,7 @@ TEST(Matte, EdgesAreSoft) {
 }
 
 TEST(Matte, SpecksAreDroppedAndHolesClosed) {
-    Image plate(100, 100), picture(100, 100);
+    media::Image plate(100, 100), picture(100, 100);
     const auto paint = [&](uint32_t left, uint32_t top, uint32_t side, uint8_t value) {
         for (uint32_t y = top; y < top + side; y++)
             for (uint32_t x = left; x < left + side; x++) std::fill_n(picture.at(x, y), 3, value);
@@ -123,7 +126,7 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
     paint(45, 45, 4, 0);   // a button like the background: 16 pixels of 10,000
     paint(55, 55, 10, 0);  // between arm and body one sees through
     paint(5, 5, 2, 200);   // a fly
-    const std::vector<uint8_t> matte = difference_matte(picture, plate, {});
+    const std::vector<uint8_t> matte = training::difference_matte(picture, plate, {});
     EXPECT_EQ(matte[46 * 100 + 46], 255);
     EXPECT_EQ(matte[60 * 100 + 60], 0);
     EXPECT_EQ(matte[5 * 100 + 5], 0);
@@ -131,17 +134,17 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
 }
 
 TEST(Matte, TheMedianForgetsWhoPassesBy) {
-    const Dataset truth = sphere_dataset(kCapture);
-    std::vector<Image> frames;
+    const training::Dataset truth = sphere_dataset(kCapture);
+    std::vector<media::Image> frames;
     for (size_t i = 0; i < 9; i++) frames.push_back(seen(truth.views[i].image, wall(96), 0, 0, i));
-    EXPECT_EQ(median_background(frames).rgba, wall(96).rgba);
-    EXPECT_NE(median_background({frames[0], frames[0], frames[1]}).rgba, wall(96).rgba);
+    EXPECT_EQ(training::median_background(frames).rgba, wall(96).rgba);
+    EXPECT_NE(training::median_background({frames[0], frames[0], frames[1]}).rgba, wall(96).rgba);
 }
 
 struct MatteFiles : ::testing::Test {
     TemporaryFolder folder;
-    Dataset truth = sphere_dataset(kCapture);
-    MakeMattes what{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
+    training::Dataset truth = sphere_dataset(kCapture);
+    training::MakeMattes what{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
 
     void SetUp() override {
         write_text(what.dataset / "readme", "");
@@ -151,7 +154,7 @@ struct MatteFiles : ::testing::Test {
     // The worst agreement of all pictures as load_dataset sees them.
     Agreement loaded_agreement() const {
         Agreement worst{1, 0};
-        const Dataset loaded = load_dataset(what.dataset, Split::kTrain);
+        const training::Dataset loaded = training::load_dataset(what.dataset, training::Split::kTrain);
         EXPECT_EQ(loaded.views.size(), truth.views.size());
         for (size_t i = 0; i < loaded.views.size(); i++) {
             std::vector<uint8_t> alpha;
@@ -166,11 +169,11 @@ struct MatteFiles : ::testing::Test {
 
 TEST_F(MatteFiles, AreWhatTrainingReads) {
     std::filesystem::remove(what.output);
-    expect_input_error([&] { load_dataset(what.dataset, Split::kTrain); }, {"matte"});
-    EXPECT_EQ(count_existing_mattes(what), 0u);
+    expect_input_error([&] { training::load_dataset(what.dataset, training::Split::kTrain); }, {"matte"});
+    EXPECT_EQ(training::count_existing_mattes(what), 0u);
     std::filesystem::create_directories(what.output);
     uint64_t calls = 0;
-    const MattesMade made = make_mattes(what, [&](uint64_t done, uint64_t total) {
+    const training::MattesMade made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
         calls++;
         EXPECT_LE(done, total);
         EXPECT_EQ(total, 18u);
@@ -181,41 +184,41 @@ TEST_F(MatteFiles, AreWhatTrainingReads) {
     EXPECT_EQ(made.cameras_with_plate, 0u);
     EXPECT_NE(made.missing_split.find("transforms_test.json"), std::string::npos) << made.missing_split;
     EXPECT_GE(calls, 2u);
-    EXPECT_EQ(count_existing_mattes(what), 18u);
+    EXPECT_EQ(training::count_existing_mattes(what), 18u);
     EXPECT_GT(loaded_agreement().iou, 0.95);
     EXPECT_LT(loaded_agreement().mae, 0.003);
-    EXPECT_EQ(read_png(what.output / "contact_sheet.png").width, 3u * 320u);
+    EXPECT_EQ(media::read_png(what.output / "contact_sheet.png").width, 3u * 320u);
 }
 
 TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     what.from = folder.path / "foreign";
     std::filesystem::create_directories(what.from);
-    expect_input_error([&] { make_mattes(what, {}); }, {"foreign", "c00_f000"});
-    for (const View& view : truth.views) write_png(what.from / (view.name + ".png"), view.image);
-    make_mattes(what, {});
+    expect_input_error([&] { training::make_mattes(what, {}); }, {"foreign", "c00_f000"});
+    for (const training::View& view : truth.views) media::write_png(what.from / (view.name + ".png"), view.image);
+    training::make_mattes(what, {});
     EXPECT_EQ(loaded_agreement().iou, 1);
     EXPECT_EQ(loaded_agreement().mae, 0);
-    Image grey(96, 96);  // without alpha, brightness counts
+    media::Image grey(96, 96);  // without alpha, brightness counts
     for (uint8_t& byte : grey.rgba) byte = 255;
     for (uint32_t x = 0; x < 50; x++) std::fill_n(grey.at(x, 0), 3, uint8_t{77});
-    for (const View& view : truth.views) write_png(what.from / (view.name + ".png"), grey);
-    make_mattes(what, {});
-    EXPECT_EQ(read_png(what.output / "c00_f000.png").at(49, 0)[0], 77);
-    EXPECT_EQ(read_png(what.output / "c00_f000.png").at(50, 0)[0], 255);
-    write_png(what.from / "c01_f003.png", Image(96, 95));
-    expect_input_error([&] { make_mattes(what, {}); }, {"c01_f003", "96×95"});
+    for (const training::View& view : truth.views) media::write_png(what.from / (view.name + ".png"), grey);
+    training::make_mattes(what, {});
+    EXPECT_EQ(media::read_png(what.output / "c00_f000.png").at(49, 0)[0], 77);
+    EXPECT_EQ(media::read_png(what.output / "c00_f000.png").at(50, 0)[0], 255);
+    media::write_png(what.from / "c01_f003.png", media::Image(96, 95));
+    expect_input_error([&] { training::make_mattes(what, {}); }, {"c01_f003", "96×95"});
 }
 
 TEST_F(MatteFiles, TooFewPicturesAreRefused) {
-    Dataset few = opaque_capture(truth, 1);
+    training::Dataset few = opaque_capture(truth, 1);
     few.views.resize(4);
     write_capture(what.dataset, few);
-    expect_input_error([&] { make_mattes(what, {}); }, {"clean plate", "4 pictures"});
-    expect_input_error([&] { make_mattes({.dataset = folder.path / "none"}, {}); }, {"none"});
+    expect_input_error([&] { training::make_mattes(what, {}); }, {"clean plate", "4 pictures"});
+    expect_input_error([&] { training::make_mattes({.dataset = folder.path / "none"}, {}); }, {"none"});
 }
 
 TEST_F(MatteFiles, StopWhereTheyAreTold) {
-    EXPECT_EQ(make_mattes(what, [](uint64_t, uint64_t) { return false; }).pictures, 9u);
+    EXPECT_EQ(training::make_mattes(what, [](uint64_t, uint64_t) { return false; }).pictures, 9u);
 }
 
 }  // namespace

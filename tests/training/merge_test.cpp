@@ -16,19 +16,19 @@ constexpr uint32_t kFrames = 3;
 
 // Families of leaves at depth 3, side by side along x, the last without its last sibling; one leaf of depth 1 far away.
 // Leaf 8·f + i is sibling i of family f. All opaque by half over an edge, and of one colour.
-VOctree families_tree(uint32_t families) {
-    VOctree tree;
+voctree::VOctree families_tree(uint32_t families) {
+    voctree::VOctree tree;
     tree.node_levels = 2;
     tree.bases = tree.frames = kFrames;
     tree.hh_degree = 1;
     tree.box_size = glm::vec3(2);
-    tree.sigma_basis = tree.gamma_basis = hat_basis(kFrames, kFrames);
-    std::vector<LeafPlace> places;
+    tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, kFrames);
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t family = 0; family < families; family++)
         for (uint32_t i = 0; i < 8; i++) places.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
     places.pop_back();
     places.push_back({1, 1, 1, 1});
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         for (uint32_t c = 0; c < kFrames; c++) {
@@ -41,8 +41,8 @@ VOctree families_tree(uint32_t families) {
     return tree;
 }
 
-LeafUse use_of(const VOctree& tree) {
-    LeafUse use;
+training::LeafUse use_of(const voctree::VOctree& tree) {
+    training::LeafUse use;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         use.reach.push_back(0.01f * static_cast<float>(leaf + 1));
         use.pull.push_back(static_cast<float>(leaf));
@@ -51,17 +51,17 @@ LeafUse use_of(const VOctree& tree) {
     return use;
 }
 
-uint32_t leaf_at(const VOctree& tree, LeafPlace place) {
-    return find_leaf(tree, (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth));
+uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPlace place) {
+    return voctree::find_leaf(tree, (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth));
 }
 
 TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
-    const VOctree before = families_tree(2);
-    VOctree tree = before;
+    const voctree::VOctree before = families_tree(2);
+    voctree::VOctree tree = before;
     tree.leaf(3)[1] *= 1.1f;  // 0.034 more opaque in frame 1
-    LeafUse use = use_of(tree);
-    EXPECT_EQ(merge_alike(tree, use, 0.05f), 1u);
-    EXPECT_EQ(defect_of(tree), "");
+    training::LeafUse use = use_of(tree);
+    EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
+    EXPECT_EQ(voctree::defect_of(tree), "");
     ASSERT_EQ(tree.leaf_count, before.leaf_count - 7);  // the second family lacks one: it cannot
     ASSERT_EQ(use.reach.size(), tree.leaf_count);
 
@@ -84,10 +84,10 @@ TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
 
 TEST(Merge, AFamilyThatDiffersInOneFrameStays) {
     const auto merged = [](const std::function<void(float*)>& change) {
-        VOctree tree = families_tree(2);
+        voctree::VOctree tree = families_tree(2);
         change(tree.leaf(5));
-        LeafUse use = use_of(tree);
-        const size_t count = merge_alike(tree, use, 0.05f);
+        training::LeafUse use = use_of(tree);
+        const size_t count = training::merge_alike(tree, use, 0.05f);
         EXPECT_EQ(tree.leaf_count, 16 - 7 * count);
         return count == 1;
     };
@@ -102,23 +102,23 @@ TEST(Merge, AFamilyThatDiffersInOneFrameStays) {
 
 // Colour that nobody sees may differ.
 TEST(Merge, ClearLeavesMayDifferInColour) {
-    VOctree tree = families_tree(2);
+    voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++) {
         for (uint32_t c = 0; c < kFrames; c++) tree.leaf(i)[c] = 0.01f;
         tree.leaf(i)[2 * kFrames] = i % 2 ? 9.0f : -9.0f;
     }
-    LeafUse use = use_of(tree);
-    EXPECT_EQ(merge_alike(tree, use, 0.05f), 1u);
+    training::LeafUse use = use_of(tree);
+    EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
 }
 
 // What a frame did not use may differ in it: all of it where it used none of the family, colours where it used others.
 TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     const auto merged = [](uint32_t frames_of_all, uint32_t frames_of_one, const std::function<void(float*)>& change) {
-        VOctree tree = families_tree(2);
+        voctree::VOctree tree = families_tree(2);
         change(tree.leaf(5));
-        LeafUse use = use_of(tree);
+        training::LeafUse use = use_of(tree);
         for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 5 ? frames_of_one : frames_of_all;
-        return merge_alike(tree, use, 0.05f) == 1;
+        return training::merge_alike(tree, use, 0.05f) == 1;
     };
     const auto denser = [](float* leaf) { leaf[2] *= 1.5f; };
     EXPECT_TRUE(merged(3, 3, denser));
@@ -131,60 +131,60 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     EXPECT_TRUE(merged(7, 3, other_colour));
 
     // The parent has the colour that was seen.
-    VOctree tree = families_tree(2);
+    voctree::VOctree tree = families_tree(2);
     other_colour(tree.leaf(5));
-    LeafUse use = use_of(tree);
+    training::LeafUse use = use_of(tree);
     for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 5 ? 3 : 7;
     const float seen = tree.leaf(0)[kFrames + 2];
-    ASSERT_EQ(merge_alike(tree, use, 0.05f), 1u);
+    ASSERT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[kFrames + 2], seen);
 }
 
 // Two ways to say one course of colour, whose mean says another.
 TEST(Merge, WeightsThatMeanTheSameButHaveNoMeanStay) {
-    VOctree tree = families_tree(2);
+    voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++)
         for (uint32_t w = kFrames; w < tree.weights_per_leaf(); w++) {
             const uint32_t function = w < 2 * kFrames ? 0 : (w - 2 * kFrames) % 5;
             tree.leaf(i)[w] = w < 2 * kFrames ? static_cast<float>(w - kFrames) : function == 1 ? 5.0f : 0.0f;
             if (i % 2 && (w < 2 * kFrames || function == 1)) tree.leaf(i)[w] *= -1;  // π − γ, and −w_100
         }
-    LeafUse use = use_of(tree);
+    training::LeafUse use = use_of(tree);
     std::fill(use.frames.begin(), use.frames.end(), 7u);
-    EXPECT_EQ(merge_alike(tree, use, 0.05f), 0u);
+    EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 0u);
 }
 
 // The one leaf that was seen gives its colour, whatever the hidden ones have.
 TEST(Merge, HiddenLeavesGiveNoColour) {
-    VOctree tree = families_tree(2);
+    voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2 * kFrames] = i == 2 ? 10.0f : -10.0f;
-    LeafUse use = use_of(tree);
+    training::LeafUse use = use_of(tree);
     for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 2 ? 7 : 0;
-    ASSERT_EQ(merge_alike(tree, use, 0.05f), 1u);
+    ASSERT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[2 * kFrames], 10);
 }
 
 // A leaf that was used and is clear now does not make room for dense ones.
 TEST(Merge, ClearAndDenseLeavesStay) {
-    VOctree tree = families_tree(2);
+    voctree::VOctree tree = families_tree(2);
     for (uint32_t c = 0; c < kFrames; c++) tree.leaf(0)[c] = -1;
-    LeafUse use = use_of(tree);
+    training::LeafUse use = use_of(tree);
     for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 0 ? 7 : 0;
-    EXPECT_EQ(merge_alike(tree, use, 0.05f), 0u);
+    EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 0u);
 }
 
 // Fewer bases than frames, and more frames than fit a word.
 TEST(Merge, ManyFramesThatShareBases) {
     constexpr uint32_t kMany = 40;
     const auto merged = [](uint32_t frame_used) {
-        VOctree tree = families_tree(2);
+        voctree::VOctree tree = families_tree(2);
         tree.frames = kMany;
-        tree.sigma_basis = tree.gamma_basis = hat_basis(kMany, kFrames);
+        tree.sigma_basis = tree.gamma_basis = training::hat_basis(kMany, kFrames);
         for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2] *= i == 6 ? 2.0f : 1.0f;  // the last knot: from frame 20 on
-        LeafUse use = use_of(tree);
+        training::LeafUse use = use_of(tree);
         use.frames.assign(size_t{2} * tree.leaf_count, 0);
         for (uint32_t i = 0; i < 8; i++) use.frames[frame_used / 32 * tree.leaf_count + i] = 1u << frame_used % 32;
-        const bool did = merge_alike(tree, use, 0.05f) == 1;
+        const bool did = training::merge_alike(tree, use, 0.05f) == 1;
         EXPECT_EQ(use.frames.size(), size_t{2} * tree.leaf_count);
         if (did) {
             const uint32_t parent = leaf_at(tree, {0, 0, 0, 2});
@@ -198,15 +198,15 @@ TEST(Merge, ManyFramesThatShareBases) {
 }
 
 TEST(Merge, LeavesOfTheRootStay) {
-    VOctree tree;
+    voctree::VOctree tree;
     tree.bases = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
-    build_topology(tree, places);
-    LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};
-    EXPECT_EQ(merge_alike(tree, use, 1), 0u);
+    voctree::build_topology(tree, places);
+    training::LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};
+    EXPECT_EQ(training::merge_alike(tree, use, 1), 0u);
     EXPECT_EQ(tree.leaf_count, 8u);
 }
 

@@ -12,23 +12,23 @@
 namespace neuvv {
 namespace {
 
-Image filled(uint32_t width, uint32_t height, uint8_t value) {
-    Image image(width, height);
+media::Image filled(uint32_t width, uint32_t height, uint8_t value) {
+    media::Image image(width, height);
     for (uint8_t& byte : image.rgba) byte = value;
     return image;
 }
 
-Image random_image(uint32_t width, uint32_t height, uint32_t seed) {
+media::Image random_image(uint32_t width, uint32_t height, uint32_t seed) {
     std::mt19937 random(seed);
-    Image image(width, height);
+    media::Image image(width, height);
     for (uint8_t& byte : image.rgba) byte = static_cast<uint8_t>(random());
     return image;
 }
 
 // The picture, blurred by its neighbours and with noise: a plausible render of it.
-Image degraded(const Image& image, uint32_t seed, int noise) {
+media::Image degraded(const media::Image& image, uint32_t seed, int noise) {
     std::mt19937 random(seed);
-    Image result = image;
+    media::Image result = image;
     for (size_t i = 4; i + 4 < image.rgba.size(); ++i) {
         const int mean = (image.rgba[i - 4] + image.rgba[i] + image.rgba[i + 4]) / 3;
         const int shift = static_cast<int>(random() % static_cast<uint32_t>(2 * noise + 1)) - noise;
@@ -38,7 +38,7 @@ Image degraded(const Image& image, uint32_t seed, int noise) {
 }
 
 // Wang et al. 2004 as written: means, variances and covariance about the means, over each whole window.
-double plain_ssim(const Image& a, const Image& b) {
+double plain_ssim(const media::Image& a, const media::Image& b) {
     constexpr int kSide = 11;
     double weights[kSide][kSide], sum = 0;
     for (int v = 0; v < kSide; ++v)
@@ -70,44 +70,44 @@ double plain_ssim(const Image& a, const Image& b) {
 }
 
 TEST(Metrics, EqualPicturesArePerfect) {
-    const Image image = random_image(20, 15, 1);
-    const Quality quality = compare(image, image);
+    const media::Image image = random_image(20, 15, 1);
+    const training::Quality quality = training::compare(image, image);
     EXPECT_EQ(quality.psnr, 99);
     EXPECT_EQ(quality.mae, 0);
     EXPECT_NEAR(quality.ssim, 1, 1e-12);
 }
 
 TEST(Metrics, ByHand) {
-    const Image grey = filled(16, 12, 100);
-    const Quality shifted = compare(grey, filled(16, 12, 151));  // 51/255 = 0.2
+    const media::Image grey = filled(16, 12, 100);
+    const training::Quality shifted = training::compare(grey, filled(16, 12, 151));  // 51/255 = 0.2
     EXPECT_NEAR(shifted.mae, 0.2, 1e-12);
     EXPECT_NEAR(shifted.psnr, -10 * std::log10(0.04), 1e-12);
     const double a = 100 / 255.0, b = 151 / 255.0;  // no variance: only the luminance term is left
     EXPECT_NEAR(shifted.ssim, (2 * a * b + 1e-4) / (a * a + b * b + 1e-4), 1e-12);
 
-    Image one = grey;  // one channel of one of 192 pixels
+    media::Image one = grey;  // one channel of one of 192 pixels
     one.at(3, 4)[1] = 202;
-    const Quality single = compare(grey, one);
+    const training::Quality single = training::compare(grey, one);
     EXPECT_NEAR(single.mae, 0.4 / (3 * 192), 1e-12);
     EXPECT_NEAR(single.psnr, -10 * std::log10(0.16 / (3 * 192)), 1e-12);
 
-    const Quality opposite = compare(filled(11, 11, 0), filled(11, 11, 255));
+    const training::Quality opposite = training::compare(filled(11, 11, 0), filled(11, 11, 255));
     EXPECT_NEAR(opposite.psnr, 0, 1e-12);
     EXPECT_NEAR(opposite.mae, 1, 1e-12);
     EXPECT_LT(opposite.ssim, 0.001);
 }
 
 TEST(Metrics, FlipIsTheMeanOfItsPicture) {
-    const Image truth = random_image(30, 20, 8), render = degraded(truth, 9, 10);
-    EXPECT_EQ(compare(truth, render).flip, mean_of(flip(truth, render)));
-    EXPECT_GT(compare(truth, render).flip, 0.01);
-    EXPECT_EQ(compare(truth, truth).flip, 0);
+    const media::Image truth = random_image(30, 20, 8), render = degraded(truth, 9, 10);
+    EXPECT_EQ(training::compare(truth, render).flip, training::mean_of(training::flip(truth, render)));
+    EXPECT_GT(training::compare(truth, render).flip, 0.01);
+    EXPECT_EQ(training::compare(truth, truth).flip, 0);
 }
 
 TEST(Metrics, AlphaIsIgnored) {
-    Image a = random_image(14, 14, 2), b = a;
+    media::Image a = random_image(14, 14, 2), b = a;
     for (size_t i = 3; i < b.rgba.size(); i += 4) b.rgba[i] = static_cast<uint8_t>(~b.rgba[i]);
-    EXPECT_EQ(compare(a, b).psnr, 99);
+    EXPECT_EQ(training::compare(a, b).psnr, 99);
 }
 
 TEST(Metrics, SsimMatchesThePlainDefinition) {
@@ -116,39 +116,40 @@ TEST(Metrics, SsimMatchesThePlainDefinition) {
         int noise;
     } cases[] = {{11, 11, 20}, {12, 30, 3}, {33, 17, 60}, {24, 24, 0}};
     for (const auto& c : cases) {
-        const Image truth = random_image(c.width, c.height, c.width);
-        const Image render = degraded(truth, 7, c.noise);
+        const media::Image truth = random_image(c.width, c.height, c.width);
+        const media::Image render = degraded(truth, 7, c.noise);
         const double expected = plain_ssim(truth, render);
-        EXPECT_NEAR(compare(truth, render).ssim, expected, 1e-9);
+        EXPECT_NEAR(training::compare(truth, render).ssim, expected, 1e-9);
         EXPECT_LT(expected, 0.95);
-        EXPECT_NEAR(compare(render, truth).ssim, expected, 1e-9) << "symmetric";
+        EXPECT_NEAR(training::compare(render, truth).ssim, expected, 1e-9) << "symmetric";
     }
-    const Image noise = random_image(40, 40, 3);
-    EXPECT_NEAR(compare(noise, random_image(40, 40, 4)).ssim, plain_ssim(noise, random_image(40, 40, 4)), 1e-9);
+    const media::Image noise = random_image(40, 40, 3);
+    EXPECT_NEAR(training::compare(noise, random_image(40, 40, 4)).ssim, plain_ssim(noise, random_image(40, 40, 4)),
+                1e-9);
 }
 
 TEST(Metrics, SmallPicturesHaveASmallerWindow) {
     for (const uint32_t side : {1u, 2u, 10u}) {
-        const Image image = random_image(side, 4, 5);
-        EXPECT_NEAR(compare(image, image).ssim, 1, 1e-12);
-        EXPECT_LT(compare(filled(side, 4, 10), filled(side, 4, 200)).ssim, 0.5);
+        const media::Image image = random_image(side, 4, 5);
+        EXPECT_NEAR(training::compare(image, image).ssim, 1, 1e-12);
+        EXPECT_LT(training::compare(filled(side, 4, 10), filled(side, 4, 200)).ssim, 0.5);
     }
 }
 
 TEST(Metrics, ErrorPictureIsWhiteFromAQuarter) {
-    Image truth = filled(3, 1, 100), result = truth;
+    media::Image truth = filled(3, 1, 100), result = truth;
     result.at(1, 0)[0] = 110;
     result.at(2, 0)[2] = 0;
-    const Image error = error_picture(truth, result);
+    const media::Image error = training::error_picture(truth, result);
     EXPECT_EQ(error.rgba, (std::pmr::vector<uint8_t>{0, 0, 0, 255, 40, 0, 0, 255, 0, 0, 255, 255}));
-    EXPECT_EQ(error_picture(result, truth).rgba, error.rgba);
+    EXPECT_EQ(training::error_picture(result, truth).rgba, error.rgba);
 }
 
 TEST(Metrics, ContactSheetPlacesAndScales) {
-    Image red(4, 4), clear(4, 2), large(9, 3);
+    media::Image red(4, 4), clear(4, 2), large(9, 3);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
     for (size_t i = 0; i < large.rgba.size(); i += 4) large.rgba[i + 3] = 255;  // black
-    const Image sheet = contact_sheet({red, clear, large}, 2, 4);
+    const media::Image sheet = training::contact_sheet({red, clear, large}, 2, 4);
     ASSERT_EQ(sheet.width, 8u);
     ASSERT_EQ(sheet.height, 8u);
     const auto rgb = [&](uint32_t x, uint32_t y) {
@@ -163,14 +164,14 @@ TEST(Metrics, ContactSheetPlacesAndScales) {
     EXPECT_EQ(rgb(3, 5), white);
     EXPECT_EQ(rgb(0, 4), white);
     EXPECT_EQ(rgb(0, 6), white);
-    EXPECT_EQ(contact_sheet({}, 3, 10).width, 0u);
+    EXPECT_EQ(training::contact_sheet({}, 3, 10).width, 0u);
 }
 
 TEST(Metrics, ContactSheetEnlargesSmallPictures) {
-    Image small(2, 1);
+    media::Image small(2, 1);
     small.at(0, 0)[3] = small.at(1, 0)[3] = 255;
     small.at(1, 0)[1] = 200;
-    const Image sheet = contact_sheet({small}, 1, 7);  // by 3: 6×3, at (0, 2)
+    const media::Image sheet = training::contact_sheet({small}, 1, 7);  // by 3: 6×3, at (0, 2)
     const uint8_t expected[] = {0, 0, 0, 0, 0, 0, 255}, top = 2;
     for (uint32_t x = 0; x < 7; ++x) EXPECT_EQ(sheet.at(x, top)[0], expected[x]) << x;
     EXPECT_EQ(sheet.at(2, top)[1], 0);

@@ -88,9 +88,9 @@ struct N3vTest : testing::Test {
         write_rows(3);
     }
     void write_video(const std::string& name, uint32_t width, uint32_t height, uint32_t frames) {
-        VideoWriter video(folder.path / name, width, height, 30);
+        media::VideoWriter video(folder.path / name, width, height, 30);
         for (uint32_t i = 0; i < frames; ++i) {
-            Image image(width, height);
+            media::Image image(width, height);
             std::fill(image.rgba.begin(), image.rgba.end(), static_cast<uint8_t>(30 + 40 * i));
             video.add(image);
         }
@@ -105,14 +105,15 @@ struct N3vTest : testing::Test {
 };
 
 TEST_F(N3vTest, RowsAreCamerasAndTheFirstIsHeldOut) {
-    const Rig train = read_rig(folder.path, Split::kTrain), test = read_rig(folder.path, Split::kTest);
+    const training::Rig train = training::read_rig(folder.path, training::Split::kTrain),
+                        test = training::read_rig(folder.path, training::Split::kTest);
     EXPECT_EQ(train.format, "n3v");
     EXPECT_NEAR(train.fps, 30, 1e-6);
     ASSERT_EQ(train.cameras.size(), 2u);
     ASSERT_EQ(train.shots.size(), 2 * kFrames) << "the shortest video counts";
     ASSERT_EQ(test.cameras.size(), 1u);
     EXPECT_EQ(test.cameras[0].name, "cam00");
-    const RigCamera& camera = train.cameras[1];
+    const training::RigCamera& camera = train.cameras[1];
     EXPECT_EQ(camera.name, "cam02");
     const glm::dmat4 pose(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0),
                           glm::dvec4(2, 2, 3, 1));
@@ -124,18 +125,19 @@ TEST_F(N3vTest, RowsAreCamerasAndTheFirstIsHeldOut) {
     EXPECT_EQ(train.cameras[0].lens.fx, 26) << "a row's own focal length";
     EXPECT_EQ(train.shots[3].name, "cam01_f0003");
     EXPECT_EQ(train.shots[3].time, 0.75);
-    expect_input_error([&] { read_rig(folder.path, Split::kVal); }, {"n3v", "validation"});
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kVal); }, {"n3v", "validation"});
 }
 
 TEST_F(N3vTest, MattesAreNeededAndLieBeside) {
-    expect_input_error([&] { load_dataset(folder.path, Split::kTest); }, {"no picture has a matte", "neuvv matte"});
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); },
+                       {"no picture has a matte", "neuvv matte"});
     std::filesystem::create_directories(folder.path / "mattes");
-    Image matte(32, 24);
+    media::Image matte(32, 24);
     for (size_t i = 0; i < 32 * 24; ++i) std::fill_n(&matte.rgba[4 * i], 3, static_cast<uint8_t>(i % 32 < 9 ? 255 : 0));
     for (size_t i = 3; i < matte.rgba.size(); i += 4) matte.rgba[i] = 255;
     for (uint32_t i = 0; i < kFrames; ++i)
-        write_png(folder.path / "mattes" / ("cam00_f000" + std::to_string(i) + ".png"), matte);
-    const Dataset data = load_dataset(folder.path, Split::kTest);
+        media::write_png(folder.path / "mattes" / ("cam00_f000" + std::to_string(i) + ".png"), matte);
+    const training::Dataset data = training::load_dataset(folder.path, training::Split::kTest);
     ASSERT_EQ(data.views.size(), kFrames);
     EXPECT_EQ(data.times, (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
     for (uint32_t i = 0; i < kFrames; ++i) {
@@ -147,7 +149,7 @@ TEST_F(N3vTest, MattesAreNeededAndLieBeside) {
 
 TEST_F(N3vTest, WhatDoesNotFitIsNamed) {
     const auto expect_bad = [&](std::initializer_list<std::string> parts) {
-        expect_input_error([&] { read_rig(folder.path, Split::kTrain); }, parts);
+        expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); }, parts);
     };
     const std::vector<double> good = rows;
     rows[17] = 0.5;  // of row 1

@@ -18,8 +18,8 @@ namespace {
 using nlohmann::json;
 
 // Ten pixels by eight, opaque on the left, its red telling pictures apart.
-Image picture(uint8_t red) {
-    Image image(10, 8);
+media::Image picture(uint8_t red) {
+    media::Image image(10, 8);
     for (uint32_t y = 0; y < 8; ++y)
         for (uint32_t x = 0; x < 10; ++x) {
             const uint8_t pixel[4] = {red, 40, 90, static_cast<uint8_t>(x < 5 ? 255 : 0)};
@@ -36,9 +36,9 @@ json z_up_pose(double x) {
 struct NerfTest : testing::Test {
     TemporaryFolder folder;
 
-    void put(const std::string& name, const Image& image) {
+    void put(const std::string& name, const media::Image& image) {
         std::filesystem::create_directories((folder.path / name).parent_path());
-        write_png(folder.path / name, image);
+        media::write_png(folder.path / name, image);
     }
     void put(const std::string& name, const json& document) { write_text(folder.path / name, document.dump()); }
     void expect_bad(const json& document, const std::function<void(json&)>& damage,
@@ -46,7 +46,7 @@ struct NerfTest : testing::Test {
         json damaged = document;
         damage(damaged);
         put("transforms.json", damaged);
-        expect_input_error([&] { read_nerf_rig(folder.path, Split::kTrain); }, parts);
+        expect_input_error([&] { training::read_nerf_rig(folder.path, training::Split::kTrain); }, parts);
     }
 };
 
@@ -71,7 +71,7 @@ TEST_F(NerfTest, DNerf) {
         put(std::string("transforms_") + split + ".json", document);
     }
     std::filesystem::create_directories(folder.path / "train" / "r_001");
-    const Dataset train = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset train = training::load_dataset(folder.path, training::Split::kTrain);
     ASSERT_EQ(train.views.size(), 3u);
     ASSERT_EQ(train.cameras.size(), 3u);
     EXPECT_EQ(train.times, (std::vector<double>{0, 0.5, 1}));
@@ -81,15 +81,15 @@ TEST_F(NerfTest, DNerf) {
     EXPECT_EQ(train.cameras[1].cy, 4);
     expect_level(train.cameras[1].world_from_camera, 1);
     EXPECT_EQ(train.views[1].name, "train_r_001") << "the other splits have an r_001, too";
-    const Dataset val = load_dataset(folder.path, Split::kVal);
+    const training::Dataset val = training::load_dataset(folder.path, training::Split::kVal);
     EXPECT_EQ(val.views[0].name, "val_r_000");
     EXPECT_EQ(val.views[0].image.at(0, 0)[0], 'v');
-    EXPECT_EQ(load_dataset(folder.path, Split::kTest).views[2].name, "test_r_002");
+    EXPECT_EQ(training::load_dataset(folder.path, training::Split::kTest).views[2].name, "test_r_002");
 
     put("transforms_test.json", json{{"frames", 3}});
-    expect_input_error([&] { load_dataset(folder.path, Split::kTest); }, {"transforms_test.json"});
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); }, {"transforms_test.json"});
     std::filesystem::remove(folder.path / "transforms_val.json");
-    expect_input_error([&] { load_dataset(folder.path, Split::kVal); }, {"transforms_val.json"});
+    expect_input_error([&] { training::load_dataset(folder.path, training::Split::kVal); }, {"transforms_val.json"});
 }
 
 struct Nerfstudio : NerfTest {
@@ -110,7 +110,7 @@ struct Nerfstudio : NerfTest {
         for (int i = 0; i < 9; ++i) {
             const std::string name = "frame_" + std::to_string(i);
             put("images/" + name + ".png", picture(static_cast<uint8_t>(10 * i)));
-            Image mask(10, 8);
+            media::Image mask(10, 8);
             for (size_t k = 0; k < mask.rgba.size(); ++k)
                 mask.rgba[k] = k % 4 == 3 || k >= 40 ? 255 : 0;  // row 0 black
             put("masks/" + name + ".png", mask);
@@ -122,19 +122,19 @@ struct Nerfstudio : NerfTest {
         good["frames"][3]["fl_x"] = 13.0;
         good["applied_transform"] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}};
     }
-    Rig rig(Split split = Split::kTrain) {
+    training::Rig rig(training::Split split = training::Split::kTrain) {
         put("transforms.json", good);
-        return read_rig(folder.path, split);
+        return training::read_rig(folder.path, split);
     }
 };
 
 TEST_F(Nerfstudio, LensesAndPoses) {
-    const Rig train = rig(), test = rig(Split::kTest);
+    const training::Rig train = rig(), test = rig(training::Split::kTest);
     ASSERT_EQ(train.cameras.size(), 7u);
     ASSERT_EQ(test.cameras.size(), 2u);  // the first and the ninth
     expect_level(test.cameras[1].world_from_camera, 8);
-    const Lens& lens = test.cameras[0].lens;
-    EXPECT_EQ(lens.model, LensModel::kBrown);
+    const training::Lens& lens = test.cameras[0].lens;
+    EXPECT_EQ(lens.model, training::LensModel::kBrown);
     EXPECT_EQ(lens.fx, 12);
     EXPECT_EQ(lens.fy, 11);
     EXPECT_EQ(lens.cx, 5.25);
@@ -143,10 +143,10 @@ TEST_F(Nerfstudio, LensesAndPoses) {
     EXPECT_EQ(lens.p1, 0.001);
     EXPECT_EQ(lens.p2, -0.002);
     EXPECT_EQ(train.cameras[2].lens.fx, 13) << "a frame's own focal length";
-    EXPECT_EQ(train.masks, MaskMeaning::kUsable);
+    EXPECT_EQ(train.masks, training::MaskMeaning::kUsable);
     EXPECT_EQ(train.shots[2].name, "frame_3");
 
-    const Dataset data = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset data = training::load_dataset(folder.path, training::Split::kTrain);
     EXPECT_TRUE(data.views[0].ignores(5, 0));
     EXPECT_FALSE(data.views[0].ignores(5, 4));
     EXPECT_EQ(data.cameras[0].fx, 12);
@@ -154,7 +154,7 @@ TEST_F(Nerfstudio, LensesAndPoses) {
     good["camera_model"] = "OPENCV_FISHEYE";
     good["p1"] = good["p2"] = 0;
     good["k4"] = 0.002;
-    EXPECT_EQ(rig().cameras[0].lens.model, LensModel::kFisheye);
+    EXPECT_EQ(rig().cameras[0].lens.model, training::LensModel::kFisheye);
     EXPECT_EQ(rig().cameras[0].lens.k[3], 0.002);
     good["camera_model"] = "PINHOLE";
     for (const char* key : {"k1", "k2", "k3", "k4"}) good.erase(key);
@@ -164,7 +164,7 @@ TEST_F(Nerfstudio, LensesAndPoses) {
 TEST_F(Nerfstudio, AppliedScaleIsDividedOut) {
     good["applied_scale"] = 0.5;
     good["aabb"] = {{-1, -2, -3}, {1, 2, 4}};
-    const Rig data = rig();
+    const training::Rig data = rig();
     EXPECT_EQ(glm::dvec3(data.cameras[0].world_from_camera[3]), glm::dvec3(2, 2, 6));
     EXPECT_EQ(data.box->first, glm::dvec3(-2, -6, -4));
     EXPECT_EQ(data.box->second, glm::dvec3(2, 8, 4));
@@ -177,15 +177,15 @@ TEST_F(Nerfstudio, ListsDivideTheSplits) {
     good["val_filenames"] = {"images/frame_7.png"};
     EXPECT_EQ(rig().shots.size(), 2u);
     EXPECT_EQ(rig().shots[1].name, "frame_2");
-    EXPECT_EQ(rig(Split::kTest).shots.at(0).name, "frame_0");
-    EXPECT_EQ(rig(Split::kVal).shots.at(0).name, "frame_7");
+    EXPECT_EQ(rig(training::Split::kTest).shots.at(0).name, "frame_0");
+    EXPECT_EQ(rig(training::Split::kVal).shots.at(0).name, "frame_7");
     expect_bad(good, [](json& j) { j["test_filenames"].push_back("images/frame_1.png"); },
                {"frame_1.png", "train_filenames", "test_filenames"});
     expect_bad(good, [](json& j) { j["train_filenames"].push_back("images/frame_99.png"); }, {"frame_99.png"});
     expect_bad(good, [](json& j) { j.erase("train_filenames"); }, {"train_filenames", "missing"});
     expect_bad(good, [](json& j) { j["val_filenames"] = {1}; }, {"val_filenames[0]", "string"});
     for (const char* key : {"train_filenames", "test_filenames", "val_filenames"}) good.erase(key);
-    expect_input_error([&] { rig(Split::kVal); }, {"transforms.json", "no validation split"});
+    expect_input_error([&] { rig(training::Split::kVal); }, {"transforms.json", "no validation split"});
 }
 
 TEST_F(Nerfstudio, MasksAreOfAllFramesOrNone) {
@@ -204,7 +204,7 @@ TEST_F(NerfTest, InstantNgp) {
                                         {"fl_x", 20.0 + i}}
                                        .dump();
     }
-    Image mask(10, 8);
+    media::Image mask(10, 8);
     for (size_t k = 0; k < 4 * 10; ++k) mask.rgba[k] = 255;  // row 0 moves
     for (size_t k = 3; k < mask.rgba.size(); k += 4) mask.rgba[k] = 255;
     put("images/dynamic_mask_2.png", mask);
@@ -216,19 +216,19 @@ TEST_F(NerfTest, InstantNgp) {
                "/* frames */ \"frames\": [" +
                    frames + "]}");
     put("other.json", json{{"frames", json::array({1})}});  // not every JSON is a data set
-    const Rig rig = read_rig(folder.path, Split::kTrain);
+    const training::Rig rig = training::read_rig(folder.path, training::Split::kTrain);
     ASSERT_EQ(rig.shots.size(), 3u);
     expect_level(rig.cameras[1].world_from_camera, 2);
     EXPECT_EQ(rig.cameras[1].lens.fx, 22);
     EXPECT_EQ(rig.cameras[1].lens.fy, 22);
     EXPECT_EQ(rig.cameras[1].lens.k[0], 0.02);
-    EXPECT_EQ(rig.masks, MaskMeaning::kIgnore);
+    EXPECT_EQ(rig.masks, training::MaskMeaning::kIgnore);
     // instant-ngp: p ↦ cycle(p · scale + offset), (x, y, z) ↦ (y, z, x). Its cube's corners are (−½, −¼, −¾) / scale
     // and (½, ¾, ¼) / scale, then turned y up.
     ASSERT_TRUE(rig.box);
     EXPECT_EQ(rig.box->first, glm::dvec3(-2, -3, -3));
     EXPECT_EQ(rig.box->second, glm::dvec3(2, 1, 1));
-    const Dataset data = load_dataset(folder.path, Split::kTrain);
+    const training::Dataset data = training::load_dataset(folder.path, training::Split::kTrain);
     EXPECT_TRUE(data.views[1].ignores(5, 0));
     EXPECT_FALSE(data.views[1].ignores(5, 4));
     EXPECT_FALSE(data.views[0].ignores(5, 0));

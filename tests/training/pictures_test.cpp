@@ -14,15 +14,15 @@ namespace {
 
 constexpr uint32_t kWidth = 16, kHeight = 12;
 
-Image plain(uint8_t value, uint8_t alpha = 255) {
-    Image image(kWidth, kHeight);
+media::Image plain(uint8_t value, uint8_t alpha = 255) {
+    media::Image image(kWidth, kHeight);
     for (size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = i % 4 == 3 ? alpha : value;
     return image;
 }
 
 // White, or opaque, in columns of x < 8.
-Image half_mask(bool in_alpha, uint8_t white = 255) {
-    Image image(kWidth, kHeight);
+media::Image half_mask(bool in_alpha, uint8_t white = 255) {
+    media::Image image(kWidth, kHeight);
     for (uint32_t y = 0; y < kHeight; ++y)
         for (uint32_t x = 0; x < kWidth; ++x) {
             const uint8_t value = x < 8 ? white : 0;
@@ -35,17 +35,17 @@ Image half_mask(bool in_alpha, uint8_t white = 255) {
 // Two cameras with a picture each.
 struct PicturesTest : testing::Test {
     TemporaryFolder folder;
-    Rig rig;
+    training::Rig rig;
 
     void SetUp() override {
         rig.folder = folder.path;
         rig.file = (folder.path / "rig.json").string();
         for (uint32_t c = 0; c < 2; ++c) {
-            RigCamera camera;
+            training::RigCamera camera;
             camera.name = "cam" + std::to_string(c);
             camera.lens = {.fx = 20, .fy = 20, .cx = 8, .cy = 6, .width = kWidth, .height = kHeight};
             rig.cameras.push_back(camera);
-            Shot shot;
+            training::Shot shot;
             shot.camera = c;
             shot.name = camera.name + "_0";
             shot.place = "shots[" + std::to_string(c) + "]";
@@ -53,29 +53,31 @@ struct PicturesTest : testing::Test {
             rig.shots.push_back(shot);
         }
     }
-    std::filesystem::path write(const std::string& name, const Image& image) {
+    std::filesystem::path write(const std::string& name, const media::Image& image) {
         std::filesystem::create_directories((folder.path / name).parent_path());
-        write_png(folder.path / name, image);
+        media::write_png(folder.path / name, image);
         return folder.path / name;
     }
-    Dataset load(bool mattes_needed = true) { return read_pictures(rig, {.mattes_needed = mattes_needed}); }
-    void mask_all(const Image& mask, MaskMeaning meaning) {
+    training::Dataset load(bool mattes_needed = true) {
+        return training::read_pictures(rig, {.mattes_needed = mattes_needed});
+    }
+    void mask_all(const media::Image& mask, training::MaskMeaning meaning) {
         rig.masks = meaning;
-        for (Shot& shot : rig.shots) shot.mask.path = write("mask.png", mask);
+        for (training::Shot& shot : rig.shots) shot.mask.path = write("mask.png", mask);
     }
 };
 
 TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
     expect_input_error([&] { load(); }, {folder.path.string(), "no picture has a matte", "neuvv matte"});
-    const Dataset data = load(false);
+    const training::Dataset data = load(false);
     EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
     EXPECT_EQ(data.cameras.at(1).fx, 20);
     EXPECT_TRUE(data.views[0].ignored.empty());
 }
 
 TEST_F(PicturesTest, BeyondTheBudgetPixelsWaitOnDisk) {
-    const Dataset inside = read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
-    const Dataset outside = read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1});
+    const training::Dataset inside = training::read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
+    const training::Dataset outside = training::read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1});
     EXPECT_EQ(inside.spool, nullptr);
     ASSERT_NE(outside.spool, nullptr);
     ASSERT_EQ(outside.views.size(), 2u);
@@ -95,8 +97,8 @@ TEST_F(PicturesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
 
 TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {
     for (const bool in_alpha : {false, true}) {
-        mask_all(half_mask(in_alpha, 200), MaskMeaning::kMatte);
-        const Dataset data = load();
+        mask_all(half_mask(in_alpha, 200), training::MaskMeaning::kMatte);
+        const training::Dataset data = load();
         EXPECT_EQ(data.views[0].image.at(7, 3)[3], 200);
         EXPECT_EQ(data.views[0].image.at(7, 3)[0], 100);
         EXPECT_EQ(data.views[0].image.at(8, 3)[3], 0);
@@ -105,11 +107,11 @@ TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {
 }
 
 TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
-    for (const MaskMeaning meaning : {MaskMeaning::kUsable, MaskMeaning::kIgnore}) {
+    for (const training::MaskMeaning meaning : {training::MaskMeaning::kUsable, training::MaskMeaning::kIgnore}) {
         mask_all(half_mask(false, 1), meaning);  // some programs write 1 for white
-        const Dataset data = load(false);
-        const View& view = data.views[1];
-        const uint32_t known = meaning == MaskMeaning::kUsable ? 7 : 8, unknown = 15 - known;
+        const training::Dataset data = load(false);
+        const training::View& view = data.views[1];
+        const uint32_t known = meaning == training::MaskMeaning::kUsable ? 7 : 8, unknown = 15 - known;
         EXPECT_FALSE(view.ignores(known, 3));
         EXPECT_EQ(view.image.at(known, 3)[0], 150);
         EXPECT_TRUE(view.ignores(unknown, 3));
@@ -121,31 +123,31 @@ TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
 }
 
 TEST_F(PicturesTest, MattesBesideTheDataSetWin) {
-    mask_all(half_mask(false), MaskMeaning::kMatte);
+    mask_all(half_mask(false), training::MaskMeaning::kMatte);
     write("mattes/cam0_0.png", plain(77));
     EXPECT_EQ(load().views[0].image.at(12, 3)[3], 77);
     EXPECT_EQ(load().views[1].image.at(12, 3)[3], 0) << "the mask is a matte, too";
     rig.shots[1].mask.path.clear();
     expect_input_error([&] { load(); }, {"mattes/cam1_0.png", "missing", "neuvv matte"});
-    write("mattes/cam1_0.png", Image(kWidth, kHeight - 1));
+    write("mattes/cam1_0.png", media::Image(kWidth, kHeight - 1));
     expect_input_error([&] { load(); }, {"cam1_0.png", "16×11", "cam1", "16×12"});
 }
 
 TEST_F(PicturesTest, SizesFollowTheCalibration) {
-    write("cam1_0.png", Image(kWidth + 1, kHeight));
+    write("cam1_0.png", media::Image(kWidth + 1, kHeight));
     expect_input_error([&] { load(); }, {"cam1_0.png", "17×12", "camera cam1", "rig.json", "16×12"});
     rig.cameras[1].lens.width = rig.cameras[1].lens.height = 0;
     EXPECT_EQ(load().cameras[1].width, kWidth + 1);
 }
 
 TEST_F(PicturesTest, ALensIsUndoneInPicturePlateAndMasks) {
-    rig.masks = MaskMeaning::kIgnore;
+    rig.masks = training::MaskMeaning::kIgnore;
     rig.shots[1].mask.path = write("ignore.png", half_mask(false));
-    rig.cameras[1].lens.model = LensModel::kBrown;
+    rig.cameras[1].lens.model = training::LensModel::kBrown;
     rig.cameras[1].lens.k[0] = 0.6;  // a pincushion: the corners were never seen
     rig.cameras[1].plate.path = write("plate.png", plain(60));
-    const Dataset data = load(false);
-    const View& view = data.views[1];
+    const training::Dataset data = load(false);
+    const training::View& view = data.views[1];
     EXPECT_TRUE(view.ignores(0, 0));
     EXPECT_TRUE(view.ignores(15, 11));
     EXPECT_TRUE(view.ignores(6, 6));
@@ -163,20 +165,20 @@ TEST_F(PicturesTest, ALensIsUndoneInPicturePlateAndMasks) {
 
 TEST_F(PicturesTest, FramesOfVideosComeInAnyOrder) {
     for (uint32_t c = 0; c < 2; ++c) {
-        VideoWriter video(folder.path / ("v" + std::to_string(c) + ".mp4"), kWidth, kHeight, 25);
+        media::VideoWriter video(folder.path / ("v" + std::to_string(c) + ".mp4"), kWidth, kHeight, 25);
         for (uint32_t i = 0; i < 9; ++i) video.add(plain(static_cast<uint8_t>(20 + 20 * i + 30 * c)));
         video.finish();
     }
     rig.shots.clear();
     for (const int frame : {4, 1, 1, 8})
         for (uint32_t c = 0; c < 2; ++c) {
-            Shot shot;
+            training::Shot shot;
             shot.camera = c;
             shot.picture = {folder.path / ("v" + std::to_string(c) + ".mp4"), frame};
             shot.time = frame / 8.0;
             rig.shots.push_back(shot);
         }
-    const Dataset data = load(false);
+    const training::Dataset data = load(false);
     for (size_t i = 0; i < data.views.size(); ++i) {
         const double expected =
             20 + 20 * static_cast<double>(rig.shots[i].picture.video_frame) + 30.0 * static_cast<double>(i % 2);

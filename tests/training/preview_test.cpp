@@ -20,32 +20,34 @@ using PreviewTest = GpuTest;
 
 TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
     const TemporaryFolder folder;
-    const Dataset dataset = preview_dataset(sphere_dataset({.cameras = 3, .frames = 5, .size = 40}));
-    const VOctree tree = random_tree({.leaves = 100, .frames = 5});
-    const Field field = upload_field(device(), tree, WeightPrecision::kFloat);
-    const Quality quality = write_preview(device(), field, dataset, folder.path / "preview.png");
-    const Image picture = read_png(folder.path / "preview.png");
+    const training::Dataset dataset =
+        training::preview_dataset(sphere_dataset({.cameras = 3, .frames = 5, .size = 40}));
+    const voctree::VOctree tree = random_tree({.leaves = 100, .frames = 5});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    const training::Quality quality = training::write_preview(device(), field, dataset, folder.path / "preview.png");
+    const media::Image picture = media::read_png(folder.path / "preview.png");
     ASSERT_EQ(picture.width, 120u);
     ASSERT_EQ(picture.height, 40u);
     EXPECT_EQ(folder.entries(), 1u);
     const auto part = [&](uint32_t index) {
-        Image image(40, 40);
+        media::Image image(40, 40);
         for (uint32_t y = 0; y < 40; y++) std::copy_n(picture.at(40 * index, y), 160, image.at(0, y));
         return image;
     };
-    const Image truth = truth_over_white(dataset, dataset.views[0]);
+    const media::Image truth = training::truth_over_white(dataset, dataset.views[0]);
     EXPECT_EQ(part(0).rgba, truth.rgba);
-    EXPECT_EQ(part(2).rgba, error_picture(truth, part(1)).rgba);
-    EXPECT_EQ(compare(truth, part(1)).psnr, quality.psnr);
-    const Evaluation evaluation = evaluate(device(), tree, dataset, 2);  // of the same view, weights in half precision
+    EXPECT_EQ(part(2).rgba, training::error_picture(truth, part(1)).rgba);
+    EXPECT_EQ(training::compare(truth, part(1)).psnr, quality.psnr);
+    const training::Evaluation evaluation =
+        training::evaluate(device(), tree, dataset, 2);  // of the same view, weights in half precision
     EXPECT_NEAR(evaluation.views[0].psnr, quality.psnr, 0.1);
     EXPECT_LT(quality.psnr, 30) << "a random tree is no sphere";
 }
 
 TEST(PreviewDataset, IsTheFirstCamerasInstantInTheMiddle) {
-    Dataset dataset = sphere_dataset({.cameras = 3, .frames = 5, .size = 8});
+    training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 5, .size = 8});
     std::reverse(dataset.views.begin(), dataset.views.end());  // the first view is now the last camera's
-    const Dataset cut = preview_dataset(dataset);
+    const training::Dataset cut = training::preview_dataset(dataset);
     ASSERT_EQ(cut.views.size(), 1u);
     EXPECT_EQ(cut.views[0].name, "c02_f002");
     EXPECT_EQ(cut.views[0].time, 0.5);
@@ -57,8 +59,8 @@ struct MetricsLogTest : ::testing::Test {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "metrics.jsonl";
 
-    static TrainProgress at_step(uint64_t step) {
-        TrainProgress now;
+    static training::TrainProgress at_step(uint64_t step) {
+        training::TrainProgress now;
         now.step = step;
         now.loss = 0.25;
         now.grad_loss = 0.5;
@@ -74,9 +76,9 @@ struct MetricsLogTest : ::testing::Test {
 };
 
 TEST_F(MetricsLogTest, ALineAnInterval) {
-    const MetricsLog log(file, 0);
+    const training::MetricsLog log(file, 0);
     log.add(at_step(10));
-    log.add(at_step(20), PreviewScore{"c01_f003", 31.5});
+    log.add(at_step(20), training::PreviewScore{"c01_f003", 31.5});
     ASSERT_EQ(lines().size(), 2u);
     EXPECT_EQ(lines()[0].at("step"), 10);
     EXPECT_EQ(lines()[0].at("loss"), 0.25);
@@ -90,11 +92,11 @@ TEST_F(MetricsLogTest, ALineAnInterval) {
 
 TEST_F(MetricsLogTest, AResumedRunDropsWhatCameAfterItsCheckpoint) {
     {
-        const MetricsLog log(file, 0);
+        const training::MetricsLog log(file, 0);
         for (const uint64_t step : {10, 20, 30, 40}) log.add(at_step(step));
     }
     write_text(file, read_text(file) + "no JSON\n{\"step\":-3}\n[1]\n{\"step\":15}\n{\"step\":18");  // torn at the end
-    const MetricsLog log(file, 30);
+    const training::MetricsLog log(file, 30);
     log.add(at_step(31));
     std::vector<uint64_t> steps;
     for (const nlohmann::json& line : lines()) steps.push_back(line.at("step"));
@@ -102,24 +104,24 @@ TEST_F(MetricsLogTest, AResumedRunDropsWhatCameAfterItsCheckpoint) {
 }
 
 TEST_F(MetricsLogTest, ANewRunBeginsAnew) {
-    MetricsLog(file, 0).add(at_step(10));
-    MetricsLog(file, 0).add(at_step(5));
+    training::MetricsLog(file, 0).add(at_step(10));
+    training::MetricsLog(file, 0).add(at_step(5));
     ASSERT_EQ(lines().size(), 1u);
     EXPECT_EQ(lines()[0].at("step"), 5);
-    MetricsLog(folder.path / "other.jsonl", 100).add(at_step(101));  // resumed, and logged for the first time
+    training::MetricsLog(folder.path / "other.jsonl", 100).add(at_step(101));  // resumed, and logged for the first time
     EXPECT_NE(read_text(folder.path / "other.jsonl").find("101"), std::string::npos);
 }
 
 TEST_F(MetricsLogTest, NumbersThatAreNoneAreNull) {
-    TrainProgress now = at_step(1);
+    training::TrainProgress now = at_step(1);
     now.loss = NAN;
-    MetricsLog(file, 0).add(now);
+    training::MetricsLog(file, 0).add(now);
     EXPECT_TRUE(lines()[0].at("loss").is_null());
 }
 
 TEST_F(MetricsLogTest, AFileThatCannotBeWrittenIsAFailure) {
-    EXPECT_THROW(MetricsLog(folder.path / "missing/metrics.jsonl", 0), RuntimeFailure);
-    const MetricsLog log(file, 0);
+    EXPECT_THROW(training::MetricsLog(folder.path / "missing/metrics.jsonl", 0), RuntimeFailure);
+    const training::MetricsLog log(file, 0);
     std::filesystem::remove(file);
     std::filesystem::create_directory(file);
     EXPECT_THROW(log.add(at_step(1)), RuntimeFailure);

@@ -15,22 +15,22 @@ namespace neuvv::test {
 namespace {
 
 constexpr uint32_t kLevels = 2;
-const TreeShape kShape{.resolution = 32, .bases = 3, .hh_degree = 1};
+const training::TreeShape kShape{.resolution = 32, .bases = 3, .hh_degree = 1};
 
-const Dataset& capture() {
-    static const Dataset dataset = sphere_dataset({.cameras = 8, .frames = 3, .size = 40});
+const training::Dataset& capture() {
+    static const training::Dataset dataset = sphere_dataset({.cameras = 8, .frames = 3, .size = 40});
     return dataset;
 }
 
-const VOctree& hull() {
-    static const VOctree tree = initial_tree(capture(), kShape, kLevels);
+const voctree::VOctree& hull() {
+    static const voctree::VOctree tree = training::initial_tree(capture(), kShape, kLevels);
     return tree;
 }
 
 // Affine in x: raw σ of frame t is density · (x − 0.1 t) · A_tt in the network's coordinates, everything else constant.
-PsiNetwork ramp_network() {
-    const PsiShape shape{.frequencies = 2, .width = 32, .layers = 1, .bases = 3, .hh_degree = 1, .frames = 3};
-    PsiNetwork network = initial_psi(shape, hull().box_min, hull().box_size, 1);
+training::PsiNetwork ramp_network() {
+    const training::PsiShape shape{.frequencies = 2, .width = 32, .layers = 1, .bases = 3, .hh_degree = 1, .frames = 3};
+    training::PsiNetwork network = training::initial_psi(shape, hull().box_min, hull().box_size, 1);
     network.density = 4;
     std::fill(network.parameters.begin(), network.parameters.end(), 0.0f);
     network.parameters[0] = 1;  // hidden 0 = relu(x + 2), never at its kink
@@ -50,27 +50,27 @@ PsiNetwork ramp_network() {
 using PsiTreeTest = GpuTest;
 
 TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
-    const PsiNetwork network = ramp_network();
-    PsiStep psi(device(), network, {4, 4}, 1, 2);
-    PsiSettings settings;
+    const training::PsiNetwork network = ramp_network();
+    training::PsiStep psi(device(), network, {4, 4}, 1, 2);
+    training::PsiSettings settings;
     settings.threshold = 0.3f;
-    const VOctree tree = tree_from_psi(psi, hull(), kLevels, settings);
-    EXPECT_EQ(defect_of(tree), "");
+    const voctree::VOctree tree = training::tree_from_psi(psi, hull(), kLevels, settings);
+    EXPECT_EQ(voctree::defect_of(tree), "");
     EXPECT_EQ(tree.sigma_basis, (std::vector<float>{0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f}));
     EXPECT_EQ(tree.gamma_basis, (std::vector<float>{0.25f, 0, 0, 0, 0.25f, 0, 0, 0, 0.25f}));
 
-    const std::vector<LeafPlace> before = leaf_places(hull()), after = leaf_places(tree);
-    const auto x_at = [&](const LeafPlace& place, double inside) {
+    const std::vector<voctree::LeafPlace> before = voctree::leaf_places(hull()), after = voctree::leaf_places(tree);
+    const auto x_at = [&](const voctree::LeafPlace& place, double inside) {
         const double edge = static_cast<double>(tree.box_size.x) / std::exp2(place.depth);
         const double world = static_cast<double>(tree.box_min.x) + edge * (place.x + inside);
         return (world - static_cast<double>(network.centre().x)) * static_cast<double>(network.scale());
     };
     size_t kept = 0;
-    for (const LeafPlace& place : before) {
+    for (const voctree::LeafPlace& place : before) {
         const double x = x_at(place, 0.875);  // the centre of its last finest cell along x
         double sum = 0;
         for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
-        const bool found = std::any_of(after.begin(), after.end(), [&](const LeafPlace& other) {
+        const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPlace& other) {
             return other.x == place.x && other.y == place.y && other.z == place.z && other.depth == place.depth;
         });
         EXPECT_EQ(found, sum >= 0.3) << place.x << ' ' << place.y << ' ' << place.z;
@@ -90,14 +90,14 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
 }
 
 TEST_F(PsiTreeTest, ANetworkWithoutMatterSaysSo) {
-    PsiNetwork network = ramp_network();
+    training::PsiNetwork network = ramp_network();
     network.density = 0;
-    PsiStep psi(device(), network, {4, 4}, 1, 2);
-    EXPECT_THROW(tree_from_psi(psi, hull(), kLevels, PsiSettings{}), RuntimeFailure);
+    training::PsiStep psi(device(), network, {4, 4}, 1, 2);
+    EXPECT_THROW(training::tree_from_psi(psi, hull(), kLevels, training::PsiSettings{}), RuntimeFailure);
 }
 
-PsiSettings small_run(uint64_t steps) {
-    PsiSettings settings;
+training::PsiSettings small_run(uint64_t steps) {
+    training::PsiSettings settings;
     settings.steps = steps;
     settings.width = 32;
     settings.layers = 2;
@@ -111,34 +111,37 @@ PsiSettings small_run(uint64_t steps) {
 // The network learns a sphere at rest, and the tree that is read off it looks more like it than that of a network that
 // has not learnt yet.
 TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
-    const Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
+    const training::Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
     const auto tree_after = [&](uint64_t steps, double& loss) {
-        return psi_tree(device(), still, kShape, kLevels, small_run(steps), [&](const PsiProgress& now) {
-            loss = now.loss;
-            return true;
-        });
+        return training::psi_tree(device(), still, kShape, kLevels, small_run(steps),
+                                  [&](const training::PsiProgress& now) {
+                                      loss = now.loss;
+                                      return true;
+                                  });
     };
     double early = 0, late = 0;
-    const VOctree fog = tree_after(1, early), learnt = tree_after(120, late);
+    const voctree::VOctree fog = tree_after(1, early), learnt = tree_after(120, late);
     EXPECT_LT(late, 0.6 * early);
-    EXPECT_EQ(defect_of(learnt), "");
+    EXPECT_EQ(voctree::defect_of(learnt), "");
     EXPECT_LE(learnt.leaf_count, fog.leaf_count);
-    const double learnt_psnr = evaluate(device(), learnt, still, 1).mean.psnr;
-    EXPECT_GT(learnt_psnr, evaluate(device(), fog, still, 1).mean.psnr + 2);
+    const double learnt_psnr = training::evaluate(device(), learnt, still, 1).mean.psnr;
+    EXPECT_GT(learnt_psnr, training::evaluate(device(), fog, still, 1).mean.psnr + 2);
 
     // A run takes it from there.
-    TrainSettings settings;
+    training::TrainSettings settings;
     settings.steps = 30;
     settings.shape = kShape;
     settings.first_tree = &learnt;
     const TemporaryFolder folder;
-    train(device(), still, settings, folder.path / "run.nvv", [](const TrainProgress&) { return true; });
-    EXPECT_GT(evaluate(device(), read_nvv(folder.path / "run.nvv"), still, 1).mean.psnr, learnt_psnr);
+    training::train(device(), still, settings, folder.path / "run.nvv",
+                    [](const training::TrainProgress&) { return true; });
+    EXPECT_GT(training::evaluate(device(), voctree::read_nvv(folder.path / "run.nvv"), still, 1).mean.psnr,
+              learnt_psnr);
 }
 
 TEST_F(PsiTreeTest, EndsWhereToldTo) {
     uint64_t last = 0;
-    psi_tree(device(), capture(), kShape, kLevels, small_run(1000000), [&](const PsiProgress& now) {
+    training::psi_tree(device(), capture(), kShape, kLevels, small_run(1000000), [&](const training::PsiProgress& now) {
         last = now.step;
         return false;
     });

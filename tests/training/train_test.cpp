@@ -19,34 +19,34 @@ namespace {
 
 const SphereCapture kCapture;
 
-const Dataset& capture() {
-    static const Dataset dataset = sphere_dataset(kCapture);
+const training::Dataset& capture() {
+    static const training::Dataset dataset = sphere_dataset(kCapture);
     return dataset;
 }
 
-TrainSettings small_run(uint64_t steps) {
-    TrainSettings settings;
+training::TrainSettings small_run(uint64_t steps) {
+    training::TrainSettings settings;
     settings.steps = steps;
     settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
     settings.tiles_per_step = 128;
     return settings;
 }
 
-bool go_on(const TrainProgress&) {
+bool go_on(const training::TrainProgress&) {
     return true;
 }
 
-Image over_white(const Image& image) {
+media::Image over_white(const media::Image& image) {
     const uint8_t white[3] = {255, 255, 255};
-    return composite_over(image, white);
+    return media::composite_over(image, white);
 }
 
 // What cameras between those of the capture see of a field, every frame.
-std::vector<Image> held_out_renders(const Device& device, const Field& field) {
+std::vector<media::Image> held_out_renders(const gpu::Device& device, const render::Field& field) {
     SphereCapture between = kCapture;
     between.first_angle += std::numbers::pi / kCapture.cameras;
-    FrameRenderer renderer(device, field, {kCapture.size, kCapture.size});
-    std::vector<Image> renders;
+    render::FrameRenderer renderer(device, field, {kCapture.size, kCapture.size});
+    std::vector<media::Image> renders;
     for (const uint32_t camera : {1u, 6u})
         for (uint32_t frame = 0; frame < kCapture.frames; frame++)
             renders.push_back(renderer.render(
@@ -55,23 +55,25 @@ std::vector<Image> held_out_renders(const Device& device, const Field& field) {
     return renders;
 }
 
-std::vector<Image> held_out_renders(const Device& device, const std::filesystem::path& nvv) {
-    return held_out_renders(device, upload_field(device, read_nvv(nvv), WeightPrecision::kHalf));
+std::vector<media::Image> held_out_renders(const gpu::Device& device, const std::filesystem::path& nvv) {
+    return held_out_renders(device,
+                            render::upload_field(device, voctree::read_nvv(nvv), render::WeightPrecision::kHalf));
 }
 
-std::vector<Image> held_out_truths() {
+std::vector<media::Image> held_out_truths() {
     SphereCapture between = kCapture;
     between.first_angle += std::numbers::pi / kCapture.cameras;
-    std::vector<Image> truths;
+    std::vector<media::Image> truths;
     for (const uint32_t camera : {1u, 6u})
         for (uint32_t frame = 0; frame < kCapture.frames; frame++)
             truths.push_back(sphere_picture(kCapture, sphere_camera(between, camera), kCapture.time(frame)));
     return truths;
 }
 
-double mean_psnr(const std::vector<Image>& truths, const std::vector<Image>& renders) {
+double mean_psnr(const std::vector<media::Image>& truths, const std::vector<media::Image>& renders) {
     double sum = 0;
-    for (size_t i = 0; i < truths.size(); i++) sum += compare(over_white(truths[i]), over_white(renders[i])).psnr;
+    for (size_t i = 0; i < truths.size(); i++)
+        sum += training::compare(over_white(truths[i]), over_white(renders[i])).psnr;
     return sum / static_cast<double>(truths.size());
 }
 
@@ -80,17 +82,17 @@ using TrainTest = GpuTest;
 TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    const TrainProgress last = train(device(), capture(), small_run(150), nvv, go_on);
+    const training::TrainProgress last = training::train(device(), capture(), small_run(150), nvv, go_on);
     EXPECT_EQ(last.step, 150u);
     EXPECT_EQ(last.fraction, 1);
     EXPECT_GT(last.leaves, 100u);
     EXPECT_EQ(last.depth, 7u);  // one level finer than a pixel where the loss pulls
-    const std::vector<Image> truths = held_out_truths();
+    const std::vector<media::Image> truths = held_out_truths();
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), 32);  // 40.8 measured
     EXPECT_EQ(folder.entries(), 2u);
 
     // The comparison can fail: the sphere at the wrong time.
-    std::vector<Image> shifted(truths.begin() + 1, truths.end());
+    std::vector<media::Image> shifted(truths.begin() + 1, truths.end());
     shifted.push_back(truths[0]);
     EXPECT_LT(mean_psnr(truths, shifted), 25);
 }
@@ -99,22 +101,23 @@ TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
 TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     const TemporaryFolder folder;
     const std::filesystem::path whole = folder.path / "whole.nvv", parts = folder.path / "parts.nvv";
-    TrainSettings settings = small_run(240);
-    train(device(), capture(), settings, whole, go_on);
+    training::TrainSettings settings = small_run(240);
+    training::train(device(), capture(), settings, whole, go_on);
     std::vector<uint64_t> ends;
     do {
         bool first = true;
-        const TrainProgress last = train(device(), capture(), settings, parts, [&](const TrainProgress& now) {
-            const bool goes_on = !first || now.step >= 200;
-            first = false;
-            return goes_on;
-        });
+        const training::TrainProgress last =
+            training::train(device(), capture(), settings, parts, [&](const training::TrainProgress& now) {
+                const bool goes_on = !first || now.step >= 200;
+                first = false;
+                return goes_on;
+            });
         ends.push_back(last.step);
         settings.resume = true;
     } while (ends.back() < 240 && ends.size() < 100);
     EXPECT_EQ(ends.back(), 240u);
     EXPECT_GT(ends.size(), 1u) << "never interrupted";
-    const std::vector<Image> truths = held_out_truths();
+    const std::vector<media::Image> truths = held_out_truths();
     EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), parts)),
                 mean_psnr(truths, held_out_renders(device(), whole)), 0.5);
     EXPECT_GT(mean_psnr(held_out_renders(device(), whole), held_out_renders(device(), parts)), 40);
@@ -123,10 +126,10 @@ TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
 TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv", small = folder.path / "small.nvv";
-    TrainSettings settings = small_run(60);
-    train(device(), capture(), settings, nvv, go_on);
+    training::TrainSettings settings = small_run(60);
+    training::train(device(), capture(), settings, nvv, go_on);
     settings.max_bytes = std::filesystem::file_size(nvv) / 2;
-    train(device(), capture(), settings, small, go_on);
+    training::train(device(), capture(), settings, small, go_on);
     EXPECT_LE(std::filesystem::file_size(small), settings.max_bytes);
     EXPECT_GT(std::filesystem::file_size(small), settings.max_bytes / 2);
     EXPECT_GT(mean_psnr(held_out_truths(), held_out_renders(device(), small)), 25);
@@ -134,10 +137,10 @@ TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
 
 TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
     const TemporaryFolder folder;
-    TrainSettings settings = small_run(60);
+    training::TrainSettings settings = small_run(60);
     settings.max_leaves = 1500;
     uint32_t most = 0;
-    train(device(), capture(), settings, folder.path / "sphere.nvv", [&](const TrainProgress& now) {
+    training::train(device(), capture(), settings, folder.path / "sphere.nvv", [&](const training::TrainProgress& now) {
         most = std::max(most, now.leaves);
         return true;
     });
@@ -147,21 +150,21 @@ TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
 
 TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     const TemporaryFolder folder;
-    TrainSettings settings = small_run(60);
+    training::TrainSettings settings = small_run(60);
     settings.adaptive = false;
-    train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
-    const VOctree tree = read_nvv(folder.path / "sphere.nvv");
-    for (const LeafPlace& place : leaf_places(tree)) ASSERT_EQ(place.depth, 6u);
+    training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+    const voctree::VOctree tree = voctree::read_nvv(folder.path / "sphere.nvv");
+    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) ASSERT_EQ(place.depth, 6u);
 }
 
 TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
     const TemporaryFolder folder;
-    std::vector<std::vector<Image>> renders;
+    std::vector<std::vector<media::Image>> renders;
     for (const uint64_t seed : {1, 1, 2}) {
         const std::filesystem::path nvv = folder.path / (std::to_string(renders.size()) + ".nvv");
-        TrainSettings settings = small_run(25);
+        training::TrainSettings settings = small_run(25);
         settings.seed = seed;
-        train(device(), capture(), settings, nvv, go_on);
+        training::train(device(), capture(), settings, nvv, go_on);
         renders.push_back(held_out_renders(device(), nvv));
     }
     const double same = mean_psnr(renders[0], renders[1]), other = mean_psnr(renders[0], renders[2]);
@@ -173,46 +176,48 @@ TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
     uint32_t calls = 0;
-    const TrainProgress last = train(device(), capture(), small_run(10000000), nvv, [&](const TrainProgress& now) {
-        EXPECT_TRUE(std::filesystem::exists(nvv));
-        EXPECT_GT(now.rays_per_s, 0);
-        EXPECT_GT(now.eta_s, 0);
-        calls++;
-        return false;
-    });
+    const training::TrainProgress last =
+        training::train(device(), capture(), small_run(10000000), nvv, [&](const training::TrainProgress& now) {
+            EXPECT_TRUE(std::filesystem::exists(nvv));
+            EXPECT_GT(now.rays_per_s, 0);
+            EXPECT_GT(now.eta_s, 0);
+            calls++;
+            return false;
+        });
     EXPECT_EQ(calls, 2u);  // the one that stopped it, and the one at the end
     EXPECT_GT(last.step, 0u);
     EXPECT_LT(last.fraction, 1);
-    EXPECT_EQ(load_checkpoint(nvv).run.step, last.step);
-    EXPECT_EQ(read_nvv(nvv).leaf_count, last.leaves);
+    EXPECT_EQ(training::load_checkpoint(nvv).run.step, last.step);
+    EXPECT_EQ(voctree::read_nvv(nvv).leaf_count, last.leaves);
 }
 
 TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    train(device(), capture(), small_run(8), nvv, go_on);
-    const std::vector<Image> truths = held_out_truths();
+    training::train(device(), capture(), small_run(8), nvv, go_on);
+    const std::vector<media::Image> truths = held_out_truths();
     const double before = mean_psnr(truths, held_out_renders(device(), nvv));
-    TrainSettings settings = small_run(70);
+    training::TrainSettings settings = small_run(70);
     settings.resume = true;
     settings.shape.hh_degree = 3;  // the run's own shape stays, and its losses and batches
     settings.lambda_grad = 50;
     settings.tiles_per_step = 1;
-    std::vector<Image> seen_in_callback;
-    const TrainProgress last = train(device(), capture(), settings, nvv, [&](const TrainProgress& now) {
-        EXPECT_EQ(now.began_at_step, 8u);
-        seen_in_callback = held_out_renders(device(), *now.field);
-        return true;
-    });
+    std::vector<media::Image> seen_in_callback;
+    const training::TrainProgress last =
+        training::train(device(), capture(), settings, nvv, [&](const training::TrainProgress& now) {
+            EXPECT_EQ(now.began_at_step, 8u);
+            seen_in_callback = held_out_renders(device(), *now.field);
+            return true;
+        });
     EXPECT_EQ(last.step, 70u);
     EXPECT_EQ(last.field, nullptr);
     EXPECT_GT(last.epochs, 0);
     // The last call came after the last step: what it saw is what the file holds, up to rounding to half precision.
     EXPECT_GT(mean_psnr(held_out_renders(device(), nvv), seen_in_callback), 50);
-    EXPECT_EQ(read_nvv(nvv).hh_degree, 1u);
-    const RunState run = load_checkpoint(nvv).run;
+    EXPECT_EQ(voctree::read_nvv(nvv).hh_degree, 1u);
+    const training::RunState run = training::load_checkpoint(nvv).run;
     EXPECT_EQ(run.step, 70u);
-    EXPECT_EQ(run.lambda_grad, TrainSettings().lambda_grad);
+    EXPECT_EQ(run.lambda_grad, training::TrainSettings().lambda_grad);
     EXPECT_EQ(run.tiles_per_step, small_run(8).tiles_per_step);
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
 }
@@ -220,14 +225,14 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
 TEST_F(TrainTest, AnotherDataSetIsRefused) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    train(device(), capture(), small_run(2), nvv, go_on);
-    Dataset other = capture();
-    for (View& view : other.views)
+    training::train(device(), capture(), small_run(2), nvv, go_on);
+    training::Dataset other = capture();
+    for (training::View& view : other.views)
         for (size_t i = 3; i < view.image.rgba.size() / 2; i += 4) view.image.rgba[i] = 0;  // half the matte is gone
-    TrainSettings settings = small_run(4);
+    training::TrainSettings settings = small_run(4);
     settings.resume = true;
     try {
-        train(device(), other, settings, nvv, go_on);
+        training::train(device(), other, settings, nvv, go_on);
         FAIL() << "resumed with other pictures";
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("other pictures"), std::string::npos) << error.what();
@@ -247,11 +252,11 @@ class KilledRun : public ::testing::Test {
     }
     // Three more steps than the state has seen.
     void expect_resumes() {
-        const uint64_t step = load_checkpoint(nvv_).run.step;
+        const uint64_t step = training::load_checkpoint(nvv_).run.step;
         ChildProcess child(command(step + 3, true), log_);
         ASSERT_EQ(child.wait(), 0) << read_text(log_);
-        EXPECT_EQ(load_checkpoint(nvv_).run.step, step + 3);
-        EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
+        EXPECT_EQ(training::load_checkpoint(nvv_).run.step, step + 3);
+        EXPECT_GT(voctree::read_nvv(nvv_).leaf_count, 0u);
     }
 
     TemporaryFolder data_, out_;
@@ -262,14 +267,14 @@ TEST_F(KilledRun, LeavesAVolumeThatLoadsAndResumesAtAnyMoment) {
     for (const int delay_ms : {0, 300, 1000}) {
         SCOPED_TRACE(delay_ms);
         std::filesystem::remove(nvv_);
-        std::filesystem::remove(state_path(nvv_));
+        std::filesystem::remove(training::state_path(nvv_));
         ChildProcess child(command(10000000, false), log_);
         ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
         std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
         child.send(SIGKILL);
         ASSERT_EQ(child.wait(), -SIGKILL);
-        EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
-        EXPECT_EQ(load_checkpoint(nvv_).run.step, 0u) << "the first checkpoint comes before the first step";
+        EXPECT_GT(voctree::read_nvv(nvv_).leaf_count, 0u);
+        EXPECT_EQ(training::load_checkpoint(nvv_).run.step, 0u) << "the first checkpoint comes before the first step";
         expect_resumes();
     }
 }
@@ -277,7 +282,7 @@ TEST_F(KilledRun, LeavesAVolumeThatLoadsAndResumesAtAnyMoment) {
 // Killed between the two files of the first checkpoint: the state is enough.
 TEST_F(KilledRun, ResumesFromTheStateAlone) {
     ChildProcess child(command(10000000, false), log_);
-    ASSERT_TRUE(child.until([&] { return std::filesystem::exists(state_path(nvv_)); })) << read_text(log_);
+    ASSERT_TRUE(child.until([&] { return std::filesystem::exists(training::state_path(nvv_)); })) << read_text(log_);
     child.send(SIGKILL);
     child.wait();
     std::filesystem::remove(nvv_);
@@ -288,13 +293,13 @@ TEST_F(KilledRun, ResumesFromTheStateAlone) {
 TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
-    const auto before = std::filesystem::last_write_time(state_path(nvv_));
+    const auto before = std::filesystem::last_write_time(training::state_path(nvv_));
     child.send(SIGINT);
     ASSERT_TRUE(child.until(
-        [&] { return out_.entries() > 2 || std::filesystem::last_write_time(state_path(nvv_)) != before; }));
+        [&] { return out_.entries() > 2 || std::filesystem::last_write_time(training::state_path(nvv_)) != before; }));
     child.send(SIGKILL);
     child.wait();
-    EXPECT_GT(read_nvv(nvv_).leaf_count, 0u);
+    EXPECT_GT(voctree::read_nvv(nvv_).leaf_count, 0u);
     expect_resumes();
 }
 
@@ -306,7 +311,7 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     EXPECT_EQ(child.wait(), 0) << read_text(log_);
-    EXPECT_GT(load_checkpoint(nvv_).run.step, 0u);
+    EXPECT_GT(training::load_checkpoint(nvv_).run.step, 0u);
     EXPECT_NE(read_text(log_).find("interrupted"), std::string::npos) << read_text(log_);
     EXPECT_NE(read_text(log_).find("--resume"), std::string::npos) << read_text(log_);
     expect_resumes();
@@ -333,11 +338,11 @@ TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     first.send(SIGINT);
     ASSERT_EQ(first.wait(), 0) << read_text(log_);
     const std::vector<uint64_t> before = steps_logged();
-    const Image picture = read_png(preview);
+    const media::Image picture = media::read_png(preview);
     EXPECT_EQ(picture.width, 3 * 32u);
     EXPECT_EQ(picture.height, 32u);
 
-    const uint64_t last = load_checkpoint(nvv_).run.step;
+    const uint64_t last = training::load_checkpoint(nvv_).run.step;
     write_text(metrics, read_text(metrics) + fmt::format("{{\"step\":{}}}\n{{\"step\":", last + 1000));
     ChildProcess second(with_live(command(last + 3, true)), log_);
     ASSERT_EQ(second.wait(), 0) << read_text(log_);

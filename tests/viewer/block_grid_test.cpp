@@ -15,7 +15,7 @@ struct Drawn {
 };
 
 // A picture whose pixels take full_ms, and each block fixed_ms.
-Drawn draw(BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1) {
+Drawn draw(viewer::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1) {
     grid.begin(least);
     Drawn drawn{0, 0, grid.side()};
     for (uint32_t block = 0; block < grid.side() * grid.side();) {
@@ -34,7 +34,7 @@ Drawn draw(BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1)
 
 TEST(BlockGrid, BlocksTakeAboutTheTarget) {
     for (const double full_ms : {300.0, 1000.0, 3000.0}) {
-        BlockGrid grid(kTarget_ms);
+        viewer::BlockGrid grid(kTarget_ms);
         for (int i = 0; i < 4; i++) draw(grid, 2, full_ms);
         const Drawn drawn = draw(grid, 2, full_ms);
         EXPECT_EQ(drawn.begun, 1u) << "it is known by now: " << full_ms;
@@ -44,7 +44,7 @@ TEST(BlockGrid, BlocksTakeAboutTheTarget) {
 
 // What a block costs whatever its size cannot be cut.
 TEST(BlockGrid, CutsNothingInVain) {
-    BlockGrid grid(kTarget_ms);
+    viewer::BlockGrid grid(kTarget_ms);
     const Drawn drawn = draw(grid, 100, 80);
     EXPECT_EQ(drawn.side, 4u);
     EXPECT_LE(drawn.begun, 3u);
@@ -52,7 +52,7 @@ TEST(BlockGrid, CutsNothingInVain) {
 }
 
 TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
-    BlockGrid grid(kTarget_ms);
+    viewer::BlockGrid grid(kTarget_ms);
     draw(grid, 1, 20000);
     EXPECT_EQ(grid.side(), 8u);
     Drawn drawn;
@@ -62,11 +62,11 @@ TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
 }
 
 TEST(BlockGrid, KeepsToTheLeastAndTheMost) {
-    BlockGrid grid(kTarget_ms);
+    viewer::BlockGrid grid(kTarget_ms);
     for (int i = 0; i < 8; i++) {
         EXPECT_GE(draw(grid, 0, 1, 3).side, 3u);
     }
-    EXPECT_LE(draw(grid, 0, 1e9).side, BlockGrid::kMostBlocks);
+    EXPECT_LE(draw(grid, 0, 1e9).side, viewer::BlockGrid::kMostBlocks);
 }
 
 }  // namespace

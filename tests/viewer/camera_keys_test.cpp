@@ -10,10 +10,10 @@
 namespace neuvv {
 namespace {
 
-CameraPath path_at(std::initializer_list<double> times_s) {
-    CameraPath path;
+stage::CameraPath path_at(std::initializer_list<double> times_s) {
+    stage::CameraPath path;
     for (const double time_s : times_s) {
-        CameraPathKey key;
+        stage::CameraPathKey key;
         key.time_s = path.duration_s = time_s;
         key.position = {time_s, 1, 2};
         path.keys.push_back(key);
@@ -27,22 +27,23 @@ void expect_same(const glm::dmat4& a, const glm::dmat4& b) {
 }
 
 TEST(CameraKeys, AreOfTheDocument) {
-    StageFile file = make_stage_file("/nowhere/stage.gltf",
-                                     R"({"asset": {"version": "2.0"}, "scene": 1, "scenes": [{}, {"nodes": []}]})");
-    EXPECT_FALSE(camera_path_in(file));
-    EXPECT_FALSE(camera_path_in(make_stage_file("/nowhere/none.gltf", R"({"asset": {"version": "2.0"}})")));
-    add_path_key(file, path_at({1.5}).keys[0], 0.04);
-    const std::optional<CameraPath> path = camera_path_in(file);
+    stage::StageFile file = stage::make_stage_file(
+        "/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 1, "scenes": [{}, {"nodes": []}]})");
+    EXPECT_FALSE(viewer::camera_path_in(file));
+    EXPECT_FALSE(
+        viewer::camera_path_in(stage::make_stage_file("/nowhere/none.gltf", R"({"asset": {"version": "2.0"}})")));
+    edit::add_path_key(file, path_at({1.5}).keys[0], 0.04);
+    const std::optional<stage::CameraPath> path = viewer::camera_path_in(file);
     ASSERT_TRUE(path);
     ASSERT_EQ(path->keys.size(), 1u);
     EXPECT_EQ(path->keys[0].time_s, 1.5);
-    remove_path_key(file, 0);
-    EXPECT_FALSE(camera_path_in(file));
+    edit::remove_path_key(file, 0);
+    EXPECT_FALSE(viewer::camera_path_in(file));
 }
 
 // What was seen when the key was set is seen again when the path comes there.
 TEST(CameraKeys, AViewComesBackFromItsKey) {
-    Eye eye;
+    viewer::Eye eye;
     eye.pivot = {0.3, 1.1, -0.4};
     eye.yaw = 2.2;
     eye.pitch = -0.7;
@@ -50,55 +51,55 @@ TEST(CameraKeys, AViewComesBackFromItsKey) {
     eye.angle_y = 0.8;
     for (const double roll : {0.0, 0.4}) {
         eye.roll = roll;
-        CameraPath path;
-        path.keys = {key_of(eye, 1)};
+        stage::CameraPath path;
+        path.keys = {viewer::key_of(eye, 1)};
         path.duration_s = 1;
-        const Eye back = eye_on(path, 1, eye.distance);
-        expect_same(world_from_eye(back), world_from_eye(eye));
+        const viewer::Eye back = viewer::eye_on(path, 1, eye.distance);
+        expect_same(viewer::world_from_eye(back), viewer::world_from_eye(eye));
         EXPECT_NEAR(back.angle_y, eye.angle_y, 1e-12);
         EXPECT_NEAR(glm::distance(back.pivot, eye.pivot), 0, 1e-9);
     }
 }
 
 TEST(CameraKeys, TheNearestInTimeIsFound) {
-    const CameraPath path = path_at({0, 1, 4});
-    EXPECT_EQ(nearest_key(path, -3), 0u);
-    EXPECT_EQ(nearest_key(path, 0.6), 1u);
-    EXPECT_EQ(nearest_key(path, 2.4), 1u);
-    EXPECT_EQ(nearest_key(path, 100), 2u);
+    const stage::CameraPath path = path_at({0, 1, 4});
+    EXPECT_EQ(viewer::nearest_key(path, -3), 0u);
+    EXPECT_EQ(viewer::nearest_key(path, 0.6), 1u);
+    EXPECT_EQ(viewer::nearest_key(path, 2.4), 1u);
+    EXPECT_EQ(viewer::nearest_key(path, 100), 2u);
 }
 
 TEST(CameraKeys, ACycleTakesTimeToComeBack) {
-    const CameraPath cycle = made_cyclic(path_at({0, 1, 4}), true);
+    const stage::CameraPath cycle = viewer::made_cyclic(path_at({0, 1, 4}), true);
     EXPECT_TRUE(cycle.cyclic);
     EXPECT_EQ(cycle.duration_s, 6) << "two seconds from key to key";
-    const CameraPath open = made_cyclic(cycle, false);
+    const stage::CameraPath open = viewer::made_cyclic(cycle, false);
     EXPECT_FALSE(open.cyclic);
     EXPECT_EQ(open.duration_s, 4);
-    EXPECT_EQ(made_cyclic(path_at({2}), true).duration_s, 3);
-    CameraPath longer = path_at({0, 1});
+    EXPECT_EQ(viewer::made_cyclic(path_at({2}), true).duration_s, 3);
+    stage::CameraPath longer = path_at({0, 1});
     longer.duration_s = 5;
-    EXPECT_EQ(made_cyclic(longer, true).duration_s, 5) << "there is time already";
+    EXPECT_EQ(viewer::made_cyclic(longer, true).duration_s, 5) << "there is time already";
 }
 
 TEST(CameraKeys, TheLineGoesThroughAllKeysAndHome) {
-    CameraPath path = path_at({0, 1, 4});
-    const std::vector<glm::dvec3> line = line_of(path, 8);
+    stage::CameraPath path = path_at({0, 1, 4});
+    const std::vector<glm::dvec3> line = viewer::line_of(path, 8);
     ASSERT_EQ(line.size(), 17u);
     for (const size_t key : {0u, 1u, 2u}) EXPECT_NEAR(glm::distance(line[8 * key], path.keys[key].position), 0, 1e-9);
-    const std::vector<glm::dvec3> round = line_of(made_cyclic(path, true), 8);
+    const std::vector<glm::dvec3> round = viewer::line_of(viewer::made_cyclic(path, true), 8);
     ASSERT_EQ(round.size(), 25u);
     EXPECT_NEAR(glm::distance(round[16], path.keys[2].position), 0, 1e-9);
     EXPECT_NEAR(glm::distance(round[24], path.keys[0].position), 0, 1e-9);
     EXPECT_NEAR(glm::distance(round[23], round[24]), glm::distance(round[1], round[0]), 0.5) << "no jump home";
-    path.interpolation = Interpolation::kCut;
-    EXPECT_TRUE(line_of(path, 8).empty());
-    CameraPath many;
+    path.interpolation = stage::Interpolation::kCut;
+    EXPECT_TRUE(viewer::line_of(path, 8).empty());
+    stage::CameraPath many;
     for (int i = 0; i < 3000; i++) {
         many.keys.push_back({});
         many.keys.back().time_s = many.duration_s = i;
     }
-    EXPECT_LE(line_of(many, 24).size(), kMostLinePoints);
+    EXPECT_LE(viewer::line_of(many, 24).size(), viewer::kMostLinePoints);
 }
 
 }  // namespace

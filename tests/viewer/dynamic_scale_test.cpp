@@ -21,12 +21,12 @@ struct Simulated {
         return (fixed_ms + full_ms * scale * scale) * (1 + off);
     }
     double ideal(double target_ms) const {
-        return std::clamp(std::sqrt(std::max(target_ms - fixed_ms, 0.0) / full_ms), kLeastScale, 1.0);
+        return std::clamp(std::sqrt(std::max(target_ms - fixed_ms, 0.0) / full_ms), viewer::kLeastScale, 1.0);
     }
 };
 
 // The scales of so many pictures.
-std::vector<double> draw(DynamicScale& control, Simulated& device, int pictures) {
+std::vector<double> draw(viewer::DynamicScale& control, Simulated& device, int pictures) {
     std::vector<double> scales;
     for (int i = 0; i < pictures; ++i) {
         scales.push_back(control.scale());
@@ -41,11 +41,11 @@ const Simulated kDevices[] = {{0, 5},   {0, 60},    {2, 100},  {10, 200}, {20, 5
 
 TEST(DynamicScale, ConvergesWithinAFewPictures) {
     for (Simulated device : kDevices)
-        for (const double first : {kLeastScale, 0.5, 1.0}) {
-            DynamicScale control(kTarget_ms, first);
+        for (const double first : {viewer::kLeastScale, 0.5, 1.0}) {
+            viewer::DynamicScale control(kTarget_ms, first);
             draw(control, device, 16);
             const double ideal_ms = device.milliseconds(device.ideal(kTarget_ms));
-            EXPECT_NEAR(device.milliseconds(control.scale()), ideal_ms, 2.2 * DynamicScale::kStill * ideal_ms)
+            EXPECT_NEAR(device.milliseconds(control.scale()), ideal_ms, 2.2 * viewer::DynamicScale::kStill * ideal_ms)
                 << device.fixed_ms << " + " << device.full_ms << " from " << first;
             const double settled = control.scale();
             for (const double scale : draw(control, device, 100)) EXPECT_EQ(scale, settled) << "without noise";
@@ -54,7 +54,7 @@ TEST(DynamicScale, ConvergesWithinAFewPictures) {
 
 TEST(DynamicScale, GoesDownQuickly) {
     for (Simulated device : kDevices) {
-        DynamicScale control(kTarget_ms, 1);
+        viewer::DynamicScale control(kTarget_ms, 1);
         draw(control, device, 3);
         const double ideal = device.ideal(kTarget_ms);
         EXPECT_LE(device.milliseconds(control.scale()), 1.25 * std::max(kTarget_ms, device.milliseconds(ideal)))
@@ -63,17 +63,17 @@ TEST(DynamicScale, GoesDownQuickly) {
 }
 
 TEST(DynamicScale, GoesUpSlowly) {
-    DynamicScale control(kTarget_ms, kLeastScale);
+    viewer::DynamicScale control(kTarget_ms, viewer::kLeastScale);
     Simulated device{0, 1};
     const std::vector<double> scales = draw(control, device, 30);
-    for (size_t i = 1; i < scales.size(); ++i) EXPECT_LE(scales[i], scales[i - 1] * DynamicScale::kUp + 1e-12);
+    for (size_t i = 1; i < scales.size(); ++i) EXPECT_LE(scales[i], scales[i - 1] * viewer::DynamicScale::kUp + 1e-12);
     EXPECT_EQ(scales.back(), 1);
 }
 
 TEST(DynamicScale, DoesNotOscillateWithNoise) {
     for (Simulated device : kDevices) {
         device.noise = 0.2;
-        DynamicScale control(kTarget_ms);
+        viewer::DynamicScale control(kTarget_ms);
         draw(control, device, 30);
         const double ideal = device.ideal(kTarget_ms);
         const std::vector<double> scales = draw(control, device, 1000);
@@ -89,7 +89,7 @@ TEST(DynamicScale, DoesNotOscillateWithNoise) {
 TEST(DynamicScale, FollowsAnotherView) {
     for (const double noise : {0.0, 0.2}) {
         Simulated device{2, 60, noise};
-        DynamicScale control(kTarget_ms);
+        viewer::DynamicScale control(kTarget_ms);
         draw(control, device, 30);
         device.full_ms = 600;
         draw(control, device, 4);
@@ -102,20 +102,20 @@ TEST(DynamicScale, FollowsAnotherView) {
 
 TEST(DynamicScale, LearnsWhatDoesNotDependOnTheSize) {
     Simulated device{10, 200};
-    DynamicScale control(kTarget_ms);
+    viewer::DynamicScale control(kTarget_ms);
     for (int i = 0; i < 20; ++i) control.drawn(i % 2 ? 0.2 : 0.8, device.milliseconds(i % 2 ? 0.2 : 0.8));
     EXPECT_NEAR(control.fixed_ms(), 10, 2);
     EXPECT_NEAR(control.full_ms(), 200, 10);
 }
 
 TEST(DynamicScale, HopelessTargetsTakeTheLeast) {
-    DynamicScale control(1);
+    viewer::DynamicScale control(1);
     for (int i = 0; i < 20; ++i) control.drawn(i % 2 ? 0.2 : 1, i % 2 ? 50 : 60);
-    EXPECT_EQ(control.scale(), kLeastScale);
+    EXPECT_EQ(control.scale(), viewer::kLeastScale);
 }
 
 TEST(DynamicScale, StrangeTimesAreIgnored) {
-    DynamicScale control(kTarget_ms);
+    viewer::DynamicScale control(kTarget_ms);
     for (const double strange :
          {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         control.drawn(0.5, strange);

@@ -12,22 +12,22 @@ std::filesystem::path in_temp(const char* name) {
     return std::filesystem::path(testing::TempDir()) / name;
 }
 
-Document stage_named(const char* name) {
-    return {new_stage(in_temp(name)), {}, {}};
+edit::Document stage_named(const char* name) {
+    return {edit::new_stage(in_temp(name)), {}, {}};
 }
 
-Editor::Operation named(uint32_t node, const std::string& name) {
-    return [=](Document& document) { return rename_node(document.file, node, name); };
+viewer::Editor::Operation named(uint32_t node, const std::string& name) {
+    return [=](edit::Document& document) { return edit::rename_node(document.file, node, name); };
 }
 
-std::string name_of(const Editor& editor, uint32_t node) {
+std::string name_of(const viewer::Editor& editor, uint32_t node) {
     return editor.file().json["nodes"][node]["name"].get<std::string>();
 }
 
-const Editor::Operation kRefused = [](Document&) -> std::string { throw InputError("stage", "", "no"); };
+const viewer::Editor::Operation kRefused = [](edit::Document&) -> std::string { throw InputError("stage", "", "no"); };
 
 TEST(Editor, ADragIsOneStepFromWhereItBegan) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     const std::string before = name_of(editor, 0);
     for (const char* name : {"x", "xy", "xyz"}) ASSERT_TRUE(editor.drag(named(0, name)));
@@ -41,7 +41,7 @@ TEST(Editor, ADragIsOneStepFromWhereItBegan) {
 }
 
 TEST(Editor, WhatIsRefusedLeavesNoStep) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     EXPECT_FALSE(editor.edit(kRefused));
     EXPECT_FALSE(editor.drag(kRefused));
@@ -52,7 +52,7 @@ TEST(Editor, WhatIsRefusedLeavesNoStep) {
 }
 
 TEST(Editor, WhatCannotBeDrawnIsTakenBack) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     const std::string before = name_of(editor, 0);
     ASSERT_TRUE(editor.edit(named(0, "wrong")));
@@ -65,14 +65,14 @@ TEST(Editor, WhatCannotBeDrawnIsTakenBack) {
 }
 
 TEST(Editor, ASaveKeepsWhatWasEditedMeanwhile) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     ASSERT_TRUE(editor.edit(named(0, "first")));
-    Document saved = editor.document();
+    edit::Document saved = editor.document();
     const uint64_t id = editor.id();
     ASSERT_TRUE(editor.edit(named(0, "second")));
     ASSERT_TRUE(editor.drag(named(1, "held")));
-    save_document(saved, in_temp("b.gltf"));
+    edit::save_document(saved, in_temp("b.gltf"));
     editor.saved(saved, editor.opened(), id);
     EXPECT_EQ(editor.file().path, in_temp("b.gltf"));
     ASSERT_TRUE(editor.drag(named(1, "held longer")));
@@ -83,12 +83,12 @@ TEST(Editor, ASaveKeepsWhatWasEditedMeanwhile) {
 }
 
 TEST(Editor, ASaveOfAnotherDocumentIsNotThisOnes) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
-    Document saved = editor.document();
+    edit::Document saved = editor.document();
     const uint64_t number = editor.opened(), id = editor.id();
     editor.open(stage_named("new.gltf"), true);
-    save_document(saved, in_temp("a.gltf"));
+    edit::save_document(saved, in_temp("a.gltf"));
     editor.saved(saved, number, id);
     EXPECT_EQ(editor.file().path, in_temp("new.gltf"));
     EXPECT_FALSE(editor.file().saved->on_disk);
@@ -96,10 +96,10 @@ TEST(Editor, ASaveOfAnotherDocumentIsNotThisOnes) {
 }
 
 TEST(Editor, NumbersOfNodesThatMayMeanOthersAreNotSelected) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     ASSERT_GE(editor.node_count(), 3u);
-    ASSERT_TRUE(editor.edit([](Document& document) { return remove_node(document.file, 0); }));
+    ASSERT_TRUE(editor.edit([](edit::Document& document) { return edit::remove_node(document.file, 0); }));
     editor.select(1);
     editor.undo();
     EXPECT_FALSE(editor.selected().has_value());
@@ -110,7 +110,7 @@ TEST(Editor, NumbersOfNodesThatMayMeanOthersAreNotSelected) {
 }
 
 TEST(Editor, FrozenItTellsWhy) {
-    Editor editor;
+    viewer::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     editor.freeze("busy");
     EXPECT_FALSE(editor.edit(named(0, "x")));

@@ -17,14 +17,14 @@ using test::some_eye;
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kWidth = 640, kHeight = 480;
 
-glm::dvec3 place(const Eye& eye) {
-    return world_from_eye(eye)[3];
+glm::dvec3 place(const viewer::Eye& eye) {
+    return viewer::world_from_eye(eye)[3];
 }
-glm::dvec3 forward(const Eye& eye) {
-    return -glm::dvec3(world_from_eye(eye)[2]);
+glm::dvec3 forward(const viewer::Eye& eye) {
+    return -glm::dvec3(viewer::world_from_eye(eye)[2]);
 }
-glm::dvec2 seen(const Eye& eye, glm::dvec3 world) {
-    return pixel_of(camera_of(eye, kWidth, kHeight), world).value();
+glm::dvec2 seen(const viewer::Eye& eye, glm::dvec3 world) {
+    return viewer::pixel_of(viewer::camera_of(eye, kWidth, kHeight), world).value();
 }
 void expect_near(glm::dvec3 a, glm::dvec3 b, double within = 1e-9) {
     EXPECT_LT(glm::length(a - b), within)
@@ -35,111 +35,118 @@ void expect_same(const glm::dmat4& a, const glm::dmat4& b, double within = 1e-9)
 }
 
 TEST(Navigation, TheEyeLooksAtItsPivotLevel) {
-    const Eye eye = some_eye();
-    const glm::dmat4 world = world_from_eye(eye);
+    const viewer::Eye eye = some_eye();
+    const glm::dmat4 world = viewer::world_from_eye(eye);
     const glm::dmat3 axes(world);
     expect_near(place(eye) + forward(eye) * eye.distance, eye.pivot);
     EXPECT_NEAR(axes[0].y, 0, 1e-12) << "the horizon is level";
     EXPECT_GT(axes[1].y, 0);
     EXPECT_NEAR(glm::determinant(axes), 1, 1e-12);
     EXPECT_LT(forward(eye).y, 0) << "a negative pitch looks down";
-    Eye left;
+    viewer::Eye left;
     left.yaw = kPi / 2;
     expect_near(forward(left), {-1, 0, 0});
 }
 
 TEST(Navigation, ItsCameraHasItsAngleOfView) {
-    const Eye eye = some_eye();
-    const Camera camera = camera_of(eye, kWidth, kHeight);
+    const viewer::Eye eye = some_eye();
+    const stage::Camera camera = viewer::camera_of(eye, kWidth, kHeight);
     EXPECT_LT(glm::length(seen(eye, eye.pivot) - glm::dvec2(kWidth / 2.0, kHeight / 2.0)), 1e-9);
-    const glm::dvec3 top = ray_through(camera, {kWidth / 2.0, 0}).direction;
+    const glm::dvec3 top = viewer::ray_through(camera, {kWidth / 2.0, 0}).direction;
     EXPECT_NEAR(2 * std::acos(glm::dot(top, forward(eye))), eye.angle_y, 1e-12);
     EXPECT_EQ(camera.fx, camera.fy);
 }
 
 TEST(Navigation, OrbitingTurnsTheSceneWithThePointer) {
-    const Eye eye = some_eye();
+    const viewer::Eye eye = some_eye();
     const glm::dvec3 nearer = eye.pivot - forward(eye) * 0.5;  // than the pivot
     for (const glm::dvec2 moved : {glm::dvec2(10, 0), glm::dvec2(0, 10), glm::dvec2(-10, -10)}) {
-        const Eye after = orbited(eye, moved, kHeight);
+        const viewer::Eye after = viewer::orbited(eye, moved, kHeight);
         EXPECT_EQ(after.pivot, eye.pivot);
         EXPECT_NEAR(glm::length(place(after) - eye.pivot), eye.distance, 1e-12);
         const glm::dvec2 went = seen(after, nearer) - seen(eye, nearer);
         EXPECT_GT(glm::dot(went, moved), 0);
     }
-    EXPECT_NEAR(orbited(eye, {kHeight / 4.0, 0}, kHeight).yaw, eye.yaw - kPi / 4, 1e-12);
-    expect_same(world_from_eye(orbited(eye, {2.0 * kHeight, 0}, kHeight)), world_from_eye(eye));
+    EXPECT_NEAR(viewer::orbited(eye, {kHeight / 4.0, 0}, kHeight).yaw, eye.yaw - kPi / 4, 1e-12);
+    expect_same(viewer::world_from_eye(viewer::orbited(eye, {2.0 * kHeight, 0}, kHeight)), viewer::world_from_eye(eye));
 }
 
 TEST(Navigation, OrbitingStopsAtThePoles) {
     for (const double sign : {1.0, -1.0}) {
-        const Eye pole = orbited(some_eye(), {0, sign * 3 * kHeight}, kHeight);
+        const viewer::Eye pole = viewer::orbited(some_eye(), {0, sign * 3 * kHeight}, kHeight);
         expect_near(forward(pole), {0, -sign, 0});
-        const Eye back = orbited(pole, {0, -sign * kHeight / 4.0}, kHeight);
+        const viewer::Eye back = viewer::orbited(pole, {0, -sign * kHeight / 4.0}, kHeight);
         EXPECT_NEAR(std::abs(forward(back).y), std::sqrt(0.5), 1e-9);
-        EXPECT_NEAR(glm::dmat3(world_from_eye(back))[0].y, 0, 1e-12);
+        EXPECT_NEAR(glm::dmat3(viewer::world_from_eye(back))[0].y, 0, 1e-12);
     }
 }
 
 TEST(Navigation, LookingAroundStandsStill) {
-    const Eye eye = some_eye(), after = turned(eye, {30, 20}, kHeight);
+    const viewer::Eye eye = some_eye(), after = viewer::turned(eye, {30, 20}, kHeight);
     expect_near(place(after), place(eye));
-    const glm::dvec3 of = glm::dvec3(glm::inverse(world_from_eye(eye)) * glm::dvec4(forward(after), 0));
+    const glm::dvec3 of = glm::dvec3(glm::inverse(viewer::world_from_eye(eye)) * glm::dvec4(forward(after), 0));
     EXPECT_GT(of.x, 0) << "to the right";
     EXPECT_LT(of.y, 0) << "downwards";
 }
 
 TEST(Navigation, PanningKeepsTheGrabbedPointUnderThePointer) {
-    const Eye eye = some_eye();
+    const viewer::Eye eye = some_eye();
     const glm::dvec2 from(100, 300), to(420, 60);
-    const glm::dvec3 grabbed = plane_drag(camera_of(eye, kWidth, kHeight), eye.pivot, forward(eye), from).value();
-    const Eye after = panned(eye, to - from, kHeight);
+    const glm::dvec3 grabbed =
+        viewer::plane_drag(viewer::camera_of(eye, kWidth, kHeight), eye.pivot, forward(eye), from).value();
+    const viewer::Eye after = viewer::panned(eye, to - from, kHeight);
     EXPECT_LT(glm::length(seen(after, grabbed) - to), 1e-9);
     expect_near(forward(after), forward(eye));
 }
 
 TEST(Navigation, TheWheelKeepsThePointUnderThePointer) {
-    const Eye eye = some_eye();
+    const viewer::Eye eye = some_eye();
     const glm::dvec3 point(1, 0.5, 0.4);
     for (const double notches : {1.0, -1.0, 7.0, -20.0}) {
-        const Eye after = dollied(eye, notches, point);
+        const viewer::Eye after = viewer::dollied(eye, notches, point);
         EXPECT_LT(glm::length(seen(after, point) - seen(eye, point)), 1e-8);
         EXPECT_NEAR(after.distance, eye.distance * std::pow(0.9, notches), 1e-12);
-        expect_same(world_from_eye(dollied(after, -notches, point)), world_from_eye(eye), 1e-8);
+        expect_same(viewer::world_from_eye(viewer::dollied(after, -notches, point)), viewer::world_from_eye(eye), 1e-8);
     }
 }
 
 TEST(Navigation, TheWheelNeverPassesThePivot) {
-    Eye eye = some_eye();
+    viewer::Eye eye = some_eye();
     const glm::dvec3 pivot = eye.pivot, way = forward(eye);
     for (int i = 0; i < 1000; ++i) {
-        eye = dollied(eye, 3);
+        eye = viewer::dollied(eye, 3);
         ASSERT_GT(glm::dot(pivot - place(eye), way), 0);
     }
-    EXPECT_EQ(eye.distance, kMinEyeDistance_m);
-    for (int i = 0; i < 1000; ++i) eye = dollied(eye, -3, glm::dvec3(1, 2, 3));
-    EXPECT_EQ(eye.distance, kMaxEyeDistance_m);
+    EXPECT_EQ(eye.distance, viewer::kMinEyeDistance_m);
+    for (int i = 0; i < 1000; ++i) eye = viewer::dollied(eye, -3, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(eye.distance, viewer::kMaxEyeDistance_m);
     EXPECT_TRUE(std::isfinite(glm::length(place(eye))));
 }
 
 TEST(Navigation, WholeNumbersAreAWheel) {
-    EXPECT_TRUE(is_wheel({{0, 1}}));
-    EXPECT_TRUE(is_wheel({{0, -3}}));
-    EXPECT_FALSE(is_wheel({{0, 0.1}}));
-    EXPECT_FALSE(is_wheel({{1, 0}}));
-    const Eye eye = some_eye();
-    expect_same(world_from_eye(scrolled(eye, {{0, 1}, true}, kHeight)), world_from_eye(dollied(eye, 1)));
+    EXPECT_TRUE(viewer::is_wheel({{0, 1}}));
+    EXPECT_TRUE(viewer::is_wheel({{0, -3}}));
+    EXPECT_FALSE(viewer::is_wheel({{0, 0.1}}));
+    EXPECT_FALSE(viewer::is_wheel({{1, 0}}));
+    const viewer::Eye eye = some_eye();
+    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {{0, 1}, true}, kHeight)),
+                viewer::world_from_eye(viewer::dollied(eye, 1)));
     const glm::dvec2 moved = glm::dvec2(0.5, -0.25) * (0.05 * kHeight);
     const glm::dvec2 pad(0.5, -0.25);
-    expect_same(world_from_eye(scrolled(eye, {pad}, kHeight)), world_from_eye(orbited(eye, moved, kHeight)));
-    expect_same(world_from_eye(scrolled(eye, {pad, true}, kHeight)), world_from_eye(panned(eye, moved, kHeight)));
-    expect_same(world_from_eye(scrolled(eye, {pad, false, true}, kHeight)), world_from_eye(dollied(eye, -0.25)));
+    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad}, kHeight)),
+                viewer::world_from_eye(viewer::orbited(eye, moved, kHeight)));
+    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad, true}, kHeight)),
+                viewer::world_from_eye(viewer::panned(eye, moved, kHeight)));
+    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad, false, true}, kHeight)),
+                viewer::world_from_eye(viewer::dollied(eye, -0.25)));
 }
 
 TEST(Navigation, FlightGoesWhereTheKeysSay) {
-    const Eye eye = some_eye();
-    const glm::dvec3 right = glm::dvec3(world_from_eye(eye)[0]);
-    const auto way = [&](const FlightKeys& keys) { return place(flown(eye, keys, 0.1, 10)) - place(eye); };
+    const viewer::Eye eye = some_eye();
+    const glm::dvec3 right = glm::dvec3(viewer::world_from_eye(eye)[0]);
+    const auto way = [&](const viewer::FlightKeys& keys) {
+        return place(viewer::flown(eye, keys, 0.1, 10)) - place(eye);
+    };
     expect_near(way({1, 0, 0}), forward(eye) * 0.5);
     expect_near(way({0, -1, 0}), -right * 0.5);
     expect_near(way({0, 0, 1}), {0, 0.5, 0});
@@ -148,8 +155,8 @@ TEST(Navigation, FlightGoesWhereTheKeysSay) {
     EXPECT_NEAR(glm::length(way({1, 1, 0})), 0.5, 1e-12) << "diagonally no faster";
     expect_near(way({1, -1, 0}), (forward(eye) - right) * (0.5 / std::sqrt(2.0)));
     expect_near(way({}), glm::dvec3(0));
-    expect_near(place(flown(eye, {1}, 60, 10)) - place(eye), way({1}));
-    expect_near(forward(flown(eye, {1, 1, 1}, 0.1, 10)), forward(eye));
+    expect_near(place(viewer::flown(eye, {1}, 60, 10)) - place(eye), way({1}));
+    expect_near(forward(viewer::flown(eye, {1, 1, 1}, 0.1, 10)), forward(eye));
 }
 
 TEST(Navigation, AFramedBoxFillsThePicture) {
@@ -157,14 +164,14 @@ TEST(Navigation, AFramedBoxFillsThePicture) {
     for (const double yaw : {0.0, 0.7, 2.5, -1.0})
         for (const double pitch : {-kPi / 2, -0.4, 0.0, 1.2})
             for (const uint32_t width : {200u, 480u, 1600u}) {
-                Eye eye = some_eye();
+                viewer::Eye eye = some_eye();
                 eye.yaw = yaw, eye.pitch = pitch;
-                const Eye after = framed(eye, low, high, double{static_cast<double>(width)} / kHeight);
-                const Camera camera = camera_of(after, width, kHeight);
+                const viewer::Eye after = viewer::framed(eye, low, high, double{static_cast<double>(width)} / kHeight);
+                const stage::Camera camera = viewer::camera_of(after, width, kHeight);
                 double outermost = 0;
                 for (int i = 0; i < 8; ++i) {
-                    const auto pixel =
-                        pixel_of(camera, {i & 1 ? low.x : high.x, i & 2 ? low.y : high.y, i & 4 ? low.z : high.z});
+                    const auto pixel = viewer::pixel_of(
+                        camera, {i & 1 ? low.x : high.x, i & 2 ? low.y : high.y, i & 4 ? low.z : high.z});
                     ASSERT_TRUE(pixel);
                     outermost =
                         std::max({outermost, std::abs(pixel->x / camera.cx - 1), std::abs(pixel->y / camera.cy - 1)});
@@ -176,31 +183,33 @@ TEST(Navigation, AFramedBoxFillsThePicture) {
 }
 
 TEST(Navigation, StrangeBoxesAreHarmless) {
-    const Eye eye = some_eye();
+    const viewer::Eye eye = some_eye();
     const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     for (const double wrong : {inf, -inf, nan, 1e300})
         for (int i = 0; i < 3; ++i) {
             glm::dvec3 high(1);
             high[i] = wrong;
-            expect_same(world_from_eye(framed(eye, glm::dvec3(0), high, 1.5)), world_from_eye(eye));
+            expect_same(viewer::world_from_eye(viewer::framed(eye, glm::dvec3(0), high, 1.5)),
+                        viewer::world_from_eye(eye));
         }
-    const Eye point = framed(eye, glm::dvec3(3), glm::dvec3(3), 1.5);
+    const viewer::Eye point = viewer::framed(eye, glm::dvec3(3), glm::dvec3(3), 1.5);
     EXPECT_EQ(point.distance, 1);
     expect_near(point.pivot, glm::dvec3(3));
 }
 
 TEST(Navigation, SidesAreSeenLevel) {
-    Eye eye = some_eye();
+    viewer::Eye eye = some_eye();
     eye.roll = 0.3;
-    const std::pair<EyeSide, glm::dvec3> sides[] = {{EyeSide::kFront, {0, 0, 1}}, {EyeSide::kBack, {0, 0, -1}},
-                                                    {EyeSide::kRight, {1, 0, 0}}, {EyeSide::kLeft, {-1, 0, 0}},
-                                                    {EyeSide::kTop, {0, 1, 0}},   {EyeSide::kBottom, {0, -1, 0}}};
+    const std::pair<viewer::EyeSide, glm::dvec3> sides[] = {
+        {viewer::EyeSide::kFront, {0, 0, 1}}, {viewer::EyeSide::kBack, {0, 0, -1}},
+        {viewer::EyeSide::kRight, {1, 0, 0}}, {viewer::EyeSide::kLeft, {-1, 0, 0}},
+        {viewer::EyeSide::kTop, {0, 1, 0}},   {viewer::EyeSide::kBottom, {0, -1, 0}}};
     for (const auto& [side, from] : sides) {
-        const Eye after = seen_from(eye, side);
+        const viewer::Eye after = viewer::seen_from(eye, side);
         expect_near(place(after) - eye.pivot, from * eye.distance);
-        EXPECT_NEAR(world_from_eye(after)[0].y, 0, 1e-12);
+        EXPECT_NEAR(viewer::world_from_eye(after)[0].y, 0, 1e-12);
     }
-    expect_near(glm::dvec3(world_from_eye(seen_from(eye, EyeSide::kTop))[1]), {0, 0, -1});
+    expect_near(glm::dvec3(viewer::world_from_eye(viewer::seen_from(eye, viewer::EyeSide::kTop))[1]), {0, 0, -1});
 }
 
 TEST(Navigation, LooksThroughAnyCamera) {
@@ -211,8 +220,8 @@ TEST(Navigation, LooksThroughAnyCamera) {
                 world = glm::rotate(world, yaw, glm::dvec3(0, 1, 0));
                 world = glm::rotate(world, pitch, glm::dvec3(1, 0, 0));
                 world = glm::rotate(world, roll, glm::dvec3(0, 0, 1));
-                const Eye eye = looking_through(world, 0.5, 2.5);
-                expect_same(world_from_eye(eye), world, 1e-9);
+                const viewer::Eye eye = viewer::looking_through(world, 0.5, 2.5);
+                expect_same(viewer::world_from_eye(eye), world, 1e-9);
                 EXPECT_EQ(eye.angle_y, 0.5);
                 EXPECT_EQ(eye.distance, 2.5);
             }
@@ -220,33 +229,34 @@ TEST(Navigation, LooksThroughAnyCamera) {
 
 TEST(Navigation, ThePivotLiesAtTheBoxsDepth) {
     const glm::dmat4 camera = glm::translate(glm::dmat4(1), glm::dvec3(0, 1, 5));
-    EXPECT_NEAR(distance_to(camera, glm::dvec3(-1), glm::dvec3(1)), 5, 1e-12);
-    EXPECT_NEAR(distance_to(camera, {-1, -1, 9}, {1, 1, 11}), std::sqrt(3.0), 1e-12) << "behind";
-    EXPECT_EQ(distance_to(camera, glm::dvec3(0, 0, 9), glm::dvec3(0, 0, 9)), kMinEyeDistance_m);
+    EXPECT_NEAR(viewer::distance_to(camera, glm::dvec3(-1), glm::dvec3(1)), 5, 1e-12);
+    EXPECT_NEAR(viewer::distance_to(camera, {-1, -1, 9}, {1, 1, 11}), std::sqrt(3.0), 1e-12) << "behind";
+    EXPECT_EQ(viewer::distance_to(camera, glm::dvec3(0, 0, 9), glm::dvec3(0, 0, 9)), viewer::kMinEyeDistance_m);
 }
 
 TEST(Navigation, AMoveEndsExactly) {
-    const Eye from = some_eye();
-    Eye to = seen_from(from, EyeSide::kTop);
+    const viewer::Eye from = some_eye();
+    viewer::Eye to = viewer::seen_from(from, viewer::EyeSide::kTop);
     to.pivot = {3, 4, 5}, to.distance = 11, to.angle_y = 1.1;
-    for (const double at : {kEyeMove_s, kEyeMove_s + 1e-9, 7.0}) {
-        const Eye end = between(from, to, at);
+    for (const double at : {viewer::kEyeMove_s, viewer::kEyeMove_s + 1e-9, 7.0}) {
+        const viewer::Eye end = viewer::between(from, to, at);
         EXPECT_EQ(end.pivot, to.pivot);
-        EXPECT_EQ(world_from_eye(end), world_from_eye(to));
+        EXPECT_EQ(viewer::world_from_eye(end), viewer::world_from_eye(to));
         EXPECT_EQ(end.angle_y, to.angle_y);
     }
-    expect_same(world_from_eye(between(from, to, 0)), world_from_eye(from));
-    expect_same(world_from_eye(between(from, to, -1)), world_from_eye(from));
-    EXPECT_NEAR(between(from, to, kEyeMove_s / 2).distance, std::sqrt(from.distance * to.distance), 1e-12);
+    expect_same(viewer::world_from_eye(viewer::between(from, to, 0)), viewer::world_from_eye(from));
+    expect_same(viewer::world_from_eye(viewer::between(from, to, -1)), viewer::world_from_eye(from));
+    EXPECT_NEAR(viewer::between(from, to, viewer::kEyeMove_s / 2).distance, std::sqrt(from.distance * to.distance),
+                1e-12);
 }
 
 TEST(Navigation, AMoveIsSmoothAndGoesTheShorterWay) {
-    Eye from = some_eye(), to = some_eye();
+    viewer::Eye from = some_eye(), to = some_eye();
     from.yaw = 3, to.yaw = -3;
     double before = from.yaw;
     constexpr int kSteps = 2000;
     for (int i = 1; i <= kSteps; ++i) {
-        const double yaw = between(from, to, kEyeMove_s * i / kSteps * (1 - 1e-12)).yaw;
+        const double yaw = viewer::between(from, to, viewer::kEyeMove_s * i / kSteps * (1 - 1e-12)).yaw;
         EXPECT_GE(yaw, before) << "through π";
         EXPECT_LT(yaw - before, 1.6 * (2 * kPi - 6) / kSteps);
         before = yaw;

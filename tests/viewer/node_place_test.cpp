@@ -20,26 +20,26 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double within = 1e-9)
 
 struct NodePlaces : testing::Test {
     TemporaryFolder folder;
-    StageFile file = read_stage_file(test::put_foreign_stage(folder.path));
-    uint32_t node(const char* name) const { return find_node(file, name); }
-    void bring(const char* name, const NodePlace& to) {
-        place_node(file, node(name), placement_to(place_of_node(file, node(name)), to));
+    stage::StageFile file = stage::read_stage_file(test::put_foreign_stage(folder.path));
+    uint32_t node(const char* name) const { return edit::find_node(file, name); }
+    void bring(const char* name, const viewer::NodePlace& to) {
+        edit::place_node(file, node(name), viewer::placement_to(viewer::place_of_node(file, node(name)), to));
     }
 };
 
 TEST(Angles, TurnAboutXThenYThenZ) {
-    expect_near(turn_of({90, 90, 0}) * glm::dvec3(0, 1, 0), {1, 0, 0});  // Y to Z by X, Z to X by Y
-    expect_near(turn_of({0, 90, 90}) * glm::dvec3(1, 0, 0), {0, 0, -1});
-    expect_near(turn_of({0, 0, 90}) * glm::dvec3(1, 0, 0), {0, 1, 0});
+    expect_near(viewer::turn_of({90, 90, 0}) * glm::dvec3(0, 1, 0), {1, 0, 0});  // Y to Z by X, Z to X by Y
+    expect_near(viewer::turn_of({0, 90, 90}) * glm::dvec3(1, 0, 0), {0, 0, -1});
+    expect_near(viewer::turn_of({0, 0, 90}) * glm::dvec3(1, 0, 0), {0, 1, 0});
 }
 
 TEST(Angles, ComeBackFromEveryTurn) {
     for (double x = -170; x <= 180; x += 35)
         for (double y = -90; y <= 90; y += 15)
             for (double z = -170; z <= 180; z += 35) {
-                const glm::dquat turn = turn_of({x, y, z});
-                const glm::dvec3 angles = angles_of(turn);
-                EXPECT_LT(distance(turn_of(angles), turn), 1e-12) << x << ' ' << y << ' ' << z;
+                const glm::dquat turn = viewer::turn_of({x, y, z});
+                const glm::dvec3 angles = viewer::angles_of(turn);
+                EXPECT_LT(distance(viewer::turn_of(angles), turn), 1e-12) << x << ' ' << y << ' ' << z;
                 EXPECT_LE(std::abs(angles.y), 90);
                 if (std::abs(y) < 90) expect_near(angles, {x, y, z}, 1e-7);
             }
@@ -47,19 +47,19 @@ TEST(Angles, ComeBackFromEveryTurn) {
 
 TEST(Angles, StayAsShownWhileTheyMeanTheSame) {
     const glm::dvec3 beyond(10, 120, -400);
-    expect_near(angles_like(beyond, turn_of(beyond)), beyond, 1e-15);
-    const glm::dquat other = turn_of({10, 120.01, -400});
-    const glm::dvec3 angles = angles_like(beyond, other);
+    expect_near(viewer::angles_like(beyond, viewer::turn_of(beyond)), beyond, 1e-15);
+    const glm::dquat other = viewer::turn_of({10, 120.01, -400});
+    const glm::dvec3 angles = viewer::angles_like(beyond, other);
     EXPECT_LE(std::abs(angles.y), 90);
-    EXPECT_LT(distance(turn_of(angles), other), 1e-12);
+    EXPECT_LT(distance(viewer::turn_of(angles), other), 1e-12);
 }
 
 TEST_F(NodePlaces, APlaceOfPartsIsReadAndReached) {
-    const NodePlace before = place_of_node(file, node("Anna"));
-    expect_near(angles_of(before.turn), {0, 0, 45}, 1e-6);
-    const NodePlace to{{1, 2, 3}, turn_of({20, -100, 70}), {2, 1, -0.5}};
+    const viewer::NodePlace before = viewer::place_of_node(file, node("Anna"));
+    expect_near(viewer::angles_of(before.turn), {0, 0, 45}, 1e-6);
+    const viewer::NodePlace to{{1, 2, 3}, viewer::turn_of({20, -100, 70}), {2, 1, -0.5}};
     bring("Anna", to);
-    const NodePlace after = place_of_node(file, node("Anna"));
+    const viewer::NodePlace after = viewer::place_of_node(file, node("Anna"));
     expect_near(after.at, to.at);
     expect_near(after.scale, to.scale);
     EXPECT_LT(distance(after.turn, to.turn), 1e-12);
@@ -67,29 +67,29 @@ TEST_F(NodePlaces, APlaceOfPartsIsReadAndReached) {
 }
 
 TEST_F(NodePlaces, OnlyWhatDiffersIsPlaced) {
-    NodePlace from;
-    NodePlace to = from;
+    viewer::NodePlace from;
+    viewer::NodePlace to = from;
     to.at.x = 1;
-    EXPECT_TRUE(placement_to(from, to).at);
-    EXPECT_FALSE(placement_to(from, to).turn_deg);
-    EXPECT_FALSE(placement_to(from, to).scale);
+    EXPECT_TRUE(viewer::placement_to(from, to).at);
+    EXPECT_FALSE(viewer::placement_to(from, to).turn_deg);
+    EXPECT_FALSE(viewer::placement_to(from, to).scale);
     from.scale = {0, 2, 1};
     to.scale = {3, 1, 1};
-    expect_near(placement_to(from, to).scale.value(), {1, 0.5, 1});
+    expect_near(viewer::placement_to(from, to).scale.value(), {1, 0.5, 1});
 }
 
 TEST_F(NodePlaces, AMatrixIsReadAndReached) {
-    NodePlace told{{0.5, 1, -2}, turn_of({30, 40, 50}), {-1.5, 2, 0.25}};
+    viewer::NodePlace told{{0.5, 1, -2}, viewer::turn_of({30, 40, 50}), {-1.5, 2, 0.25}};
     glm::dmat4 matrix = glm::mat4_cast(told.turn);
     for (int axis = 0; axis < 3; axis++) matrix[axis] *= told.scale[axis];
     matrix[3] = glm::dvec4(told.at, 1);
-    Placement placement;
+    edit::Placement placement;
     placement.matrix = matrix;
-    place_node(file, node("Anna"), placement);
-    for (const NodePlace& to : {told, NodePlace{{3, 2, 1}, turn_of({0, 170, 0}), {-1, 1, 1}}}) {
+    edit::place_node(file, node("Anna"), placement);
+    for (const viewer::NodePlace& to : {told, viewer::NodePlace{{3, 2, 1}, viewer::turn_of({0, 170, 0}), {-1, 1, 1}}}) {
         bring("Anna", to);
         ASSERT_TRUE(file.json["nodes"][node("Anna")].contains("matrix"));
-        const NodePlace after = place_of_node(file, node("Anna"));
+        const viewer::NodePlace after = viewer::place_of_node(file, node("Anna"));
         expect_near(after.at, to.at);
         expect_near(after.scale, to.scale);
         EXPECT_LT(distance(after.turn, to.turn), 1e-12);
@@ -98,23 +98,24 @@ TEST_F(NodePlaces, AMatrixIsReadAndReached) {
 
 TEST_F(NodePlaces, AFlatMatrixHasSomePlace) {
     file.json["nodes"][0] = {{"matrix", {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1}}};
-    const NodePlace place = place_of_node(file, 0);
+    const viewer::NodePlace place = viewer::place_of_node(file, 0);
     expect_near(place.at, {4, 5, 6});
     expect_near(place.scale, {1, 0, 1});
     EXPECT_TRUE(std::isfinite(glm::dot(place.turn, place.turn)));
 }
 
 TEST(Scales, KeepTheirSignAndStayOffZero) {
-    expect_near(kept_off_zero({0.5, -2, 0}, {1, -1, 0}), {0.5, -2, 0});
-    expect_near(kept_off_zero({-0.5, 0.1, 0}, {1, -1, 1}), {kSmallestScale, -kSmallestScale, kSmallestScale});
+    expect_near(viewer::kept_off_zero({0.5, -2, 0}, {1, -1, 0}), {0.5, -2, 0});
+    expect_near(viewer::kept_off_zero({-0.5, 0.1, 0}, {1, -1, 1}),
+                {viewer::kSmallestScale, -viewer::kSmallestScale, viewer::kSmallestScale});
 }
 
 // Metres above the world's floor of the lowest corner of Anna's box, where that begins at her own floor.
-double height_of_anna(const StageFile& file) {
-    const Stage stage = make_stage(file);
-    const StageClip& clip = stage.clips.at(0);
+double height_of_anna(const stage::StageFile& file) {
+    const stage::Stage stage = stage::make_stage(file);
+    const stage::StageClip& clip = stage.clips.at(0);
     EXPECT_LT(clip.box_min.y, 0);
-    const glm::dmat4 world = stage_at(stage, 0).performers.at(0).world_from_performer;
+    const glm::dmat4 world = stage::stage_at(stage, 0).performers.at(0).world_from_performer;
     double lowest = INFINITY;
     for (const double x : {clip.box_min.x, clip.box_min.x + clip.box_size.x})
         for (const double y : {0.0, clip.box_min.y + clip.box_size.y})
@@ -125,43 +126,43 @@ double height_of_anna(const StageFile& file) {
 
 TEST_F(NodePlaces, TheLowestOfAllThatHangsOnANodeComesToTheFloor) {
     // Anna is turned by 45° about Z, and hangs on a Pivot that is stretched along X.
-    Placement tilted;
+    edit::Placement tilted;
     tilted.at = glm::dvec3(1, 0.7, 0);
     tilted.turn_deg = glm::dvec3(0, 0, 90);
-    place_node(file, node("Pivot"), tilted);
+    edit::place_node(file, node("Pivot"), tilted);
     for (const char* name : {"Anna", "Pivot"}) {
-        const Stage stage = make_stage(file);
-        Placement placement;
-        placement.move = move_to_floor(stage, stage_at(stage, 0), node(name));
+        const stage::Stage stage = stage::make_stage(file);
+        edit::Placement placement;
+        placement.move = viewer::move_to_floor(stage, stage::stage_at(stage, 0), node(name));
         ASSERT_TRUE(placement.move) << name;
-        StageFile moved = file;
+        stage::StageFile moved = file;
         EXPECT_GT(std::abs(height_of_anna(moved)), 0.01);
-        place_node(moved, node(name), placement);
+        edit::place_node(moved, node(name), placement);
         EXPECT_NEAR(height_of_anna(moved), 0, 1e-9) << name;
     }
 }
 
 TEST_F(NodePlaces, APerformerStandsOnTheFloorItWasCapturedOn) {
-    Placement up;
+    edit::Placement up;
     up.matrix = glm::dmat4(1);
     up.move = glm::dvec3(3, 0.5, 0);
-    place_node(file, node("Anna"), up);
-    const Stage stage = make_stage(file);
-    const auto move = move_to_floor(stage, stage_at(stage, 0), node("Anna"));
+    edit::place_node(file, node("Anna"), up);
+    const stage::Stage stage = stage::make_stage(file);
+    const auto move = viewer::move_to_floor(stage, stage::stage_at(stage, 0), node("Anna"));
     ASSERT_TRUE(move);
     expect_near(*move, {0, -0.5, 0});
 }
 
 TEST_F(NodePlaces, AMeshComesToTheFloorAndACameraDoesNot) {
-    Placement up;
+    edit::Placement up;
     up.at = glm::dvec3(1, 3, 2);
-    place_node(file, node("Floor"), up);
-    const Stage stage = make_stage(file);
-    const StageInstant instant = stage_at(stage, 0);
-    const auto move = move_to_floor(stage, instant, node("Floor"));
+    edit::place_node(file, node("Floor"), up);
+    const stage::Stage stage = stage::make_stage(file);
+    const stage::StageInstant instant = stage::stage_at(stage, 0);
+    const auto move = viewer::move_to_floor(stage, instant, node("Floor"));
     ASSERT_TRUE(move);
     expect_near(*move, {0, -3, 0}, 1e-6);
-    EXPECT_FALSE(move_to_floor(stage, instant, node("Camera")));
+    EXPECT_FALSE(viewer::move_to_floor(stage, instant, node("Camera")));
 }
 
 }  // namespace

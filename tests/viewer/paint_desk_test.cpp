@@ -9,43 +9,44 @@
 namespace neuvv::test {
 namespace {
 
-using Kind = PaintWork::Kind;
+using Kind = viewer::PaintWork::Kind;
 
 struct PaintDesks : GpuTest {
-    std::shared_ptr<const PaintClip> clip = std::make_shared<const PaintClip>(figure_tree());
-    std::shared_ptr<const Field> field =
-        std::make_shared<const Field>(upload_field(device(), clip->tree, WeightPrecision::kHalf));
-    std::shared_ptr<const EditLayer> empty = std::make_shared<const EditLayer>(EditLayer{clip->field, {}});
-    PaintDesk desk{device()};
-    Camera camera = figure_camera(160);
+    std::shared_ptr<const viewer::PaintClip> clip = std::make_shared<const viewer::PaintClip>(figure_tree());
+    std::shared_ptr<const render::Field> field = std::make_shared<const render::Field>(
+        render::upload_field(device(), clip->tree, render::WeightPrecision::kHalf));
+    std::shared_ptr<const voctree::EditLayer> empty =
+        std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip->field, {}});
+    viewer::PaintDesk desk{device()};
+    stage::Camera camera = figure_camera(160);
     // Over the head, off it, and back over the shoulders.
     std::vector<glm::dvec2> line = {{60, 50}, {75, 60}, {84, 52}, {150, 20}, {156, 90}, {90, 130}, {60, 132}};
-    PaintWork work{.colour = {0, 0.25f, 1}, .opacity = 0.75f, .frames = {0, 0, Follow::kAll}};
+    viewer::PaintWork work{.colour = {0, 0.25f, 1}, .opacity = 0.75f, .frames = {0, 0, edit::Follow::kAll}};
 
-    PaintSubject subject(float frame = 0, std::vector<WornLayer> paint = {}) const {
+    viewer::PaintSubject subject(float frame = 0, std::vector<viewer::WornLayer> paint = {}) const {
         return {clip, field, frame, std::move(paint)};
     }
     // What edit/ paints, asked once.
-    EditLayer painted_at_once(float frame) {
-        Picker picker(device(), *field);
+    voctree::EditLayer painted_at_once(float frame) {
+        render::Picker picker(device(), *field);
         picker.show(frame);
-        const Brush brush{0.05f, 0.6f, work.colour, work.opacity};
-        EditLayer layer = *empty;
-        add_edits(layer, at_frames(clip->canvas,
-                                   stroke(clip->canvas, densities(clip->canvas, frame), brush,
-                                          touches_under(picker, camera, line)),
-                                   work.frames));
+        const edit::Brush brush{0.05f, 0.6f, work.colour, work.opacity};
+        voctree::EditLayer layer = *empty;
+        voctree::add_edits(layer, edit::at_frames(clip->canvas,
+                                                  edit::stroke(clip->canvas, edit::densities(clip->canvas, frame),
+                                                               brush, edit::touches_under(picker, camera, line)),
+                                                  work.frames));
         return layer;
     }
 };
 
 TEST_F(PaintDesks, PaintInPiecesWhatTheBrushPaintsAtOnce) {
     for (const float frame : {0.0f, 1.0f}) {
-        const EditLayer want = painted_at_once(frame);
+        const voctree::EditLayer want = painted_at_once(frame);
         ASSERT_GT(want.edits.size(), 500u);
         for (const size_t piece : {size_t{1}, size_t{2}, line.size()}) {
-            Stroke stroke(subject(frame), empty, work, 0.05f, 0.6f);
-            std::shared_ptr<const EditLayer> layer;
+            viewer::Stroke stroke(subject(frame), empty, work, 0.05f, 0.6f);
+            std::shared_ptr<const voctree::EditLayer> layer;
             size_t before = 0;
             for (size_t i = 0; i < line.size(); i += piece) {
                 layer = stroke.add(desk, camera, std::span(line).subspan(i, std::min(piece, line.size() - i)));
@@ -54,22 +55,22 @@ TEST_F(PaintDesks, PaintInPiecesWhatTheBrushPaintsAtOnce) {
                 before = layer->edits.size();
             }
             EXPECT_EQ(layer->edits, want.edits) << piece << " at a time, frame " << frame;
-            EXPECT_EQ(defect_of(*layer), "");
+            EXPECT_EQ(voctree::defect_of(*layer), "");
         }
     }
 }
 
 TEST_F(PaintDesks, FindNothingBesideThePerformer) {
-    Stroke stroke(subject(), empty, work, 0.05f, 0.6f);
+    viewer::Stroke stroke(subject(), empty, work, 0.05f, 0.6f);
     EXPECT_FALSE(stroke.add(desk, camera, std::vector<glm::dvec2>{{2, 2}, {20, 2}}));
     EXPECT_TRUE(stroke.add(desk, camera, std::vector<glm::dvec2>{{75, 60}})) << "until it meets something";
 }
 
 TEST_F(PaintDesks, BeginALineAnewFromAnotherCamera) {
     const glm::dvec2 head[] = {{75, 60}}, shoulder[] = {{75, 140}};
-    Camera other = camera;
+    stage::Camera other = camera;
     other.world_from_camera[3].x += 1e-6;
-    Stroke moved(subject(), empty, work, 0.02f, 1), still(subject(), empty, work, 0.02f, 1);
+    viewer::Stroke moved(subject(), empty, work, 0.02f, 1), still(subject(), empty, work, 0.02f, 1);
     moved.add(desk, camera, head);
     still.add(desk, camera, head);
     EXPECT_LT(moved.add(desk, other, shoulder)->edits.size(), still.add(desk, camera, shoulder)->edits.size());
@@ -84,18 +85,18 @@ TEST_F(PaintDesks, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
     EXPECT_NEAR(glm::distance(*first, kHead), kHeadRadius, 2.0 / kFigureSide) << "on the head's surface";
 
     work.kind = Kind::kErase;
-    const auto hole = Stroke(subject(), empty, work, 0.1f, 1).add(desk, camera, at);
+    const auto hole = viewer::Stroke(subject(), empty, work, 0.1f, 1).add(desk, camera, at);
     ASSERT_TRUE(hole);
-    const PaintSubject holed = subject(0, {{hole}});
+    const viewer::PaintSubject holed = subject(0, {{hole}});
     desk.show(holed);
     const auto second = desk.surface_at(camera, at[0]);
     ASSERT_TRUE(second);
     EXPECT_GT(glm::distance(*second, glm::dvec3(camera.world_from_camera[3])), depth + 0.05) << "seen through the hole";
-    const auto deeper = Stroke(holed, hole, work, 0.1f, 1).add(desk, camera, at);
+    const auto deeper = viewer::Stroke(holed, hole, work, 0.1f, 1).add(desk, camera, at);
     EXPECT_GT(deeper->edits.size(), hole->edits.size());
 
     work.kind = Kind::kRestore;
-    const auto filled = Stroke(subject(), hole, work, 0.11f, 1).add(desk, camera, at);
+    const auto filled = viewer::Stroke(subject(), hole, work, 0.11f, 1).add(desk, camera, at);
     ASSERT_TRUE(filled);
     EXPECT_TRUE(filled->edits.empty());
     desk.show(subject(0, {{filled}}));
@@ -103,55 +104,56 @@ TEST_F(PaintDesks, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
 }
 
 TEST_F(PaintDesks, ProjectAsEditDoes) {
-    Image image(40, 30);
+    media::Image image(40, 30);
     for (uint32_t i = 0; i < 40 * 30; i++) {
         uint8_t* to = image.at(i % 40, i / 40);
         to[0] = static_cast<uint8_t>(6 * (i % 40));
         to[3] = i % 40 < 30 ? 255 : 0;
     }
-    Camera onto = figure_camera(40);
+    stage::Camera onto = figure_camera(40);
     onto.height = 30;
-    Picker picker(device(), *field);
+    render::Picker picker(device(), *field);
     const auto at = [&](float frame) {
         picker.show(frame);
-        std::vector<LeafEdit> edits = project(picker, clip->canvas, densities(clip->canvas, frame), image, onto);
-        for (LeafEdit& edit : edits) edit.alpha *= 0.5f;
+        std::vector<voctree::LeafEdit> edits =
+            edit::project(picker, clip->canvas, edit::densities(clip->canvas, frame), image, onto);
+        for (voctree::LeafEdit& edit : edits) edit.alpha *= 0.5f;
         return edits;
     };
     {
-        Projection once(subject(), empty, {image, onto, 0.5f, {0, 1, Follow::kNot}, false});
+        viewer::Projection once(subject(), empty, {image, onto, 0.5f, {0, 1, edit::Follow::kNot}, false});
         EXPECT_FALSE(once.step(desk)) << "one step";
-        EditLayer want = *empty;
-        add_edits(want, at_frames(clip->canvas, at(0), {0, 1, Follow::kNot}));
+        voctree::EditLayer want = *empty;
+        voctree::add_edits(want, edit::at_frames(clip->canvas, at(0), {0, 1, edit::Follow::kNot}));
         ASSERT_GT(want.edits.size(), 100u);
         EXPECT_EQ(once.layer()->edits, want.edits);
     }
-    Projection every(subject(), empty, {image, onto, 0.5f, {0, 1, Follow::kNot}, true});
+    viewer::Projection every(subject(), empty, {image, onto, 0.5f, {0, 1, edit::Follow::kNot}, true});
     EXPECT_TRUE(every.step(desk));
     EXPECT_FALSE(every.step(desk));
-    std::vector<LeafEdit> all;
+    std::vector<voctree::LeafEdit> all;
     for (const float frame : {0.0f, 1.0f})
-        for (LeafEdit edit : at(frame)) {
+        for (voctree::LeafEdit edit : at(frame)) {
             edit.first = edit.last = frame;
             all.push_back(edit);
         }
-    EditLayer want = *empty;
-    add_edits(want, through_between(all, 0, 1));
+    voctree::EditLayer want = *empty;
+    voctree::add_edits(want, edit::through_between(all, 0, 1));
     EXPECT_EQ(every.layer()->edits, want.edits);
 }
 
 TEST(Pictures, AreReducedToMeans) {
-    Image image(5, 2);
+    media::Image image(5, 2);
     for (uint32_t i = 0; i < 10; i++) {
         uint8_t* to = image.at(i % 5, i / 5);
         to[0] = i % 5 == 1 ? 255 : 0;
         to[1] = 255;
         to[3] = i % 5 == 3 ? 0 : 255;
     }
-    const Image small = reduced(image, 2);
+    const media::Image small = viewer::reduced(image, 2);
     ASSERT_EQ(small.width, 3u);
     ASSERT_EQ(small.height, 1u);
-    EXPECT_EQ(small.at(0, 0)[0], srgb_byte_from_linear(0.5f)) << "means of light, not of bytes";
+    EXPECT_EQ(small.at(0, 0)[0], media::srgb_byte_from_linear(0.5f)) << "means of light, not of bytes";
     EXPECT_EQ(small.at(0, 0)[1], 255);
     EXPECT_EQ(small.at(1, 0)[1], 255) << "what is transparent has no colour";
     EXPECT_EQ(small.at(1, 0)[3], 128);

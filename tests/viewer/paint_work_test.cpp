@@ -11,64 +11,67 @@
 namespace neuvv::test {
 namespace {
 
-using Kind = PaintWork::Kind;
+using Kind = viewer::PaintWork::Kind;
 
-std::set<uint32_t> leaves_of(const EditLayer& layer) {
+std::set<uint32_t> leaves_of(const voctree::EditLayer& layer) {
     std::set<uint32_t> leaves;
-    for (const LeafEdit& edit : layer.edits) leaves.insert(edit.leaf);
+    for (const voctree::LeafEdit& edit : layer.edits) leaves.insert(edit.leaf);
     return leaves;
 }
 
-bool holds_at(const EditLayer& layer, uint32_t leaf, float frame) {
-    for (const LeafEdit& edit : layer.edits)
+bool holds_at(const voctree::EditLayer& layer, uint32_t leaf, float frame) {
+    for (const voctree::LeafEdit& edit : layer.edits)
         if (edit.leaf == leaf && edit.first <= frame && frame <= edit.last) return true;
     return false;
 }
 
 struct PaintWorks : testing::Test {
-    VOctree tree = waver_tree();
-    Canvas canvas{tree};
-    EditLayer empty{painted_field(tree), {}};
-    Region chest = sphere_region({0, 1.2f, 0}, 0.15f), hand_somewhere = box_region({0.3f, 0.5f, -1}, {1, 2, 1});
+    voctree::VOctree tree = waver_tree();
+    edit::Canvas canvas{tree};
+    voctree::EditLayer empty{voctree::painted_field(tree), {}};
+    edit::Region chest = edit::sphere_region({0, 1.2f, 0}, 0.15f),
+                 hand_somewhere = edit::box_region({0.3f, 0.5f, -1}, {1, 2, 1});
 
-    std::shared_ptr<const EditLayer> in(const Region& region, const PaintWork& work, const EditLayer& before) const {
-        return worked_on(canvas, before, chosen_in(canvas, before, region, work), work);
+    std::shared_ptr<const voctree::EditLayer> in(const edit::Region& region, const viewer::PaintWork& work,
+                                                 const voctree::EditLayer& before) const {
+        return viewer::worked_on(canvas, before, viewer::chosen_in(canvas, before, region, work), work);
     }
 };
 
 TEST_F(PaintWorks, ColourByShareAndEraseFromAHalfOn) {
-    const std::vector<ChosenLeaf> chosen = {{3, 1}, {5, 0.49f}, {8, 0.5f}};
-    PaintWork work{.colour = {0, 0, 1}, .opacity = 0.5f, .frames = {2, 4}};
-    const auto painted = worked_on(canvas, empty, chosen, work);
+    const std::vector<viewer::ChosenLeaf> chosen = {{3, 1}, {5, 0.49f}, {8, 0.5f}};
+    viewer::PaintWork work{.colour = {0, 0, 1}, .opacity = 0.5f, .frames = {2, 4}};
+    const auto painted = viewer::worked_on(canvas, empty, chosen, work);
     ASSERT_TRUE(painted);
-    const std::vector<LeafEdit> want = {
+    const std::vector<voctree::LeafEdit> want = {
         {3, 2, 4, {0, 0, 1}, 0.5f}, {5, 2, 4, {0, 0, 1}, 0.245f}, {8, 2, 4, {0, 0, 1}, 0.25f}};
     EXPECT_EQ(painted->edits, want);
     work.kind = Kind::kErase;
-    const auto erased = worked_on(canvas, *painted, chosen, work);
+    const auto erased = viewer::worked_on(canvas, *painted, chosen, work);
     ASSERT_TRUE(erased);
     ASSERT_EQ(erased->edits.size(), 3u);
     EXPECT_EQ(erased->edits[0].sigma, 0);
     EXPECT_EQ(erased->edits[0].alpha, 0.5f) << "the colour below stays";
-    EXPECT_EQ(erased->edits[1].sigma, kKeepSigma);
+    EXPECT_EQ(erased->edits[1].sigma, voctree::kKeepSigma);
     EXPECT_EQ(erased->edits[2].sigma, 0);
-    EXPECT_FALSE(worked_on(canvas, empty, std::vector<ChosenLeaf>{{5, 0.49f}}, work)) << "nothing was done";
+    EXPECT_FALSE(viewer::worked_on(canvas, empty, std::vector<viewer::ChosenLeaf>{{5, 0.49f}}, work))
+        << "nothing was done";
     EXPECT_TRUE(empty.edits.empty());
 }
 
 TEST_F(PaintWorks, RestoreWhatWasPaintedAndNothingElse) {
-    for (const Follow follow : {Follow::kNot, Follow::kRun, Follow::kAll}) {
-        PaintWork work{.frames = {3, 3, follow}};
+    for (const edit::Follow follow : {edit::Follow::kNot, edit::Follow::kRun, edit::Follow::kAll}) {
+        viewer::PaintWork work{.frames = {3, 3, follow}};
         const auto chest_painted = in(chest, work, empty), painted = in(hand_somewhere, work, *chest_painted);
         ASSERT_GT(painted->edits.size(), chest_painted->edits.size());
         work.kind = Kind::kRestore;
         const auto restored = in(hand_somewhere, work, *painted);
         ASSERT_TRUE(restored);
         EXPECT_EQ(restored->edits, chest_painted->edits);
-        EXPECT_EQ(defect_of(*restored), "");
+        EXPECT_EQ(voctree::defect_of(*restored), "");
     }
     // Of a range the rest stays.
-    PaintWork work{.frames = {1, 6}};
+    viewer::PaintWork work{.frames = {1, 6}};
     const auto painted = in(chest, work, empty);
     work.kind = Kind::kRestore;
     work.frames = {3, 3};
@@ -82,24 +85,26 @@ TEST_F(PaintWorks, RestoreWhatWasPaintedAndNothingElse) {
 }
 
 TEST_F(PaintWorks, ShiftedColoursFollowTheSurface) {
-    PaintWork work{.kind = Kind::kShift, .opacity = 0.75f, .shift = {120, 1}, .frames = {2, 2, Follow::kNot}};
+    viewer::PaintWork work{
+        .kind = Kind::kShift, .opacity = 0.75f, .shift = {120, 1}, .frames = {2, 2, edit::Follow::kNot}};
     const auto now = in(hand_somewhere, work, empty);
     ASSERT_TRUE(now);
-    for (const LeafEdit& edit : now->edits) {
+    for (const voctree::LeafEdit& edit : now->edits) {
         EXPECT_EQ(edit.first, 2);
         EXPECT_EQ(edit.last, 2);
         EXPECT_FLOAT_EQ(edit.alpha, 0.75f);
-        const glm::vec3 want = shifted(mean_colour(tree, InstantRows(tree, 2), edit.leaf), work.shift);
+        const glm::vec3 want =
+            edit::shifted(edit::mean_colour(tree, edit::InstantRows(tree, 2), edit.leaf), work.shift);
         EXPECT_LT(glm::distance(edit.colour, want), 1e-5f);
     }
-    work.frames.follow = Follow::kAll;
+    work.frames.follow = edit::Follow::kAll;
     const auto always = in(hand_somewhere, work, empty);
     EXPECT_EQ(leaves_of(*always), leaves_of(*now));
-    EXPECT_EQ(defect_of(*always), "");
+    EXPECT_EQ(voctree::defect_of(*always), "");
     size_t longer = 0;
     for (const uint32_t leaf : leaves_of(*now))
         for (uint32_t frame = 0; frame < tree.frames; frame++) {
-            const bool there = density(tree, InstantRows(tree, static_cast<float>(frame)), leaf) > 0;
+            const bool there = edit::density(tree, edit::InstantRows(tree, static_cast<float>(frame)), leaf) > 0;
             EXPECT_EQ(holds_at(*always, leaf, static_cast<float>(frame)), there);
             longer += there;
         }
@@ -107,11 +112,11 @@ TEST_F(PaintWorks, ShiftedColoursFollowTheSurface) {
 }
 
 TEST_F(PaintWorks, ChooseWhatIsThereAtTheFrames) {
-    const PaintWork first{.frames = {0, 0}}, all{.frames = {0, 7}};
-    const auto before = chosen_in(canvas, empty, hand_somewhere, first);
-    const auto ever = chosen_in(canvas, empty, hand_somewhere, all);
+    const viewer::PaintWork first{.frames = {0, 0}}, all{.frames = {0, 7}};
+    const auto before = viewer::chosen_in(canvas, empty, hand_somewhere, first);
+    const auto ever = viewer::chosen_in(canvas, empty, hand_somewhere, all);
     EXPECT_LT(before.size(), ever.size()) << "the hand comes by";
-    const std::vector<uint32_t> want = leaves_in(canvas, hand_somewhere, 0, 7);
+    const std::vector<uint32_t> want = edit::leaves_in(canvas, hand_somewhere, 0, 7);
     ASSERT_EQ(ever.size(), want.size());
     for (size_t i = 0; i < want.size(); i++) EXPECT_EQ(ever[i].leaf, want[i]);
 }

@@ -12,15 +12,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Four seconds of 25 pictures each, playing from 0.
-StageClock playing_clock() {
-    StageClock clock;
+viewer::StageClock playing_clock() {
+    viewer::StageClock clock;
     clock.set_stage(4, 25);
     clock.playing = true;
     return clock;
 }
 
 TEST(Playback, PlaysTheWholeStageAgainAndAgain) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     EXPECT_EQ(clock.in_s(), 0);
     EXPECT_EQ(clock.out_s(), 4);
     EXPECT_EQ(clock.pictures(), 100);
@@ -35,7 +35,7 @@ TEST(Playback, PlaysTheWholeStageAgainAndAgain) {
 }
 
 TEST(Playback, ShowsWholePicturesWhileItPlays) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.tick(1.07);
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.07);
     EXPECT_DOUBLE_EQ(clock.shown_s(), 1.04);
@@ -70,7 +70,7 @@ TEST(Playback, ShowsWholePicturesWhileItPlays) {
 }
 
 TEST(Playback, DoesNotDrift) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.set_range(1, 3.3);
     clock.scrub(1);
     constexpr int kTicks = 1'000'000;
@@ -80,7 +80,7 @@ TEST(Playback, DoesNotDrift) {
 }
 
 TEST(Playback, GoesAtItsSpeedAndBackwards) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.speed = 0.25;
     clock.tick(2);
     EXPECT_DOUBLE_EQ(clock.time_s(), 0.5);
@@ -95,7 +95,7 @@ TEST(Playback, GoesAtItsSpeedAndBackwards) {
 }
 
 TEST(Playback, StaysInItsRangeAndPlaysIntoIt) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.set_range(1, 2);
     EXPECT_EQ(clock.time_s(), 0);
     clock.tick(0.9);
@@ -117,7 +117,7 @@ TEST(Playback, StaysInItsRangeAndPlaysIntoIt) {
 }
 
 TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.loops = false;
     clock.set_range(1, 2);
     clock.scrub(1.5);
@@ -132,7 +132,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
 }
 
 TEST(Playback, StepsFromPictureToPicture) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.tick(0.99);  // between picture 24 and 25
     clock.step(1);
     EXPECT_FALSE(clock.playing);
@@ -149,7 +149,7 @@ TEST(Playback, StepsFromPictureToPicture) {
 }
 
 TEST(Playback, StepsReachEveryPictureOfUnevenRates) {
-    StageClock clock;
+    viewer::StageClock clock;
     clock.set_stage(1001 * 3 / 30000.0 * 10, 30000 / 1001.0);
     ASSERT_EQ(clock.pictures(), 30);
     for (int64_t i = 1; i <= 60; ++i) {
@@ -163,7 +163,7 @@ TEST(Playback, StepsReachEveryPictureOfUnevenRates) {
 }
 
 TEST(Playback, StepsStayInTheRange) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.set_range(1, 2);
     clock.scrub(1);
     clock.step(-1);
@@ -183,7 +183,7 @@ TEST(Playback, StepsStayInTheRange) {
 }
 
 TEST(Playback, RangesAreCutToTheStage) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.set_range(9, -3);
     EXPECT_EQ(clock.in_s(), 0);
     EXPECT_EQ(clock.out_s(), 4);
@@ -198,7 +198,7 @@ TEST(Playback, RangesAreCutToTheStage) {
 }
 
 TEST(Playback, AnotherDurationKeepsWhatItCan) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.scrub(3);
     clock.set_stage(6, 30);
     EXPECT_EQ(clock.out_s(), 6) << "the whole stays the whole";
@@ -212,7 +212,7 @@ TEST(Playback, AnotherDurationKeepsWhatItCan) {
 }
 
 TEST(Playback, AStageWithoutDurationStandsStill) {
-    StageClock clock;
+    viewer::StageClock clock;
     clock.set_stage(0, 25);
     clock.playing = true;
     clock.tick(1);
@@ -226,7 +226,7 @@ TEST(Playback, AStageWithoutDurationStandsStill) {
 }
 
 TEST(Playback, StrangeNumbersMoveNothing) {
-    StageClock clock = playing_clock();
+    viewer::StageClock clock = playing_clock();
     clock.scrub(1);
     for (const double strange : {kNan, kInfinity, -kInfinity, -1.0, 0.0}) {
         clock.tick(strange);
@@ -245,7 +245,7 @@ TEST(Playback, StrangeNumbersMoveNothing) {
 }
 
 TEST(Playback, PlaysAnewFromWhereItWouldStop) {
-    StageClock clock;
+    viewer::StageClock clock;
     clock.set_stage(4, 25);
     clock.loops = false;
     clock.scrub(3.96);

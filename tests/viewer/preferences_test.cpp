@@ -15,12 +15,12 @@ struct PreferencesFile : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "viewer.json";
 
-    LoadedPreferences load(const std::string& text) const {
+    viewer::LoadedPreferences load(const std::string& text) const {
         write_text(file, text);
-        return load_preferences(file);
+        return viewer::load_preferences(file);
     }
     // One line that names the file.
-    void expect_message(const LoadedPreferences& loaded, const std::string& part) const {
+    void expect_message(const viewer::LoadedPreferences& loaded, const std::string& part) const {
         EXPECT_NE(loaded.message.find(file.string()), std::string::npos) << loaded.message;
         EXPECT_NE(loaded.message.find(part), std::string::npos) << part << " not in: " << loaded.message;
         EXPECT_EQ(loaded.message.find('\n'), std::string::npos) << loaded.message;
@@ -28,21 +28,21 @@ struct PreferencesFile : testing::Test {
     }
 };
 
-void expect_defaults(const Preferences& read) {
-    EXPECT_EQ(read.window.width, WindowPlace().width);
-    EXPECT_EQ(read.window.height, WindowPlace().height);
+void expect_defaults(const viewer::Preferences& read) {
+    EXPECT_EQ(read.window.width, viewer::WindowPlace().width);
+    EXPECT_EQ(read.window.height, viewer::WindowPlace().height);
     EXPECT_FALSE(read.window.at);
     EXPECT_FALSE(read.window.maximised);
     EXPECT_TRUE(read.recent.empty());
     EXPECT_TRUE(read.panels.empty());
     EXPECT_EQ(read.ui_scale, 1);
-    EXPECT_EQ(read.preview.resolution, PreviewQuality().resolution);
-    EXPECT_EQ(read.preview.samples, PreviewQuality().samples);
+    EXPECT_EQ(read.preview.resolution, viewer::PreviewQuality().resolution);
+    EXPECT_EQ(read.preview.samples, viewer::PreviewQuality().samples);
     EXPECT_EQ(read.layer, "");
 }
 
 TEST_F(PreferencesFile, WhatIsSavedIsRead) {
-    Preferences saved;
+    viewer::Preferences saved;
     saved.window = {1234, 777, std::pair{-40, 12}, true};
     saved.recent = {"/a/b.gltf", "/c d/ü.nvv"};
     saved.panels["stage"] = {false, 250.5};
@@ -51,10 +51,10 @@ TEST_F(PreferencesFile, WhatIsSavedIsRead) {
     saved.preview = {0.5, 16};
     saved.layer = "depth";
     const std::filesystem::path deep = folder.path / "new" / "folder" / "viewer.json";
-    save_preferences(deep, saved);
-    const LoadedPreferences loaded = load_preferences(deep);
+    viewer::save_preferences(deep, saved);
+    const viewer::LoadedPreferences loaded = viewer::load_preferences(deep);
     EXPECT_EQ(loaded.message, "");
-    const Preferences& read = loaded.preferences;
+    const viewer::Preferences& read = loaded.preferences;
     EXPECT_EQ(read.window.width, 1234);
     EXPECT_EQ(read.window.height, 777);
     EXPECT_EQ(read.window.at, std::pair(-40, 12));
@@ -67,23 +67,24 @@ TEST_F(PreferencesFile, WhatIsSavedIsRead) {
     EXPECT_EQ(read.preview.resolution, 0.5);
     EXPECT_EQ(read.preview.samples, 16u);
     EXPECT_EQ(read.layer, "depth");
-    save_preferences(deep, read);
-    EXPECT_EQ(load_preferences(deep).preferences.recent, saved.recent);
+    viewer::save_preferences(deep, read);
+    EXPECT_EQ(viewer::load_preferences(deep).preferences.recent, saved.recent);
 }
 
 TEST_F(PreferencesFile, AMissingFileIsNoFault) {
-    const LoadedPreferences loaded = load_preferences(folder.path / "none" / "viewer.json");
+    const viewer::LoadedPreferences loaded = viewer::load_preferences(folder.path / "none" / "viewer.json");
     EXPECT_EQ(loaded.message, "");
     expect_defaults(loaded.preferences);
 }
 
 TEST_F(PreferencesFile, UnknownMembersStay) {
-    LoadedPreferences loaded = load(R"({"later": {"x": [1, null, "ü"]}, "window": {"width": 800, "screen": "left"},
+    viewer::LoadedPreferences loaded =
+        load(R"({"later": {"x": [1, null, "ü"]}, "window": {"width": 800, "screen": "left"},
                                         "panels": {"stage": {"open": true, "dock": 3}}, "uiScale": 2})");
     EXPECT_EQ(loaded.message, "");
     loaded.preferences.window.width = 900;
     loaded.preferences.panels["stage"].open = false;
-    save_preferences(file, loaded.preferences);
+    viewer::save_preferences(file, loaded.preferences);
     const auto json = nlohmann::json::parse(read_text(file));
     EXPECT_EQ(json["later"], nlohmann::json::parse(R"({"x": [1, null, "ü"]})"));
     EXPECT_EQ(json["window"]["screen"], "left");
@@ -105,11 +106,11 @@ TEST_F(PreferencesFile, DamagedFilesGiveDefaults) {
                              "{} {}",
                              "{\"window\": {\"width\": 800}"};
     for (const char* text : damaged) {
-        const LoadedPreferences loaded = load(text);
+        const viewer::LoadedPreferences loaded = load(text);
         expect_message(loaded, "defaults are used");
         expect_defaults(loaded.preferences);
-        save_preferences(file, loaded.preferences);
-        EXPECT_EQ(load_preferences(file).message, "") << text;
+        viewer::save_preferences(file, loaded.preferences);
+        EXPECT_EQ(viewer::load_preferences(file).message, "") << text;
     }
 }
 
@@ -132,15 +133,15 @@ TEST_F(PreferencesFile, OneWrongMemberLeavesTheOthers) {
         {R"("preview": {"samples": 18446744073709551615})", "preview.samples"},
         {R"("preview": {"resolution": null})", "preview.resolution"}};
     for (const auto& [member, name] : wrong) {
-        const LoadedPreferences loaded = load(std::string(R"({"layer": "depth", )") + member + "}");
+        const viewer::LoadedPreferences loaded = load(std::string(R"({"layer": "depth", )") + member + "}");
         expect_message(loaded, name);
         EXPECT_EQ(loaded.preferences.layer, "depth");
-        Preferences otherwise = loaded.preferences;
+        viewer::Preferences otherwise = loaded.preferences;
         otherwise.layer.clear();
         otherwise.panels.clear();
         expect_defaults(otherwise);
-        save_preferences(file, loaded.preferences);
-        EXPECT_EQ(load_preferences(file).message, "") << "saving mends " << member;
+        viewer::save_preferences(file, loaded.preferences);
+        EXPECT_EQ(viewer::load_preferences(file).message, "") << "saving mends " << member;
     }
     expect_message(load(R"({"layer": ")" + std::string(5000, 'x') + "\"}"), "layer");
 }
@@ -152,9 +153,9 @@ TEST_F(PreferencesFile, DeepNestingIsRefused) {
         expect_defaults(load(deep).preferences);
     }
     std::string closed = "{\"later\": " + std::string(400'000, '[') + std::string(400'000, ']') + "}";
-    const LoadedPreferences loaded = load(closed);
+    const viewer::LoadedPreferences loaded = load(closed);
     expect_message(loaded, "damaged");
-    save_preferences(file, loaded.preferences);
+    viewer::save_preferences(file, loaded.preferences);
     EXPECT_LT(std::filesystem::file_size(file), 1000u);
 }
 
@@ -162,32 +163,32 @@ TEST_F(PreferencesFile, ManyMembersAreCut) {
     std::string panels, recent;
     for (int i = 0; i < 5000; ++i) panels += (i ? ", \"" : "\"") + std::to_string(i) + "\": {}";
     for (int i = 0; i < 5000; ++i) recent += (i ? ", \"/" : "\"/") + std::to_string(i) + "\"";
-    const LoadedPreferences loaded = load("{\"panels\": {" + panels + "}, \"recent\": [" + recent + "]}");
+    const viewer::LoadedPreferences loaded = load("{\"panels\": {" + panels + "}, \"recent\": [" + recent + "]}");
     expect_message(loaded, "panels");
     EXPECT_EQ(loaded.preferences.panels.size(), 64u);
-    ASSERT_EQ(loaded.preferences.recent.size(), kMaxRecentFiles);
+    ASSERT_EQ(loaded.preferences.recent.size(), viewer::kMaxRecentFiles);
     EXPECT_EQ(loaded.preferences.recent.front(), "/0");
 }
 
 TEST_F(PreferencesFile, WhatIsNoSuchFileIsNotRead) {
-    EXPECT_NE(load_preferences(folder.path).message.find("is not a file"), std::string::npos);
+    EXPECT_NE(viewer::load_preferences(folder.path).message.find("is not a file"), std::string::npos);
     write_text(file, "{}");
     std::filesystem::resize_file(file, uint64_t{1} << 30);
-    expect_message(load_preferences(file), "1073741824 bytes");
+    expect_message(viewer::load_preferences(file), "1073741824 bytes");
     std::filesystem::remove(file);
     ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-    expect_message(load_preferences(file), "is not a file");
-    EXPECT_THROW(save_preferences(file, {}), RuntimeFailure);
+    expect_message(viewer::load_preferences(file), "is not a file");
+    EXPECT_THROW(viewer::save_preferences(file, {}), RuntimeFailure);
     std::filesystem::remove(file);
     std::filesystem::create_symlink(file, file);
-    expect_message(load_preferences(file), "is not a file");
+    expect_message(viewer::load_preferences(file), "is not a file");
 }
 
 TEST_F(PreferencesFile, RandomDamageNeverThrows) {
-    Preferences saved;
+    viewer::Preferences saved;
     saved.recent = {"/a/b.gltf"};
     saved.panels["stage"] = {};
-    save_preferences(file, saved);
+    viewer::save_preferences(file, saved);
     const std::string sound = read_text(file);
     std::mt19937 random(1);
     for (int i = 0; i < 500; ++i) {
@@ -199,49 +200,50 @@ TEST_F(PreferencesFile, RandomDamageNeverThrows) {
             else
                 text.replace(at, random() % 4, std::to_string(static_cast<int>(random())));
         }
-        const LoadedPreferences loaded = load(text);
+        const viewer::LoadedPreferences loaded = load(text);
         EXPECT_GE(loaded.preferences.window.width, 320);
-        EXPECT_LE(loaded.preferences.recent.size(), kMaxRecentFiles);
-        if (i % 50 == 0) save_preferences(file, loaded.preferences);
+        EXPECT_LE(loaded.preferences.recent.size(), viewer::kMaxRecentFiles);
+        if (i % 50 == 0) viewer::save_preferences(file, loaded.preferences);
     }
 }
 
 TEST_F(PreferencesFile, RecentFilesComeFirstOnceAndAbsolute) {
-    Preferences preferences;
-    for (int i = 0; i < 12; ++i) remember_file(preferences, "/f" + std::to_string(i));
-    ASSERT_EQ(preferences.recent.size(), kMaxRecentFiles);
+    viewer::Preferences preferences;
+    for (int i = 0; i < 12; ++i) viewer::remember_file(preferences, "/f" + std::to_string(i));
+    ASSERT_EQ(preferences.recent.size(), viewer::kMaxRecentFiles);
     EXPECT_EQ(preferences.recent.front(), "/f11");
     EXPECT_EQ(preferences.recent.back(), "/f2");
-    remember_file(preferences, "/x/../f5");
-    EXPECT_EQ(preferences.recent.size(), kMaxRecentFiles);
+    viewer::remember_file(preferences, "/x/../f5");
+    EXPECT_EQ(preferences.recent.size(), viewer::kMaxRecentFiles);
     EXPECT_EQ(preferences.recent[0], "/f5");
     EXPECT_EQ(preferences.recent[1], "/f11");
     EXPECT_EQ(std::count(preferences.recent.begin(), preferences.recent.end(), "/f5"), 1);
-    remember_file(preferences, "here.gltf");
+    viewer::remember_file(preferences, "here.gltf");
     EXPECT_EQ(preferences.recent[0], std::filesystem::current_path() / "here.gltf");
 }
 
 TEST_F(PreferencesFile, FilesThatAreGoneStayListed) {
     write_text(folder.path / "there.nvv", "");
-    Preferences preferences;
-    remember_file(preferences, folder.path / "gone.nvv");
-    remember_file(preferences, folder.path / "there.nvv");
-    save_preferences(file, preferences);
-    const Preferences read = load_preferences(file).preferences;
+    viewer::Preferences preferences;
+    viewer::remember_file(preferences, folder.path / "gone.nvv");
+    viewer::remember_file(preferences, folder.path / "there.nvv");
+    viewer::save_preferences(file, preferences);
+    const viewer::Preferences read = viewer::load_preferences(file).preferences;
     ASSERT_EQ(read.recent.size(), 2u);
-    EXPECT_EQ(recent_files_there(read), (std::vector<bool>{true, false}));
+    EXPECT_EQ(viewer::recent_files_there(read), (std::vector<bool>{true, false}));
 }
 
 TEST_F(PreferencesFile, PathsThatJsonCannotHoldAreLeftOut) {
-    Preferences preferences;
+    viewer::Preferences preferences;
     preferences.recent = {"/good", "/bad\xff", "/fine"};
-    save_preferences(file, preferences);
-    EXPECT_EQ(load_preferences(file).preferences.recent, (std::vector<std::filesystem::path>{"/good", "/fine"}));
+    viewer::save_preferences(file, preferences);
+    EXPECT_EQ(viewer::load_preferences(file).preferences.recent,
+              (std::vector<std::filesystem::path>{"/good", "/fine"}));
 }
 
 TEST_F(PreferencesFile, AFolderThatCannotBeMadeIsNamed) {
     write_text(folder.path / "file", "");
-    EXPECT_THROW(save_preferences(folder.path / "file" / "viewer.json", {}), RuntimeFailure);
+    EXPECT_THROW(viewer::save_preferences(folder.path / "file" / "viewer.json", {}), RuntimeFailure);
 }
 
 }  // namespace

@@ -38,10 +38,10 @@ std::vector<uint32_t> words_of(const uint32_t (&words)[n]) {
 }
 
 TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
-    ShaderSources sources(folder.path);
+    viewer::ShaderSources sources(folder.path);
     EXPECT_TRUE(sources.look().compiled.empty());
     touch("resolve.comp");
-    const ShaderSources::Change change = sources.look();
+    const viewer::ShaderSources::Change change = sources.look();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(change.compiled, std::vector<std::string>{"resolve.comp"});
     ASSERT_EQ(sources.replacements().size(), 1u);
@@ -50,7 +50,7 @@ TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
 }
 
 TEST_F(Shaders, AreCompiledWhenWhatTheyIncludeChanges) {
-    ShaderSources sources(folder.path);
+    viewer::ShaderSources sources(folder.path);
     add("show.glsl", "const float kNobodyKnows = 1.0;\n");
     std::vector<std::string> compiled = sources.look().compiled;
     std::sort(compiled.begin(), compiled.end());
@@ -58,10 +58,10 @@ TEST_F(Shaders, AreCompiledWhenWhatTheyIncludeChanges) {
 }
 
 TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
-    ShaderSources sources(folder.path);
+    viewer::ShaderSources sources(folder.path);
     const auto whole = std::filesystem::file_size(folder.path / "show.glsl");
     add("show.glsl", "float broken() { return nowhere; }\n");
-    ShaderSources::Change change = sources.look();
+    viewer::ShaderSources::Change change = sources.look();
     EXPECT_TRUE(change.compiled.empty());
     EXPECT_NE(change.problem.find("'nowhere' : undeclared identifier"), std::string::npos) << change.problem;
     EXPECT_NE(change.problem.find("show.glsl:"), std::string::npos) << change.problem;
@@ -77,18 +77,18 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
 }
 
 TEST_F(Shaders, MayMakeTheCompilerWarn) {
-    ShaderSources sources(folder.path);
+    viewer::ShaderSources sources(folder.path);
     add("resolve.comp", "#extension GL_NV_nobody_has_it : enable\n");
-    const ShaderSources::Change change = sources.look();
+    const viewer::ShaderSources::Change change = sources.look();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp)) << "SPIR-V, and nothing said";
 }
 
 TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
-    ShaderSources sources(folder.path);
+    viewer::ShaderSources sources(folder.path);
     for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then nothing else is compiled with it
         touch(changed);
-        const ShaderSources::Change change = sources.look();
+        const viewer::ShaderSources::Change change = sources.look();
         EXPECT_TRUE(change.compiled.empty()) << changed;
         EXPECT_NE(change.problem.find("build the program anew"), std::string::npos) << change.problem;
     }
@@ -96,7 +96,7 @@ TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
 
 TEST_F(Shaders, AFolderWithoutThemIsRefused) {
     std::filesystem::remove(folder.path / "merge.comp");
-    expect_input_error([&] { ShaderSources{folder.path}; }, {"merge.comp", "is not there"});
+    expect_input_error([&] { viewer::ShaderSources{folder.path}; }, {"merge.comp", "is not there"});
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace neuvv::test {
 
-inline Eye some_eye() {
-    Eye eye;
+inline viewer::Eye some_eye() {
+    viewer::Eye eye;
     eye.pivot = {0.2, 1, -0.3};
     eye.yaw = 0.7;
     eye.pitch = -0.4;
@@ -15,8 +15,8 @@ inline Eye some_eye() {
     return eye;
 }
 
-inline Camera some_camera() {
-    return camera_of(some_eye(), 640, 480);
+inline stage::Camera some_camera() {
+    return viewer::camera_of(some_eye(), 640, 480);
 }
 
 }  // namespace neuvv::test

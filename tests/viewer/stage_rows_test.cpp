@@ -10,31 +10,32 @@ namespace {
 
 struct StageRows : testing::Test {
     TemporaryFolder folder;
-    StageFile file = read_stage_file(test::put_foreign_stage(folder.path));
-    uint32_t node(const char* name) const { return find_node(file, name); }
-    StageRow row(const char* name) const {
-        const std::vector<StageRow> rows = stage_rows(file);
-        return rows.at(row_of(rows, node(name)).value());
+    stage::StageFile file = stage::read_stage_file(test::put_foreign_stage(folder.path));
+    uint32_t node(const char* name) const { return edit::find_node(file, name); }
+    viewer::StageRow row(const char* name) const {
+        const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
+        return rows.at(viewer::row_of(rows, node(name)).value());
     }
 };
 
-std::vector<std::string> titles(const std::vector<StageRow>& rows) {
+std::vector<std::string> titles(const std::vector<viewer::StageRow>& rows) {
     std::vector<std::string> all;
-    for (const StageRow& row : rows) all.push_back(std::string(row.depth, '>') + row.title);
+    for (const viewer::StageRow& row : rows) all.push_back(std::string(row.depth, '>') + row.title);
     return all;
 }
 
 TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
-    const std::vector<StageRow> rows = stage_rows(file);
+    const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
     EXPECT_EQ(titles(rows), (std::vector<std::string>{"Floor", "Camera", "Spot", "Pivot", ">Anna", ">Sun"}));
-    std::vector<NodeKind> kinds;
+    std::vector<viewer::NodeKind> kinds;
     std::vector<uint32_t> below;
-    for (const StageRow& row : rows) {
+    for (const viewer::StageRow& row : rows) {
         kinds.push_back(row.kind);
         below.push_back(row.below);
     }
-    EXPECT_EQ(kinds, (std::vector<NodeKind>{NodeKind::kMesh, NodeKind::kCamera, NodeKind::kLight, NodeKind::kGroup,
-                                            NodeKind::kPerformer, NodeKind::kLight}));
+    EXPECT_EQ(kinds, (std::vector<viewer::NodeKind>{viewer::NodeKind::kMesh, viewer::NodeKind::kCamera,
+                                                    viewer::NodeKind::kLight, viewer::NodeKind::kGroup,
+                                                    viewer::NodeKind::kPerformer, viewer::NodeKind::kLight}));
     EXPECT_EQ(below, (std::vector<uint32_t>{0, 0, 0, 2, 0, 0}));
 }
 
@@ -44,27 +45,27 @@ TEST_F(StageRows, CountsWhatHangsOnWhatHangs) {
     file.json["nodes"][4]["children"] = {5};
     file.json["scenes"][0]["nodes"] = {3, 0};
     file.json["nodes"][0].erase("name");
-    const std::vector<StageRow> rows = stage_rows(file);
+    const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
     EXPECT_EQ(titles(rows), (std::vector<std::string>{"Pivot", ">Anna", ">>Sun", "node 0"}));
     EXPECT_EQ(rows[0].below, 2u);
     EXPECT_EQ(rows[1].below, 1u);
-    EXPECT_EQ(row_of(rows, 1), std::nullopt) << "not in the scene";
-    EXPECT_EQ(row_of(rows, 0), 3u);
+    EXPECT_EQ(viewer::row_of(rows, 1), std::nullopt) << "not in the scene";
+    EXPECT_EQ(viewer::row_of(rows, 0), 3u);
 }
 
 TEST_F(StageRows, WithoutASceneAllRootsAreIt) {
     file.json.erase("scenes");
     file.json.erase("scene");
-    EXPECT_EQ(titles(stage_rows(file)),
+    EXPECT_EQ(titles(viewer::stage_rows(file)),
               (std::vector<std::string>{"Floor", "Camera", "Spot", "Pivot", ">Anna", ">Sun"}));
     file.json.erase("nodes");
-    EXPECT_TRUE(stage_rows(file).empty());
+    EXPECT_TRUE(viewer::stage_rows(file).empty());
 }
 
 TEST_F(StageRows, HiddenAndLockedAreTheNodesOwnOrFromAbove) {
     EXPECT_TRUE(row("Anna").shown && row("Anna").shown_above && !row("Anna").locked);
-    show_node(file, node("Pivot"), false);
-    lock_node(file, node("Anna"), true);
+    edit::show_node(file, node("Pivot"), false);
+    edit::lock_node(file, node("Anna"), true);
     EXPECT_FALSE(row("Pivot").shown);
     EXPECT_TRUE(row("Pivot").shown_above);
     EXPECT_TRUE(row("Anna").shown);
@@ -75,23 +76,23 @@ TEST_F(StageRows, HiddenAndLockedAreTheNodesOwnOrFromAbove) {
 }
 
 TEST_F(StageRows, ClosedOnesHideWhatHangsOnThem) {
-    const std::vector<StageRow> rows = stage_rows(file);
-    EXPECT_EQ(open_rows(rows, {}), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
-    EXPECT_EQ(open_rows(rows, {"Pivot"}), (std::vector<uint32_t>{0, 1, 2, 3}));
+    const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
+    EXPECT_EQ(viewer::open_rows(rows, {}), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
+    EXPECT_EQ(viewer::open_rows(rows, {"Pivot"}), (std::vector<uint32_t>{0, 1, 2, 3}));
     std::set<std::string> closed = {"Pivot", "Floor"};
-    open_above(rows, 3, closed);
+    viewer::open_above(rows, 3, closed);
     EXPECT_EQ(closed.size(), 2u) << "itself and those before it stay closed";
-    open_above(rows, 5, closed);
+    viewer::open_above(rows, 5, closed);
     EXPECT_EQ(closed, (std::set<std::string>{"Floor"}));
 }
 
 TEST_F(StageRows, ALockKeepsAllAboveFromBeingRemoved) {
-    lock_node(file, node("Sun"), true);
-    const std::vector<StageRow> rows = stage_rows(file);
-    EXPECT_EQ(locked_within(rows, row_of(rows, node("Sun")).value()), "Sun");
-    EXPECT_EQ(locked_within(rows, row_of(rows, node("Pivot")).value()), "Sun");
-    EXPECT_EQ(locked_within(rows, row_of(rows, node("Anna")).value()), std::nullopt);
-    EXPECT_EQ(locked_within(rows, row_of(rows, node("Floor")).value()), std::nullopt);
+    edit::lock_node(file, node("Sun"), true);
+    const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
+    EXPECT_EQ(viewer::locked_within(rows, viewer::row_of(rows, node("Sun")).value()), "Sun");
+    EXPECT_EQ(viewer::locked_within(rows, viewer::row_of(rows, node("Pivot")).value()), "Sun");
+    EXPECT_EQ(viewer::locked_within(rows, viewer::row_of(rows, node("Anna")).value()), std::nullopt);
+    EXPECT_EQ(viewer::locked_within(rows, viewer::row_of(rows, node("Floor")).value()), std::nullopt);
 }
 
 }  // namespace

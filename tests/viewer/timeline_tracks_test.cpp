@@ -9,13 +9,13 @@
 namespace neuvv {
 namespace {
 
-TimeMap map_of(const std::string& text) {
-    return parse_time_map(text, "test", "time");
+stage::TimeMap map_of(const std::string& text) {
+    return stage::parse_time_map(text, "test", "time");
 }
 
 // Three performers of one clip of 50 pictures at 25, one of another; one more hangs on no scene.
-StageFile some_stage() {
-    return make_stage_file("/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
+stage::StageFile some_stage() {
+    return stage::make_stage_file("/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
         "extensionsUsed": ["NEUVV_performer"],
         "scenes": [{"nodes": [0, 1, 5]}], "nodes": [
         {"name": "floor"},
@@ -27,17 +27,17 @@ StageFile some_stage() {
         {"name": "carl", "extensions": {"NEUVV_performer": {"uri": "b.nvv"}}}]})");
 }
 
-std::vector<StageClip> some_clips() {
-    StageClip clip;
-    clip.path = absolute_path("/nowhere/a.nvv");
+std::vector<stage::StageClip> some_clips() {
+    stage::StageClip clip;
+    clip.path = stage::absolute_path("/nowhere/a.nvv");
     clip.frames = 50;
     clip.fps = 25;
     return {clip};
 }
 
 TEST(TimelineTracks, AreThoseOfTheSceneWhoseClipIsKnown) {
-    std::vector<StageClip> clips = some_clips();
-    std::vector<PerformerTrack> tracks = performer_tracks(some_stage(), clips);
+    std::vector<stage::StageClip> clips = some_clips();
+    std::vector<viewer::PerformerTrack> tracks = viewer::performer_tracks(some_stage(), clips);
     ASSERT_EQ(tracks.size(), 3u);
     EXPECT_EQ(tracks[0].name, "anna");
     EXPECT_EQ(tracks[0].bar.start_s, 0);
@@ -45,30 +45,32 @@ TEST(TimelineTracks, AreThoseOfTheSceneWhoseClipIsKnown) {
     EXPECT_EQ(tracks[1].name, "node 3");
     EXPECT_EQ(tracks[1].node, 3u);
     EXPECT_EQ(tracks[1].bar.start_s, 1);
-    EXPECT_EQ(frame_at(tracks[1].timeline, 1.4), 10);
+    EXPECT_EQ(stage::frame_at(tracks[1].timeline, 1.4), 10);
     EXPECT_EQ(tracks[2].name, "bert");
     clips.push_back(clips[0]);
-    clips[1].path = absolute_path("/nowhere/b.nvv");
-    EXPECT_EQ(performer_tracks(some_stage(), clips).size(), 4u);
-    EXPECT_TRUE(
-        performer_tracks(make_stage_file("/nowhere/empty.gltf", R"({"asset": {"version": "2.0"}})"), clips).empty());
+    clips[1].path = stage::absolute_path("/nowhere/b.nvv");
+    EXPECT_EQ(viewer::performer_tracks(some_stage(), clips).size(), 4u);
+    EXPECT_TRUE(viewer::performer_tracks(
+                    stage::make_stage_file("/nowhere/empty.gltf", R"({"asset": {"version": "2.0"}})"), clips)
+                    .empty());
 }
 
 TEST(TimelineTracks, EditsChangeTheMapOfOneNode) {
-    StageFile file = some_stage();
-    edit_time(file, 3, [](const TimeMap& map) { return moved(map, {50, 25}, 0.4); });
-    const std::vector<PerformerTrack> tracks = performer_tracks(file, some_clips());
+    stage::StageFile file = some_stage();
+    viewer::edit_time(file, 3, [](const stage::TimeMap& map) { return edit::moved(map, {50, 25}, 0.4); });
+    const std::vector<viewer::PerformerTrack> tracks = viewer::performer_tracks(file, some_clips());
     EXPECT_NEAR(tracks[1].bar.start_s, 1.4, 1e-9);
     EXPECT_EQ(tracks[0].bar.start_s, 0);
-    EXPECT_THROW(edit_time(file, 0, [](const TimeMap& map) { return map; }), InputError) << "a floor";
+    EXPECT_THROW(viewer::edit_time(file, 0, [](const stage::TimeMap& map) { return map; }), InputError) << "a floor";
 }
 
 TEST(TimelineTracks, StaggerFollowsWhoIsDragged) {
     const auto starts = [](uint32_t node, double by_s) {
-        StageFile file = some_stage();
-        stagger_together(file, some_clips(), node, by_s);
+        stage::StageFile file = some_stage();
+        viewer::stagger_together(file, some_clips(), node, by_s);
         std::vector<double> seconds;
-        for (const PerformerTrack& track : performer_tracks(file, some_clips())) seconds.push_back(track.bar.start_s);
+        for (const viewer::PerformerTrack& track : viewer::performer_tracks(file, some_clips()))
+            seconds.push_back(track.bar.start_s);
         return seconds;
     };
     const std::vector<double> last = starts(5, 1), first = starts(2, 0.2);
@@ -78,37 +80,39 @@ TEST(TimelineTracks, StaggerFollowsWhoIsDragged) {
     EXPECT_NEAR(first[0], 0.2, 1e-9);
     EXPECT_NEAR(first[1], 1.4, 1e-9);
     EXPECT_NEAR(first[2], 0.6, 1e-9);
-    StageFile file = some_stage();
-    EXPECT_THROW(stagger_together(file, some_clips(), 6, 1), InputError);
+    stage::StageFile file = some_stage();
+    EXPECT_THROW(viewer::stagger_together(file, some_clips(), 6, 1), InputError);
 }
 
 TEST(TimelineTracks, SpeedAndDirectionAreOfAllOperators) {
-    EXPECT_DOUBLE_EQ(speed_of(map_of("speed:2,clip:0s:1s,speed:0.25")), 0.5);
-    EXPECT_EQ(speed_of({}), 1);
-    EXPECT_TRUE(is_reversed(map_of("reverse,offset:1s")));
-    EXPECT_FALSE(is_reversed(map_of("reverse,clip:0s:1s,reverse")));
+    EXPECT_DOUBLE_EQ(viewer::speed_of(map_of("speed:2,clip:0s:1s,speed:0.25")), 0.5);
+    EXPECT_EQ(viewer::speed_of({}), 1);
+    EXPECT_TRUE(viewer::is_reversed(map_of("reverse,offset:1s")));
+    EXPECT_FALSE(viewer::is_reversed(map_of("reverse,clip:0s:1s,reverse")));
 }
 
 TEST(TimelineTracks, RepeatsWhatWasShownUntilItDoesNoMore) {
-    EXPECT_EQ(repeat_of(map_of("offset:1s")), Repeat::kOnce);
-    const TimeMap loop = repeated(map_of("clip:0s:1s,offset:1s,hold"), Repeat::kLoop);
-    EXPECT_EQ(text_of(loop), "clip:0s:1s,loop,offset:1s,hold");
-    EXPECT_EQ(repeat_of(loop), Repeat::kLoop);
-    const TimeMap there_and_back = repeated(loop, Repeat::kPingPong);
-    EXPECT_EQ(text_of(there_and_back), "clip:0s:1s,ping-pong,offset:1s,hold");
-    EXPECT_EQ(text_of(repeated(there_and_back, Repeat::kOnce)), "clip:0s:1s,offset:1s,hold");
-    EXPECT_EQ(text_of(repeated(map_of("loop:1s:2s"), Repeat::kOnce)), "clip:1s:2s") << "its part stays";
-    EXPECT_EQ(text_of(repeated(map_of("loop"), Repeat::kOnce)), "");
-    EXPECT_TRUE(repeated({}, Repeat::kOnce).empty());
+    EXPECT_EQ(viewer::repeat_of(map_of("offset:1s")), viewer::Repeat::kOnce);
+    const stage::TimeMap loop = viewer::repeated(map_of("clip:0s:1s,offset:1s,hold"), viewer::Repeat::kLoop);
+    EXPECT_EQ(stage::text_of(loop), "clip:0s:1s,loop,offset:1s,hold");
+    EXPECT_EQ(viewer::repeat_of(loop), viewer::Repeat::kLoop);
+    const stage::TimeMap there_and_back = viewer::repeated(loop, viewer::Repeat::kPingPong);
+    EXPECT_EQ(stage::text_of(there_and_back), "clip:0s:1s,ping-pong,offset:1s,hold");
+    EXPECT_EQ(stage::text_of(viewer::repeated(there_and_back, viewer::Repeat::kOnce)), "clip:0s:1s,offset:1s,hold");
+    EXPECT_EQ(stage::text_of(viewer::repeated(map_of("loop:1s:2s"), viewer::Repeat::kOnce)), "clip:1s:2s")
+        << "its part stays";
+    EXPECT_EQ(stage::text_of(viewer::repeated(map_of("loop"), viewer::Repeat::kOnce)), "");
+    EXPECT_TRUE(viewer::repeated({}, viewer::Repeat::kOnce).empty());
 }
 
 TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
-    const ClipRate clip{50, 25};
-    const auto frame = [&](const TimeMap& map, double stage_s) {
-        return frame_at(timeline_of(map, clip.frames, clip.fps, "test", "time"), stage_s);
+    const edit::ClipRate clip{50, 25};
+    const auto frame = [&](const stage::TimeMap& map, double stage_s) {
+        return stage::frame_at(stage::timeline_of(map, clip.frames, clip.fps, "test", "time"), stage_s);
     };
     for (const char* text : {"", "offset:1s", "offset:10f,hold", "offset:-5f", "speed:2,offset:0.4s"}) {
-        const TimeMap map = map_of(text), held = held_at(map, clip, 1.2, 0.6), frozen = frozen_at(map, clip, 1.2);
+        const stage::TimeMap map = map_of(text), held = viewer::held_at(map, clip, 1.2, 0.6),
+                             frozen = viewer::frozen_at(map, clip, 1.2);
         EXPECT_EQ(frame(held, 1), frame(map, 1)) << text;
         for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(held, 1.2 + later_s), frame(map, 1.2)) << text;
         EXPECT_EQ(frame(held, 2), frame(map, 1.4)) << text;

@@ -13,12 +13,12 @@ const Hands::Condition kNotModified = [](const json& now) { return now["modified
 
 struct Arranging : ViewerWindow {
     // Where anna is seen best: the pixel of what she adds to the empty stage that is nearest to its middle.
-    Spot of_anna(const Hands& hands, const Image& picture) const {
+    Spot of_anna(const Hands& hands, const media::Image& picture) const {
         const std::string empty = file("empty.gltf");
         done({"stage", "new", empty});
         done({"render", empty, "-o", file("empty.png"), "--size",
               std::to_string(picture.width) + "x" + std::to_string(picture.height)});
-        const Image without = read_png(file("empty.png"));
+        const media::Image without = media::read_png(file("empty.png"));
         std::vector<glm::dvec2> hers;
         glm::dvec2 sum(0);
         for (uint32_t y = 0; y < picture.height; y++)
@@ -62,12 +62,12 @@ TEST_F(Arranging, AClickSelectsWhoIsThere) {
 TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image before = hands->picture();
+    const media::Image before = hands->picture();
     hands->click("stage/anna");
     const Spot arrow = hands->middle_of("gizmo/x");
     hands->drag(arrow, {arrow.x + 60, arrow.y});
     hands->until("an edit", kModified);
-    const Image after = hands->picture();
+    const media::Image after = hands->picture();
     EXPECT_TRUE(other(before, after));
     save(*hands);
     const json there = place_of_anna();
@@ -82,7 +82,7 @@ TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
 TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image before = hands->picture();
+    const media::Image before = hands->picture();
     const size_t nodes = saved()["nodes"].size();
     hands->click("stage/anna");
     hands->key("ctrl+d");
@@ -102,7 +102,7 @@ TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
 TEST_F(Arranging, MoreLightIsSeenAndSaved) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image before = hands->picture();
+    const media::Image before = hands->picture();
     const json dim = saved()["extensions"]["KHR_lights_punctual"]["lights"][0];
     hands->click("stage/key");
     hands->click("tab/light");

@@ -22,12 +22,12 @@ struct Editing : ViewerWindow {
 TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image forwards = hands->picture();
+    const media::Image forwards = hands->picture();
     hands->click("timeline/anna/menu");
     hands->click("timeline/anna/reverse");
     hands->key("Escape");
     hands->until("an edit", [](const json& now) { return now["modified"] == true; });
-    const Image backwards = hands->picture();
+    const media::Image backwards = hands->picture();
     EXPECT_TRUE(other(forwards, backwards));
     EXPECT_TRUE(time_of_anna().empty()) << "not saved yet";
     save(*hands);
@@ -67,7 +67,7 @@ TEST_F(Editing, TheRulerScrubs) {
     const std::vector<double> ruler = hands->seen()["items"]["timeline/ruler"];
     hands->click(Spot{std::round(ruler[0] + 0.4 * ruler[2]), std::round(ruler[1] + ruler[3] / 2)});
     const double time_s = hands->until("another time", [](const json& now) { return now["time_s"] > 0.1; })["time_s"];
-    const Image then = hands->picture();
+    const media::Image then = hands->picture();
     EXPECT_TRUE(same(then, rendered(then, {"--time", std::to_string(time_s)}))) << time_s;
     EXPECT_EQ(hands->seen()["modified"], false);
 }
@@ -75,7 +75,7 @@ TEST_F(Editing, TheRulerScrubs) {
 TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image bare = hands->picture();
+    const media::Image bare = hands->picture();
     hands->click("stage/anna");
     hands->click("tab/paint");
     hands->click("paint/colour");
@@ -86,7 +86,7 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->until_rest();
     hands->point(hands->in_picture(0.02, 0.98));  // the brush's circle is away
-    const Image painted = hands->picture();
+    const media::Image painted = hands->picture();
     EXPECT_TRUE(other(bare, painted));
     save(*hands);
     EXPECT_TRUE(same(painted, rendered(painted)));
@@ -94,8 +94,8 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     const json document = saved();
     const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
     ASSERT_EQ(layers.size(), 1u) << document;
-    const EditLayer layer =
-        read_paint(folder.path / layers[0]["uri"].get<std::string>(), painted_field(read_nvv(clip)));
+    const voctree::EditLayer layer = voctree::read_paint(folder.path / layers[0]["uri"].get<std::string>(),
+                                                         voctree::painted_field(voctree::read_nvv(clip)));
     EXPECT_GT(layer.edits.size(), 10u);
 
     hands->key("ctrl+z");
@@ -106,12 +106,12 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
 }
 
 TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
-    Image red(4, 4);
+    media::Image red(4, 4);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
-    write_png(file("red.png"), red);
+    media::write_png(file("red.png"), red);
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Image bare = hands->picture();
+    const media::Image bare = hands->picture();
     hands->click("stage/anna");
     hands->click("tab/paint");
     hands->click("paint/stamp");
@@ -123,7 +123,7 @@ TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
     hands->click(hands->in_picture(0.5, 0.5));
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->point(hands->in_picture(0.02, 0.98));
-    const Image stamped = hands->picture();
+    const media::Image stamped = hands->picture();
     EXPECT_TRUE(other(bare, stamped));
     const uint8_t* middle = stamped.at(stamped.width / 2, stamped.height / 2);
     EXPECT_GT(middle[0], 2 * std::max(middle[1], middle[2])) << "red";
@@ -166,7 +166,7 @@ TEST_F(Editing, PaintOnACopyOfTheStageLeavesTheFirstAlone) {
 }
 
 TEST_F(Editing, WhatIsSavedOpensAsItWas) {
-    Image before;
+    media::Image before;
     {
         const auto hands = open(stage, "960x540");
         hands->until_rest();

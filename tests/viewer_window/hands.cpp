@@ -78,7 +78,7 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) : framebuffer_
 
 // An X window dump: numbers of its header are big-endian, then colours of 12 bytes, then rows of B, G, R, and one
 // unused.
-Image VirtualScreen::picture() const {
+media::Image VirtualScreen::picture() const {
     const std::vector<uint8_t> dump = read_file(framebuffer_);
     const auto number = [&](size_t which) {
         const uint8_t* at = dump.data() + 4 * which;
@@ -87,7 +87,7 @@ Image VirtualScreen::picture() const {
     constexpr size_t kHeader = 0, kWidth = 4, kHeight = 5, kRowBytes = 12, kColours = 19, kNumbers = 25;
     if (dump.size() < 4 * kNumbers) throw std::runtime_error("Xvfb has no picture");
     const size_t first = number(kHeader) + size_t{12} * number(kColours);
-    Image image(number(kWidth), number(kHeight));
+    media::Image image(number(kWidth), number(kHeight));
     if (number(kRowBytes) < 4 * image.width || dump.size() < first + size_t{number(kRowBytes)} * image.height)
         throw std::runtime_error("Xvfb's picture is cut off");
     for (uint32_t y = 0; y < image.height; y++)
@@ -268,7 +268,7 @@ void Hands::show_again() {
     xdotool({"windowmap", "--sync", window_, "windowfocus", window_});
 }
 
-Image Hands::new_screenshot(const std::string& keys) {
+media::Image Hands::new_screenshot(const std::string& keys) {
     const auto before = files_in(screenshots_);
     key(keys);
     std::filesystem::path file;
@@ -277,15 +277,15 @@ Image Hands::new_screenshot(const std::string& keys) {
             if (!before.count(now)) file = now;
         return !file.empty();
     });
-    return read_png(file);
+    return media::read_png(file);
 }
 
-Image Hands::picture() {
+media::Image Hands::picture() {
     until_rest();
     return new_screenshot("F12");
 }
 
-Image Hands::window() {
+media::Image Hands::window() {
     return new_screenshot("shift+F12");
 }
 

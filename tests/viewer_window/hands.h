@@ -28,7 +28,7 @@ class VirtualScreen {
     explicit VirtualScreen(const std::filesystem::path& folder);
     const std::string& display() const { return display_; }
     // What a monitor would show now. Throws where the server has no picture yet.
-    Image picture() const;
+    media::Image picture() const;
 
   private:
     std::filesystem::path framebuffer_;
@@ -83,8 +83,8 @@ class Hands {
     void show_again();
 
     // F12 and Shift-F12: the file that appears.
-    Image picture();
-    Image window();
+    media::Image picture();
+    media::Image window();
 
     // The exit code, once the program has ended by itself.
     int wait_for_end();
@@ -94,7 +94,7 @@ class Hands {
   private:
     void xdotool(const std::vector<std::string>& words) const;
     void after(const char* counter, int more, const std::function<void()>& act) const;
-    Image new_screenshot(const std::string& keys);
+    media::Image new_screenshot(const std::string& keys);
     std::string despair(const std::string& what) const;
 
     std::string display_, window_;

@@ -14,7 +14,7 @@
 namespace neuvv::test {
 
 // Share of pixels that differ by more than `steps` of 255 in a channel; 1 where sizes differ.
-inline double share_that_differs(const Image& a, const Image& b, int steps) {
+inline double share_that_differs(const media::Image& a, const media::Image& b, int steps) {
     if (a.width != b.width || a.height != b.height) return 1;
     size_t differ = 0;
     for (size_t i = 0; i < a.rgba.size(); i += 4) {
@@ -32,10 +32,10 @@ constexpr double kSamePicture = 0.002;
 constexpr double kOtherPicture = 0.005;
 constexpr int kSteps = 8;
 
-inline bool same(const Image& a, const Image& b) {
+inline bool same(const media::Image& a, const media::Image& b) {
     return share_that_differs(a, b, kSteps) <= kSamePicture;
 }
-inline bool other(const Image& a, const Image& b) {
+inline bool other(const media::Image& a, const media::Image& b) {
     return a.width == b.width && a.height == b.height && share_that_differs(a, b, kSteps) > kOtherPicture;
 }
 
@@ -47,7 +47,7 @@ struct ViewerWindow : testing::Test {
 
     void SetUp() override {
         if (const std::string why = why_no_hands(); !why.empty()) GTEST_SKIP() << why;
-        write_nvv(clip, waver_tree());
+        voctree::write_nvv(clip, waver_tree());
         done({"stage", "new", stage});
         done({"stage", "add", stage, clip, "--name", "anna"});
         screen.emplace(folder.path);
@@ -61,13 +61,13 @@ struct ViewerWindow : testing::Test {
         return std::make_unique<Hands>(*screen, folder.path, std::vector<std::string>{what, "--size", size});
     }
     // What `neuvv render` makes of the stage through its camera, as large as the picture.
-    Image rendered(const Image& as, const std::vector<std::string>& more = {}) const {
+    media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
         std::vector<std::string> words{"render", stage,
                                        "-o",     file("rendered.png"),
                                        "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
         words.insert(words.end(), more.begin(), more.end());
         done(words);
-        return read_png(file("rendered.png"));
+        return media::read_png(file("rendered.png"));
     }
     nlohmann::json saved() const { return nlohmann::json::parse(read_text(stage)); }
     // The node's number in the file; that of no node where there is none.

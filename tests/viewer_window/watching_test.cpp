@@ -11,32 +11,32 @@ using Watching = ViewerWindow;
 constexpr double kFps = 4;  // of the waver
 
 TEST(ViewerWindowComparison, TellsPicturesApart) {
-    Image plain(40, 30), marked = plain;
+    media::Image plain(40, 30), marked = plain;
     std::fill(plain.rgba.begin(), plain.rgba.end(), uint8_t{100});
     marked = plain;
     EXPECT_TRUE(same(plain, marked));
     for (uint32_t x = 0; x < 7; x++) marked.at(x, 5)[1] = 120;
     EXPECT_TRUE(other(plain, marked));
     EXPECT_FALSE(same(plain, marked));
-    EXPECT_FALSE(same(plain, Image(30, 40)));
-    EXPECT_FALSE(other(plain, Image(30, 40)));
+    EXPECT_FALSE(same(plain, media::Image(30, 40)));
+    EXPECT_FALSE(other(plain, media::Image(30, 40)));
 }
 
 TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     const auto hands = open(stage);
     hands->until_rest();
-    const Image shown = hands->picture();
+    const media::Image shown = hands->picture();
     hands->until_notice("saved " + folder.path.string());
     EXPECT_TRUE(same(shown, rendered(shown)));
     EXPECT_TRUE(other(shown, rendered(shown, {"--time", "1.5"}))) << "another instant would be seen";
 
-    const Image window = hands->window();
+    const media::Image window = hands->window();
     EXPECT_EQ(window.width, 640u);
     EXPECT_EQ(window.height, 400u);
     const std::vector<double> at = hands->seen()["items"]["picture"];
-    const uint32_t tools = 110;                         // their width, in two columns
-    Image part(shown.width - tools, shown.height / 2);  // above the notices
-    Image above(part.width, part.height);
+    const uint32_t tools = 110;                                // their width, in two columns
+    media::Image part(shown.width - tools, shown.height / 2);  // above the notices
+    media::Image above(part.width, part.height);
     for (uint32_t y = 0; y < part.height; y++)
         for (uint32_t x = 0; x < part.width; x++) {
             const auto left = static_cast<uint32_t>(at[0]), top = static_cast<uint32_t>(at[1]);
@@ -51,7 +51,7 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
     const json report = hands->until_rest();
     EXPECT_EQ(report["open"], file("waver.gltf"));
     EXPECT_EQ(report["modified"], false);
-    const Image person = hands->picture();
+    const media::Image person = hands->picture();
     const uint8_t* corner = person.at(2, 2);
     size_t seen = 0;
     for (size_t i = 0; i < person.rgba.size(); i += 4) seen += std::abs(person.rgba[i] - corner[0]) > kSteps;
@@ -61,12 +61,12 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
 TEST_F(Watching, PlaysAndPauses) {
     const auto hands = open(stage);
     hands->until_rest();
-    const Image first = hands->picture();
+    const media::Image first = hands->picture();
     hands->key("space");
     hands->until("time to go on", [](const json& now) { return now["playing"] == true && now["time_s"] > 0.3; });
     hands->key("space");
     const double paused_s = hands->until_rest()["time_s"];
-    const Image later = hands->picture();
+    const media::Image later = hands->picture();
     const json still = hands->until_rest();
     EXPECT_EQ(still["playing"], false);
     EXPECT_EQ(still["time_s"], paused_s);
@@ -82,12 +82,12 @@ TEST_F(Watching, PlaysAndPauses) {
 TEST_F(Watching, LooksAroundAndComesToRest) {
     const auto hands = open(stage);
     hands->until_rest();
-    Image before = hands->picture();
+    media::Image before = hands->picture();
     const auto changes_by = [&](const char* what, const std::function<void()>& act) {
         const uint64_t view = hands->seen()["view"];
         act();
         EXPECT_GT(hands->until_rest()["view"], view) << what;
-        Image after = hands->picture();
+        media::Image after = hands->picture();
         EXPECT_TRUE(other(before, after)) << what;
         before = std::move(after);
     };
@@ -119,7 +119,7 @@ TEST_F(Watching, TheWindowTakesAnySize) {
     hands->resize(840, 460);
     hands->until("a wider picture", [&](const json& now) { return picture_width(now) == width + 200; });
     hands->until_rest();
-    const Image large = hands->picture();
+    const media::Image large = hands->picture();
     EXPECT_EQ(large.width, std::lround(width + 200));
     EXPECT_TRUE(same(large, rendered(large)));
 
@@ -129,14 +129,14 @@ TEST_F(Watching, TheWindowTakesAnySize) {
     }
     hands->until("the first size", [&](const json& now) { return picture_width(now) == width; });
     hands->until_rest();
-    const Image again = hands->picture();
+    const media::Image again = hands->picture();
     EXPECT_TRUE(same(again, rendered(again)));
 }
 
 TEST_F(Watching, AWindowThatIsAwayComesBack) {
     const auto hands = open(stage);
     hands->until_rest();
-    const Image before = hands->picture();
+    const media::Image before = hands->picture();
     hands->minimise();
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     hands->show_again();
@@ -166,12 +166,12 @@ TEST_F(Watching, PanelsGoAwayAndHelpComes) {
     const double width = hands->seen()["items"]["picture"][2];
     hands->key("Tab");
     hands->until("no panels", [&](const json& now) { return now["items"]["picture"][2] == 640.0; });
-    const Image wide = hands->picture();
+    const media::Image wide = hands->picture();
     EXPECT_TRUE(same(wide, rendered(wide)));
     hands->key("Tab");
     hands->until("panels", [&](const json& now) { return now["items"]["picture"][2] == width; });
     hands->until_rest();
-    const Image without = hands->window();
+    const media::Image without = hands->window();
     hands->key("shift+slash");
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(other(without, hands->window()));
@@ -199,12 +199,12 @@ TEST_F(Watching, ShadersThatChangeAreSeen) {
     };
     Hands hands(*screen, folder.path, {stage, "--size", "640x400", "--shaders", shaders.string()});
     hands.until_rest();
-    const Image before = hands.picture();
+    const media::Image before = hands.picture();
     write(std::string(text).replace(at, stored.size(), "packUnorm4x8(shown.bgra)"));
     hands.until_notice("shaders made anew");
     hands.until_rest();
-    const Image swapped = hands.picture();
-    Image expected = before;
+    const media::Image swapped = hands.picture();
+    media::Image expected = before;
     for (size_t i = 0; i < expected.rgba.size(); i += 4) std::swap(expected.rgba[i], expected.rgba[i + 2]);
     EXPECT_TRUE(same(swapped, expected));
     EXPECT_TRUE(other(swapped, before));

@@ -16,68 +16,69 @@ namespace neuvv::test {
 namespace {
 
 // ∫ σ(t) over the box, in units of its volume.
-double mass(const VOctree& tree, uint32_t frame) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
-    const auto entries = basis_entries(tree.sigma_basis, tree.bases);
+double mass(const voctree::VOctree& tree, uint32_t frame) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const auto entries = voctree::basis_entries(tree.sigma_basis, tree.bases);
     std::vector<float> sigma(tree.frames);
     double sum = 0;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        density_of_frames(tree.leaf(leaf), entries, sigma);
+        voctree::density_of_frames(tree.leaf(leaf), entries, sigma);
         sum += std::ldexp(sigma[frame], -3 * static_cast<int>(places[leaf].depth));
     }
     return sum;
 }
 
-void give_own_bases(VOctree& tree) {
+void give_own_bases(voctree::VOctree& tree) {
     for (uint32_t i = 0; i < tree.frames * tree.bases; i++)
         tree.sigma_basis[i] = i / tree.bases == i % tree.bases ? 1.0f : 0.0f;
     tree.gamma_basis = tree.sigma_basis;
 }
 
-VOctree own_frames_tree() {
-    VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 4000, .bases = 5, .hh_degree = 1, .frames = 5});
+voctree::VOctree own_frames_tree() {
+    voctree::VOctree tree =
+        random_tree({.seed = 3, .node_levels = 3, .leaves = 4000, .bases = 5, .hh_degree = 1, .frames = 5});
     give_own_bases(tree);
     return tree;
 }
 
 TEST(Coarse, OpticalDepthIsKept) {
-    const VOctree tree = own_frames_tree();
+    const voctree::VOctree tree = own_frames_tree();
     for (uint32_t depth = 1; depth <= 5; depth++) {
-        const VOctree cut = cut_tree(tree, depth);
-        EXPECT_EQ(defect_of(cut), "");
+        const voctree::VOctree cut = voctree::cut_tree(tree, depth);
+        EXPECT_EQ(voctree::defect_of(cut), "");
         EXPECT_LT(cut.leaf_count, tree.leaf_count);
-        for (const LeafPlace& place : leaf_places(cut)) EXPECT_LE(place.depth, depth);
+        for (const voctree::LeafPlace& place : voctree::leaf_places(cut)) EXPECT_LE(place.depth, depth);
         for (uint32_t frame = 0; frame < tree.frames; frame++)
             EXPECT_NEAR(mass(cut, frame) / mass(tree, frame), 1, 1e-4) << depth;
     }
-    EXPECT_EQ(cut_tree(tree, 6).weights.size(), tree.weights.size());
+    EXPECT_EQ(voctree::cut_tree(tree, 6).weights.size(), tree.weights.size());
 }
 
 // Every point that was in a leaf is in one, and the other way round but for what a coarse cell adds around it.
 TEST(Coarse, LeavesStayWhereTheyWere) {
-    const VOctree tree = own_frames_tree(), cut = cut_tree(tree, 3);
+    const voctree::VOctree tree = own_frames_tree(), cut = voctree::cut_tree(tree, 3);
     Random random(1);
     for (int i = 0; i < 2000; i++) {
         const glm::dvec3 at(random.uniform(), random.uniform(), random.uniform());
-        if (find_leaf(tree, at) != UINT32_MAX) {
-            EXPECT_NE(find_leaf(cut, at), UINT32_MAX);
+        if (voctree::find_leaf(tree, at) != UINT32_MAX) {
+            EXPECT_NE(voctree::find_leaf(cut, at), UINT32_MAX);
         }
     }
 }
 
 // Eight siblings, one of them opaque and red, the others all but empty and blue: the cell is red.
 TEST(Coarse, WhatShowsGivesTheColour) {
-    VOctree tree = random_tree({.leaves = 1, .bases = 2, .hh_degree = 0, .frames = 2});
+    voctree::VOctree tree = random_tree({.leaves = 1, .bases = 2, .hh_degree = 0, .frames = 2});
     give_own_bases(tree);
     tree.node_levels = 1;
-    std::vector<LeafPlace> places;
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t i = 0; i < 8; i++) {
         const float numbers[] = {i == 5 ? 80.0f : 0.001f, -3, i == 5 ? 2.0f : -2.0f, 9, i == 5 ? 4.0f : -4.0f, 0, 1};
         std::copy(std::begin(numbers), std::end(numbers), tree.leaf(i));
     }
-    const VOctree cut = cut_tree(tree, 1);
+    const voctree::VOctree cut = voctree::cut_tree(tree, 1);
     ASSERT_EQ(cut.leaf_count, 1u);
     EXPECT_NEAR(cut.leaf(0)[0], 10, 0.01);
     EXPECT_EQ(cut.leaf(0)[1], 0);  // empty in frame 1
@@ -88,16 +89,16 @@ TEST(Coarse, WhatShowsGivesTheColour) {
 }
 
 TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
-    VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
-    EXPECT_FALSE(coarse_tree(tree));
-    std::vector<LeafPlace> places;
-    for (uint32_t i = 0; i < kCoarseFrom; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
+    EXPECT_FALSE(voctree::coarse_tree(tree));
+    std::vector<voctree::LeafPlace> places;
+    for (uint32_t i = 0; i < voctree::kCoarseFrom; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 5;
-    const std::optional<VOctree> coarse = coarse_tree(tree);
+    const std::optional<voctree::VOctree> coarse = voctree::coarse_tree(tree);
     ASSERT_TRUE(coarse);
-    EXPECT_EQ(defect_of(*coarse), "");
+    EXPECT_EQ(voctree::defect_of(*coarse), "");
     EXPECT_LE(coarse->leaf_count, tree.leaf_count / 32);
     EXPECT_GT(coarse->leaf_count, tree.leaf_count / 512);
 }
@@ -105,7 +106,7 @@ TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
 class CoarseFile : public testing::Test {
   protected:
     // Chunks of a file with a coarse tree, which `damage` may change.
-    std::vector<Chunk> chunks(const VOctree& coarse) const {
+    std::vector<Chunk> chunks(const voctree::VOctree& coarse) const {
         std::vector<Chunk> all = chunks_of(tree);
         std::vector<Chunk> own = chunks_of(coarse);
         for (Chunk& chunk : own) chunk.name[0] = static_cast<char>(chunk.name[0] - 'A' + 'a');
@@ -115,7 +116,7 @@ class CoarseFile : public testing::Test {
     std::string complaint(const std::vector<Chunk>& chunks) {
         put_file(path, nvv_of(chunks));
         try {
-            read_nvv_coarse(path);
+            voctree::read_nvv_coarse(path);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -130,56 +131,56 @@ class CoarseFile : public testing::Test {
 
     TemporaryFolder folder;
     std::filesystem::path path = folder.path / "tree.nvv";
-    VOctree tree = random_tree({.seed = 4, .node_levels = 2, .leaves = 60, .bases = 2, .frames = 2});
-    VOctree cut = cut_tree(tree, 2);
+    voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 2, .leaves = 60, .bases = 2, .frames = 2});
+    voctree::VOctree cut = voctree::cut_tree(tree, 2);
 };
 
 TEST_F(CoarseFile, RoundTripAndTheBytesOfTheSpecification) {
-    for (float& weight : cut.weights) weight = float_from_half(half_from_float(weight));
-    write_nvv(path, tree, {{"note", {1, 2}}}, 1, cut);
-    const std::optional<VOctree> coarse = read_nvv_coarse(path);
+    for (float& weight : cut.weights) weight = voctree::float_from_half(voctree::half_from_float(weight));
+    voctree::write_nvv(path, tree, {{"note", {1, 2}}}, 1, cut);
+    const std::optional<voctree::VOctree> coarse = voctree::read_nvv_coarse(path);
     ASSERT_TRUE(coarse);
     EXPECT_EQ(coarse->weights, cut.weights);
     EXPECT_EQ(coarse->children, cut.children);
     EXPECT_EQ(coarse->frames, tree.frames);
-    std::vector<NvvChunk> extra;
-    EXPECT_EQ(read_nvv(path, &extra).weights, tree.weights);
+    std::vector<voctree::NvvChunk> extra;
+    EXPECT_EQ(voctree::read_nvv(path, &extra).weights, tree.weights);
     ASSERT_EQ(extra.size(), 1u) << "the coarse tree is no extra chunk";
 
-    write_nvv(path, tree, {}, 1, cut);
+    voctree::write_nvv(path, tree, {}, 1, cut);
     EXPECT_EQ(get_file(path), nvv_of(chunks(cut)));
-    write_nvv(path, tree);
-    EXPECT_FALSE(read_nvv_coarse(path));
+    voctree::write_nvv(path, tree);
+    EXPECT_FALSE(voctree::read_nvv_coarse(path));
 }
 
 // It needs nothing of what comes after it.
 TEST_F(CoarseFile, IsReadFromTheFilesStart) {
-    write_nvv(path, tree, {}, 1, cut);
+    voctree::write_nvv(path, tree, {}, 1, cut);
     Bytes bytes = get_file(path);
     bytes[bytes.size() - 60] ^= 1;
     put_file(path, bytes);
-    EXPECT_TRUE(read_nvv_coarse(path));
-    EXPECT_THROW(read_nvv(path), InputError);
+    EXPECT_TRUE(voctree::read_nvv_coarse(path));
+    EXPECT_THROW(voctree::read_nvv(path), InputError);
     bytes[12 + 32 + 100] ^= 1;
     put_file(path, bytes);
-    EXPECT_THROW(read_nvv_coarse(path), InputError);
+    EXPECT_THROW(voctree::read_nvv_coarse(path), InputError);
 }
 
 TEST_F(CoarseFile, HostileOnesAreRefused) {
     EXPECT_EQ(complaint(chunks(cut)), "");
-    const auto with = [&](const std::function<void(VOctree&)>& damage) {
-        VOctree damaged = cut;
+    const auto with = [&](const std::function<void(voctree::VOctree&)>& damage) {
+        voctree::VOctree damaged = cut;
         damage(damaged);
         return chunks(damaged);
     };
-    expect_complaint("chunk hEAD: has another clip or box", with([](VOctree& t) { t.frames = 9; }));
-    expect_complaint("chunk hEAD: has another clip or box", with([](VOctree& t) { t.box_min.x = 7; }));
+    expect_complaint("chunk hEAD: has another clip or box", with([](voctree::VOctree& t) { t.frames = 9; }));
+    expect_complaint("chunk hEAD: has another clip or box", with([](voctree::VOctree& t) { t.box_min.x = 7; }));
     std::vector<Chunk> many_bases = chunks(cut);
     many_bases[1].raw[16] = 65;
     expect_complaint("chunk hEAD: bases is 65", many_bases);
-    expect_complaint("chunk cHLD: node 0", with([](VOctree& t) { t.children[0] = 0; }));
+    expect_complaint("chunk cHLD: node 0", with([](voctree::VOctree& t) { t.children[0] = 0; }));
     expect_complaint("the coarse tree: weights: number 5 is not finite",
-                     with([](VOctree& t) { t.weights[5] = std::nanf(""); }));
+                     with([](voctree::VOctree& t) { t.weights[5] = std::nanf(""); }));
     std::vector<Chunk> less = chunks(cut);
     less.erase(less.begin() + 4);
     expect_complaint("stands where bASA must", less);
@@ -205,8 +206,8 @@ TEST_F(CoarseFile, FuzzOfContent) {
         if (kind >= 3) chunk.raw[at] = static_cast<uint8_t>(kind == 3 ? 255 : chunk.raw[at] ^ 1 << random.below(8));
         put_file(path, nvv_of(all));
         try {
-            const std::optional<VOctree> coarse = read_nvv_coarse(path);
-            ASSERT_EQ(coarse ? defect_of(*coarse) : "", "");
+            const std::optional<voctree::VOctree> coarse = voctree::read_nvv_coarse(path);
+            ASSERT_EQ(coarse ? voctree::defect_of(*coarse) : "", "");
             accepted++;
         } catch (const InputError&) {
             refused++;
@@ -217,14 +218,14 @@ TEST_F(CoarseFile, FuzzOfContent) {
 }
 
 TEST_F(CoarseFile, WhatReadersRefuseIsNotWritten) {
-    VOctree other = cut;
+    voctree::VOctree other = cut;
     other.frames = 1;
-    EXPECT_THROW(write_nvv(path, tree, {}, 1, other), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path, tree, {}, 1, other), RuntimeFailure);
     other = cut;
     other.fps = 60;
-    EXPECT_THROW(write_nvv(path, tree, {}, 1, other), RuntimeFailure);
-    EXPECT_THROW(write_nvv(path, cut, {}, 1, tree), RuntimeFailure) << "more leaves than the tree";
-    EXPECT_THROW(write_nvv(path, tree, {{"hEAD", {1}}}), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path, tree, {}, 1, other), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path, cut, {}, 1, tree), RuntimeFailure) << "more leaves than the tree";
+    EXPECT_THROW(voctree::write_nvv(path, tree, {{"hEAD", {1}}}), RuntimeFailure);
     EXPECT_FALSE(std::filesystem::exists(path));
 }
 

@@ -21,7 +21,7 @@ double value_of_half(uint32_t bits) {
 
 TEST(Half, ToFloatIsExactForAll65536) {
     for (uint32_t bits = 0; bits < 65536; ++bits) {
-        const float value = float_from_half(static_cast<uint16_t>(bits));
+        const float value = voctree::float_from_half(static_cast<uint16_t>(bits));
         const double truth = value_of_half(bits);
         if (std::isnan(truth))
             ASSERT_TRUE(std::isnan(value)) << bits;
@@ -34,7 +34,7 @@ TEST(Half, ToFloatIsExactForAll65536) {
 TEST(Half, EveryFiniteHalfSurvivesTheRoundTrip) {
     for (uint32_t bits = 0; bits < 65536; ++bits) {
         if ((bits & 0x7c00) == 0x7c00) continue;
-        ASSERT_EQ(bits, half_from_float(float_from_half(static_cast<uint16_t>(bits))));
+        ASSERT_EQ(bits, voctree::half_from_float(voctree::float_from_half(static_cast<uint16_t>(bits))));
     }
 }
 
@@ -43,10 +43,10 @@ TEST(Half, RoundsToNearestTiesToEven) {
     for (uint32_t low = 0; low < 0x7bff; ++low) {
         const uint32_t even = low % 2 == 0 ? low : low + 1;
         const auto middle = static_cast<float>((value_of_half(low) + value_of_half(low + 1)) / 2);
-        ASSERT_EQ(even, half_from_float(middle)) << low;
-        ASSERT_EQ(even | 0x8000, half_from_float(-middle)) << low;
-        ASSERT_EQ(low, half_from_float(std::nextafter(middle, 0.0f))) << low;
-        ASSERT_EQ(low + 1, half_from_float(std::nextafter(middle, 1e6f))) << low;
+        ASSERT_EQ(even, voctree::half_from_float(middle)) << low;
+        ASSERT_EQ(even | 0x8000, voctree::half_from_float(-middle)) << low;
+        ASSERT_EQ(low, voctree::half_from_float(std::nextafter(middle, 0.0f))) << low;
+        ASSERT_EQ(low + 1, voctree::half_from_float(std::nextafter(middle, 1e6f))) << low;
     }
 }
 
@@ -65,12 +65,13 @@ TEST(Half, AgreesWithTheCompilersFloat16) {
 TEST(Half, SaturatesAndKeepsNan) {
     const float infinity = std::numeric_limits<float>::infinity();
     for (const float large : {65504.0f, 65519.0f, 65520.0f, 1e6f, 3e38f, infinity}) {
-        EXPECT_EQ(0x7bff, half_from_float(large)) << large;
-        EXPECT_EQ(0xfbff, half_from_float(-large)) << large;
+        EXPECT_EQ(0x7bff, voctree::half_from_float(large)) << large;
+        EXPECT_EQ(0xfbff, voctree::half_from_float(-large)) << large;
     }
-    EXPECT_TRUE(std::isnan(float_from_half(half_from_float(std::numeric_limits<float>::quiet_NaN()))));
-    EXPECT_EQ(0, half_from_float(1e-40f));
-    EXPECT_EQ(0x8000, half_from_float(-0.0f));
+    EXPECT_TRUE(
+        std::isnan(voctree::float_from_half(voctree::half_from_float(std::numeric_limits<float>::quiet_NaN()))));
+    EXPECT_EQ(0, voctree::half_from_float(1e-40f));
+    EXPECT_EQ(0x8000, voctree::half_from_float(-0.0f));
 }
 
 }  // namespace

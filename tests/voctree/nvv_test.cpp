@@ -25,7 +25,7 @@ using test::put_file;
 using test::Random;
 using test::random_tree;
 
-bool same_tree(const VOctree& a, const VOctree& b) {
+bool same_tree(const voctree::VOctree& a, const voctree::VOctree& b) {
     const auto same_node = [](const TreeNode& m, const TreeNode& n) {
         return m.mask_lo == n.mask_lo && m.mask_hi == n.mask_hi && m.first_child == n.first_child;
     };
@@ -36,7 +36,7 @@ bool same_tree(const VOctree& a, const VOctree& b) {
            a.gamma_basis == b.gamma_basis && a.weights == b.weights;
 }
 
-VOctree small_tree() {
+voctree::VOctree small_tree() {
     return random_tree({.seed = 4, .node_levels = 2, .leaves = 20, .bases = 2, .hh_degree = 1, .frames = 2});
 }
 
@@ -53,9 +53,9 @@ class Nvv : public testing::Test {
     // The complaint about these bytes, empty if there is none.
     std::string complaint(const Bytes& bytes) {
         put_file(path_, bytes);
-        std::vector<NvvChunk> extra;
+        std::vector<voctree::NvvChunk> extra;
         try {
-            read_nvv(path_, &extra);
+            voctree::read_nvv(path_, &extra);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -72,20 +72,20 @@ class Nvv : public testing::Test {
 
 TEST_F(Nvv, RoundTripOfMixedTrees) {
     for (uint32_t seed = 0; seed < 24; ++seed) {
-        const VOctree tree = random_tree({.seed = seed,
-                                          .node_levels = 1 + seed % 3,
-                                          .leaves = 1 + 97 * (seed % 7),
-                                          .bases = 1 + seed,
-                                          .hh_degree = seed % 4,
-                                          .frames = 1 + seed % 5});
-        write_nvv(path_, tree, {}, seed % 2 ? 1 : 9);
-        ASSERT_TRUE(same_tree(tree, read_nvv(path_))) << seed;
+        const voctree::VOctree tree = random_tree({.seed = seed,
+                                                   .node_levels = 1 + seed % 3,
+                                                   .leaves = 1 + 97 * (seed % 7),
+                                                   .bases = 1 + seed,
+                                                   .hh_degree = seed % 4,
+                                                   .frames = 1 + seed % 5});
+        voctree::write_nvv(path_, tree, {}, seed % 2 ? 1 : 9);
+        ASSERT_TRUE(same_tree(tree, voctree::read_nvv(path_))) << seed;
     }
 }
 
 // As training leaves them: few of the bases in use, weights on coarse grids or with few digits.
-VOctree compact_tree(uint32_t seed) {
-    VOctree tree =
+voctree::VOctree compact_tree(uint32_t seed) {
+    voctree::VOctree tree =
         random_tree({.seed = seed, .node_levels = 2, .leaves = 120, .bases = 13, .hh_degree = 1, .frames = 13});
     Random random(seed);
     for (uint32_t i = 0; i < tree.leaf_count; ++i) {
@@ -103,12 +103,12 @@ VOctree compact_tree(uint32_t seed) {
 
 TEST_F(Nvv, CompactTreesTakeFewBytes) {
     for (uint32_t seed = 0; seed < 8; ++seed) {
-        const VOctree tree = compact_tree(seed);
-        write_nvv(path_, tree, {}, 1);
-        EXPECT_TRUE(same_tree(tree, read_nvv(path_))) << seed;
+        const voctree::VOctree tree = compact_tree(seed);
+        voctree::write_nvv(path_, tree, {}, 1);
+        EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_))) << seed;
         EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_)) << seed;
     }
-    const NvvSummary summary = summarise_nvv(path_);
+    const voctree::NvvSummary summary = voctree::summarise_nvv(path_);
     const uint64_t leaves = summary.head.leaf_count;
     EXPECT_EQ(2 * leaves, summary.chunks[5].raw_bytes);
     EXPECT_LT(summary.chunks[6].raw_bytes, 13 * leaves);  // a quarter of 13 halves, and chance
@@ -116,30 +116,31 @@ TEST_F(Nvv, CompactTreesTakeFewBytes) {
 
 // A column whose steps pass 16 bits wraps, and comes back.
 TEST_F(Nvv, StepsMayWrap) {
-    VOctree tree = small_tree();
+    voctree::VOctree tree = small_tree();
     for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[4] = i % 2 ? 32752.0f : -32752.0f;
-    write_nvv(path_, tree, {}, 1);
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    voctree::write_nvv(path_, tree, {}, 1);
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
     EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
 }
 
 TEST_F(Nvv, RoundTripBeyondOnePiece) {
-    const VOctree tree = random_tree({.seed = 2, .node_levels = 3, .leaves = 40000, .bases = 31, .hh_degree = 2});
-    write_nvv(path_, tree);
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    const voctree::VOctree tree =
+        random_tree({.seed = 2, .node_levels = 3, .leaves = 40000, .bases = 31, .hh_degree = 2});
+    voctree::write_nvv(path_, tree);
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
 }
 
 TEST_F(Nvv, RoundTripOfTheEmptyTree) {
-    VOctree tree = random_tree({.leaves = 0});
+    voctree::VOctree tree = random_tree({.leaves = 0});
     ASSERT_EQ(0u, tree.leaf_count);
     tree.fps = 29.97f;
-    write_nvv(path_, tree);
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    voctree::write_nvv(path_, tree);
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
 }
 
 TEST_F(Nvv, SameTreeCatchesADifference) {
-    const VOctree tree = small_tree();
-    VOctree other = tree;
+    const voctree::VOctree tree = small_tree();
+    voctree::VOctree other = tree;
     other.weights[7] += 1;
     EXPECT_FALSE(same_tree(tree, other));
     other = tree;
@@ -148,13 +149,13 @@ TEST_F(Nvv, SameTreeCatchesADifference) {
 }
 
 TEST_F(Nvv, WeightsRoundToHalfAndSaturate) {
-    VOctree tree = small_tree();
+    voctree::VOctree tree = small_tree();
     tree.leaf(0)[0] = 1e9f;
     tree.leaf(0)[1] = -1e9f;
     tree.leaf(1)[2] = 1.0f / 3;
     tree.sigma_basis[0] = 1.0f / 3;
-    write_nvv(path_, tree);
-    const VOctree read = read_nvv(path_);
+    voctree::write_nvv(path_, tree);
+    const voctree::VOctree read = voctree::read_nvv(path_);
     EXPECT_EQ(65504.0f, read.leaf(0)[0]);
     EXPECT_EQ(-65504.0f, read.leaf(0)[1]);
     EXPECT_EQ(0.333251953125f, read.leaf(1)[2]);
@@ -162,44 +163,44 @@ TEST_F(Nvv, WeightsRoundToHalfAndSaturate) {
 }
 
 TEST_F(Nvv, ReadsWhatTheSpecificationSays) {
-    const VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 300, .bases = 5, .hh_degree = 2});
+    const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 300, .bases = 5, .hh_degree = 2});
     put_file(path_, nvv_of(chunks_of(tree)));
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
 }
 
 TEST_F(Nvv, WritesWhatTheSpecificationSays) {
-    const VOctree tree = small_tree();
-    write_nvv(path_, tree, {}, 1);
+    const voctree::VOctree tree = small_tree();
+    voctree::write_nvv(path_, tree, {}, 1);
     EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
 }
 
 TEST_F(Nvv, ExtraChunksRideAlong) {
-    const VOctree tree = small_tree();
-    const std::vector<NvvChunk> extra = {{"adam", Bytes(100000, 7)}, {"p4nt", {}}, {"zzzz", {1, 2, 3}}};
-    write_nvv(path_, tree, extra);
-    std::vector<NvvChunk> read = {{"left", {1}}};
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_, &read)));
+    const voctree::VOctree tree = small_tree();
+    const std::vector<voctree::NvvChunk> extra = {{"adam", Bytes(100000, 7)}, {"p4nt", {}}, {"zzzz", {1, 2, 3}}};
+    voctree::write_nvv(path_, tree, extra);
+    std::vector<voctree::NvvChunk> read = {{"left", {1}}};
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_, &read)));
     ASSERT_EQ(extra.size(), read.size());
     for (size_t i = 0; i < extra.size(); ++i) {
         EXPECT_EQ(extra[i].name, read[i].name);
         EXPECT_EQ(extra[i].bytes, read[i].bytes);
     }
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_)));
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
 
     // Between the known chunks, too.
     std::vector<Chunk> chunks = chunks_of(tree);
     chunks.insert(chunks.begin() + 3, {.name = "note", .raw = {9}});
     put_file(path_, nvv_of(chunks));
-    EXPECT_TRUE(same_tree(tree, read_nvv(path_, &read)));
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_, &read)));
     ASSERT_EQ(1u, read.size());
     EXPECT_EQ("note", read[0].name);
 }
 
 TEST_F(Nvv, SummaryListsChunks) {
-    const VOctree tree = small_tree();
-    write_nvv(path_, tree, {{"adam", Bytes(1000)}});
-    const NvvSummary summary = summarise_nvv(path_);
-    EXPECT_EQ(kNvvVersion, summary.version);
+    const voctree::VOctree tree = small_tree();
+    voctree::write_nvv(path_, tree, {{"adam", Bytes(1000)}});
+    const voctree::NvvSummary summary = voctree::summarise_nvv(path_);
+    EXPECT_EQ(voctree::kNvvVersion, summary.version);
     EXPECT_EQ(std::filesystem::file_size(path_), summary.file_bytes);
     EXPECT_EQ(tree.leaf_count, summary.head.leaf_count);
     EXPECT_EQ(tree.box_size, summary.head.box_size);
@@ -209,25 +210,25 @@ TEST_F(Nvv, SummaryListsChunks) {
     EXPECT_EQ("adam", summary.chunks[9].name);
     EXPECT_EQ(1000u, summary.chunks[9].raw_bytes);
     uint64_t total = 12 + 32;
-    for (const NvvSummary::Chunk& chunk : summary.chunks) total += 32 + chunk.stored_bytes;
+    for (const voctree::NvvSummary::Chunk& chunk : summary.chunks) total += 32 + chunk.stored_bytes;
     EXPECT_EQ(summary.file_bytes, total);
 
     std::filesystem::resize_file(path_, summary.file_bytes - 1);
-    EXPECT_THROW(summarise_nvv(path_), InputError);
+    EXPECT_THROW(voctree::summarise_nvv(path_), InputError);
 }
 
 TEST_F(Nvv, FileStartsAreTold) {
     Bytes bytes = nvv_of(chunks_of(small_tree()));
     EXPECT_EQ("", complaint(bytes));
-    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), kNvvVersion + 1));
-    expect_complaint("train it again", nvv_of(chunks_of(small_tree()), kNvvVersion - 1));
+    expect_complaint("newer neuvv", nvv_of(chunks_of(small_tree()), voctree::kNvvVersion + 1));
+    expect_complaint("train it again", nvv_of(chunks_of(small_tree()), voctree::kNvvVersion - 1));
     bytes.erase(bytes.begin() + 4);  // CRLF became LF
     expect_complaint("text-mode", bytes);
     bytes[0] &= 0x7f;
     expect_complaint("not an .nvv file", bytes);
     expect_complaint("not an .nvv file", {});
-    EXPECT_THROW(read_nvv(folder_ / "missing.nvv"), InputError);
-    EXPECT_THROW(read_nvv(folder_), InputError);
+    EXPECT_THROW(voctree::read_nvv(folder_ / "missing.nvv"), InputError);
+    EXPECT_THROW(voctree::read_nvv(folder_), InputError);
 }
 
 TEST_F(Nvv, EveryTruncationIsSeen) {
@@ -251,7 +252,7 @@ TEST_F(Nvv, EverySingleFlippedBitIsSeen) {
 
 // Damage without knowledge of checksums: refused, or the tree is what it was.
 TEST_F(Nvv, FuzzOfBytesAndChunks) {
-    const VOctree tree = small_tree();
+    const voctree::VOctree tree = small_tree();
     std::vector<Chunk> chunks = chunks_of(tree);
     chunks.push_back({.name = "adam", .raw = Bytes(50, 3)});
     const Bytes whole = nvv_of(chunks);
@@ -289,8 +290,8 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
         }
         put_file(path_, bytes);
         try {
-            std::vector<NvvChunk> extra;
-            ASSERT_TRUE(same_tree(tree, read_nvv(path_, &extra))) << round;
+            std::vector<voctree::NvvChunk> extra;
+            ASSERT_TRUE(same_tree(tree, voctree::read_nvv(path_, &extra))) << round;
             ASSERT_EQ(bytes, whole) << round;
         } catch (const InputError&) {
             ++refused;
@@ -320,11 +321,11 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
         }
         put_file(path_, nvv_of(chunks));
         try {
-            const VOctree tree = read_nvv(path_);
-            ASSERT_EQ("", defect_of(tree)) << round;
-            ASSERT_EQ(tree.leaf_count, leaf_places(tree).size());
+            const voctree::VOctree tree = voctree::read_nvv(path_);
+            ASSERT_EQ("", voctree::defect_of(tree)) << round;
+            ASSERT_EQ(tree.leaf_count, voctree::leaf_places(tree).size());
             for (int i = 0; i < 20; ++i) {
-                const uint32_t leaf = find_leaf(tree, {random.uniform(), random.uniform(), random.uniform()});
+                const uint32_t leaf = voctree::find_leaf(tree, {random.uniform(), random.uniform(), random.uniform()});
                 ASSERT_TRUE(leaf == UINT32_MAX || leaf < tree.leaf_count) << round;
             }
             ++accepted;
@@ -337,29 +338,31 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
 }
 
 TEST_F(Nvv, HostileTrees) {
-    const auto file_with = [](const std::function<void(VOctree&)>& damage) {
-        VOctree tree = small_tree();
+    const auto file_with = [](const std::function<void(voctree::VOctree&)>& damage) {
+        voctree::VOctree tree = small_tree();
         damage(tree);
         return nvv_of(chunks_of(tree));
     };
-    const auto node_entry = [](VOctree& tree) -> uint32_t& {
+    const auto node_entry = [](voctree::VOctree& tree) -> uint32_t& {
         for (uint32_t& entry : tree.children)
             if (!(entry & kLeafBit)) return entry;
         throw std::logic_error("the tree has one node only");
     };
-    EXPECT_EQ("", complaint(file_with([](VOctree&) {})));
+    EXPECT_EQ("", complaint(file_with([](voctree::VOctree&) {})));
     expect_complaint("chunk CHLD: node 0: node 0 is reached more than once",
-                     file_with([&](VOctree& t) { node_entry(t) = 0; }));
-    expect_complaint("out of range", file_with([&](VOctree& t) { node_entry(t) = 0x7fffffff; }));
-    expect_complaint("out of range", file_with([&](VOctree& t) { node_entry(t) = UINT32_MAX; }));
-    expect_complaint("beyond the child array", file_with([](VOctree& t) { t.nodes[0].first_child = UINT32_MAX; }));
-    expect_complaint("box", file_with([](VOctree& t) { t.box_size.x = std::nanf(""); }));
-    expect_complaint("fps", file_with([](VOctree& t) { t.fps = -1; }));
-    expect_complaint("weights: number 5 is not finite", file_with([](VOctree& t) { t.weights[5] = std::nanf(""); }));
+                     file_with([&](voctree::VOctree& t) { node_entry(t) = 0; }));
+    expect_complaint("out of range", file_with([&](voctree::VOctree& t) { node_entry(t) = 0x7fffffff; }));
+    expect_complaint("out of range", file_with([&](voctree::VOctree& t) { node_entry(t) = UINT32_MAX; }));
+    expect_complaint("beyond the child array",
+                     file_with([](voctree::VOctree& t) { t.nodes[0].first_child = UINT32_MAX; }));
+    expect_complaint("box", file_with([](voctree::VOctree& t) { t.box_size.x = std::nanf(""); }));
+    expect_complaint("fps", file_with([](voctree::VOctree& t) { t.fps = -1; }));
+    expect_complaint("weights: number 5 is not finite",
+                     file_with([](voctree::VOctree& t) { t.weights[5] = std::nanf(""); }));
     expect_complaint("gamma basis",
-                     file_with([](VOctree& t) { t.gamma_basis[1] = std::numeric_limits<float>::infinity(); }));
-    expect_complaint("node_levels", file_with([](VOctree& t) { t.node_levels = 7; }));
-    expect_complaint("deeper", file_with([](VOctree& t) { t.node_levels = 1; }));
+                     file_with([](voctree::VOctree& t) { t.gamma_basis[1] = std::numeric_limits<float>::infinity(); }));
+    expect_complaint("node_levels", file_with([](voctree::VOctree& t) { t.node_levels = 7; }));
+    expect_complaint("deeper", file_with([](voctree::VOctree& t) { t.node_levels = 1; }));
 }
 
 TEST_F(Nvv, HostileCounts) {
@@ -372,7 +375,8 @@ TEST_F(Nvv, HostileCounts) {
         }
     }
     // The largest counts that HEAD may name, without the bytes to back them.
-    for (const auto& [field, count] : {std::pair<size_t, uint32_t>{1, kMaxNodes}, {2, 8 * kMaxLeaves}}) {
+    for (const auto& [field, count] :
+         {std::pair<size_t, uint32_t>{1, voctree::kMaxNodes}, {2, 8 * voctree::kMaxLeaves}}) {
         std::vector<Chunk> chunks = chunks_of(small_tree());
         std::memcpy(&chunks[0].raw[4 * field], &count, 4);
         expect_complaint("bytes, not the", nvv_of(chunks));
@@ -381,17 +385,17 @@ TEST_F(Nvv, HostileCounts) {
     }
     // Leaves that no node reaches are refused before memory is taken for their weights.
     std::vector<Chunk> chunks = chunks_of(small_tree());
-    std::memcpy(&chunks[0].raw[12], &kMaxLeaves, 4);
+    std::memcpy(&chunks[0].raw[12], &voctree::kMaxLeaves, 4);
     expect_complaint("leaves are not reached", nvv_of(chunks));
 }
 
 // Weights that take no bytes in the file take memory all the same.
 TEST_F(Nvv, EmptyLeavesMayNotAskForMemoryWithoutEnd) {
-    VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0});
-    std::vector<LeafPlace> places;
+    voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0});
+    std::vector<voctree::LeafPlace> places;
     for (uint32_t i = 0; i < 64 * 64 * 64; ++i) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
-    build_topology(tree, places);
+    voctree::build_topology(tree, places);
     std::vector<Chunk> chunks = chunks_of(tree);
     EXPECT_EQ("", complaint(nvv_of(chunks)));
     const uint32_t bases = 64, hh_degree = 3;  // 436 bytes a leaf as halves, 114 MB in all
@@ -451,7 +455,7 @@ class NvvAtomic : public Nvv {
   protected:
     void SetUp() override {
         Nvv::SetUp();
-        write_nvv(path_, small_tree());
+        voctree::write_nvv(path_, small_tree());
         old_ = get_file(path_);
     }
     void expect_old_file_alone() {
@@ -463,36 +467,36 @@ class NvvAtomic : public Nvv {
 };
 
 TEST_F(NvvAtomic, FoldersThatTakeNoFile) {
-    EXPECT_THROW(write_nvv(folder_ / "missing" / "tree.nvv", small_tree()), RuntimeFailure);
-    EXPECT_THROW(write_nvv(path_ / "below_a_file.nvv", small_tree()), RuntimeFailure);
-    EXPECT_THROW(write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // refuses even the super user
+    EXPECT_THROW(voctree::write_nvv(folder_ / "missing" / "tree.nvv", small_tree()), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path_ / "below_a_file.nvv", small_tree()), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // refuses even the super user
     expect_old_file_alone();
 }
 
 TEST_F(NvvAtomic, ADiskThatFillsUpLeavesTheOldFile) {
-    const VOctree large = random_tree({.node_levels = 3, .leaves = 3000, .bases = 31, .hh_degree = 2});
+    const voctree::VOctree large = random_tree({.node_levels = 3, .leaves = 3000, .bases = 31, .hh_degree = 2});
     struct rlimit before {};
     ASSERT_EQ(0, getrlimit(RLIMIT_FSIZE, &before));
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
     struct rlimit small = before;
     small.rlim_cur = 100'000;
     ASSERT_EQ(0, setrlimit(RLIMIT_FSIZE, &small));
-    EXPECT_THROW(write_nvv(path_, large), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path_, large), RuntimeFailure);
     setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
     expect_old_file_alone();
-    write_nvv(path_, large);
-    EXPECT_TRUE(same_tree(large, read_nvv(path_)));
+    voctree::write_nvv(path_, large);
+    EXPECT_TRUE(same_tree(large, voctree::read_nvv(path_)));
 }
 
 TEST_F(NvvAtomic, WhatReadersRefuseIsNotWritten) {
-    VOctree diverged = small_tree();
+    voctree::VOctree diverged = small_tree();
     diverged.weights[0] = std::nanf("");
-    EXPECT_THROW(write_nvv(path_, diverged), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path_, diverged), RuntimeFailure);
     for (const char* name : {"PLUS", "ab", "abcde", "a b1", "1abc", ""})
-        EXPECT_THROW(write_nvv(path_, small_tree(), {{name, {}}}), RuntimeFailure) << name;
-    EXPECT_THROW(write_nvv(path_, small_tree(), {{"twin", {}}, {"twin", {}}}), RuntimeFailure);
-    EXPECT_THROW(write_nvv(path_, small_tree(), {{"zero", Bytes(size_t{80} << 20)}}), RuntimeFailure);
+        EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{name, {}}}), RuntimeFailure) << name;
+    EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{"twin", {}}, {"twin", {}}}), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{"zero", Bytes(size_t{80} << 20)}}), RuntimeFailure);
     expect_old_file_alone();
 }
 

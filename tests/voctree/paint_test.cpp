@@ -32,7 +32,7 @@ float instant(uint32_t step) {
     return static_cast<float>(step) / 8;
 }
 
-void paint_table(Table& table, const LeafEdit& edit) {
+void paint_table(Table& table, const voctree::LeafEdit& edit) {
     for (uint32_t step = 0; step < kSteps; step++) {
         if (instant(step) < edit.first || instant(step) > edit.last) continue;
         Look& look = table[edit.leaf][step];
@@ -43,11 +43,11 @@ void paint_table(Table& table, const LeafEdit& edit) {
     }
 }
 
-void expect_table(const EditLayer& layer, const Table& table) {
-    EXPECT_EQ(defect_of(layer), "");
+void expect_table(const voctree::EditLayer& layer, const Table& table) {
+    EXPECT_EQ(voctree::defect_of(layer), "");
     Table found;
     std::array<std::array<int, kSteps>, kLeaves> held{};
-    for (const LeafEdit& edit : layer.edits)
+    for (const voctree::LeafEdit& edit : layer.edits)
         for (uint32_t step = 0; step < kSteps; step++) {
             if (instant(step) < edit.first || instant(step) > edit.last) continue;
             held[edit.leaf][step]++;
@@ -64,8 +64,8 @@ void expect_table(const EditLayer& layer, const Table& table) {
         }
 }
 
-LeafEdit random_edit(Random& random) {
-    LeafEdit edit;
+voctree::LeafEdit random_edit(Random& random) {
+    voctree::LeafEdit edit;
     edit.leaf = random.below(kLeaves);
     const uint32_t a = random.below(kSteps), b = random.below(kSteps);
     edit.first = instant(std::min(a, b));
@@ -82,17 +82,17 @@ LeafEdit random_edit(Random& random) {
 TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
     for (uint32_t seed = 0; seed < 60; seed++) {
         Random random(seed);
-        EditLayer layer{{1, kLeaves, kFrames}, {}};
+        voctree::EditLayer layer{{1, kLeaves, kFrames}, {}};
         Table table{};
         for (int stroke = 0; stroke < 6; stroke++) {
-            std::vector<LeafEdit> edits;
+            std::vector<voctree::LeafEdit> edits;
             for (uint32_t i = random.below(6); i > 0; i--) edits.push_back(random_edit(random));
-            for (const LeafEdit& edit : edits) paint_table(table, edit);
-            add_edits(layer, edits);
+            for (const voctree::LeafEdit& edit : edits) paint_table(table, edit);
+            voctree::add_edits(layer, edits);
             if (random.below(3) == 0) {
                 const std::array<uint32_t, 2> leaves = {2, random.below(2)};
                 const float first = instant(random.below(kSteps)), last = instant(random.below(kSteps));
-                remove_edits(layer, leaves, first, last);
+                voctree::remove_edits(layer, leaves, first, last);
                 for (uint32_t leaf : leaves)
                     for (uint32_t step = 0; step < kSteps; step++)
                         if (instant(step) >= first && instant(step) <= last) table[leaf][step] = {};
@@ -103,29 +103,29 @@ TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
 }
 
 TEST(PaintLayers, WhatIsTheSameStaysOneEdit) {
-    EditLayer layer{{1, kLeaves, kFrames}, {}};
-    const LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
-    add_edits(layer, std::array{red});
-    add_edits(layer, std::array{middle});
+    voctree::EditLayer layer{{1, kLeaves, kFrames}, {}};
+    const voctree::LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
+    voctree::add_edits(layer, std::array{red});
+    voctree::add_edits(layer, std::array{middle});
     ASSERT_EQ(layer.edits.size(), 3u) << "cut in two";
     EXPECT_EQ(layer.edits[0].last, std::nextafter(2.0f, 0.0f));
-    add_edits(layer, std::array{red});
+    voctree::add_edits(layer, std::array{red});
     EXPECT_EQ(layer.edits, std::vector{red}) << "and covered again";
 }
 
 struct PaintFile : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path path = folder.path / "layer.nvpaint";
-    VOctree tree = random_tree({.seed = 5, .leaves = 200});
-    EditLayer layer{painted_field(tree), {}};
+    voctree::VOctree tree = random_tree({.seed = 5, .leaves = 200});
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
     PaintFile() {
         Random random(1);
-        std::vector<LeafEdit> edits;
+        std::vector<voctree::LeafEdit> edits;
         for (int i = 0; i < 300; i++) {
             edits.push_back(random_edit(random));
             edits.back().leaf = random.below(tree.leaf_count);
         }
-        add_edits(layer, edits);
+        voctree::add_edits(layer, edits);
     }
     // By hand, from the specification.
     std::vector<Chunk> chunks() const {
@@ -143,23 +143,23 @@ struct PaintFile : testing::Test {
         std::vector<Chunk> all = {head, leaves};
         const auto column = [&](const char* name, auto number) {
             Chunk chunk{name, {}};
-            for (const LeafEdit& edit : layer.edits) append(chunk.raw, number(edit));
+            for (const voctree::LeafEdit& edit : layer.edits) append(chunk.raw, number(edit));
             all.push_back(chunk);
         };
-        column("PTF0", [](const LeafEdit& edit) { return edit.first; });
-        column("PTF1", [](const LeafEdit& edit) { return edit.last; });
-        column("PTCR", [](const LeafEdit& edit) { return edit.colour.r; });
-        column("PTCG", [](const LeafEdit& edit) { return edit.colour.g; });
-        column("PTCB", [](const LeafEdit& edit) { return edit.colour.b; });
-        column("PTAL", [](const LeafEdit& edit) { return edit.alpha; });
-        column("PTSG", [](const LeafEdit& edit) { return edit.sigma; });
+        column("PTF0", [](const voctree::LeafEdit& edit) { return edit.first; });
+        column("PTF1", [](const voctree::LeafEdit& edit) { return edit.last; });
+        column("PTCR", [](const voctree::LeafEdit& edit) { return edit.colour.r; });
+        column("PTCG", [](const voctree::LeafEdit& edit) { return edit.colour.g; });
+        column("PTCB", [](const voctree::LeafEdit& edit) { return edit.colour.b; });
+        column("PTAL", [](const voctree::LeafEdit& edit) { return edit.alpha; });
+        column("PTSG", [](const voctree::LeafEdit& edit) { return edit.sigma; });
         return all;
     }
     void put(const Bytes& bytes) const {
         std::ofstream(path, std::ios::binary)
             .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     }
-    EditLayer read() const { return read_paint(path, layer.field); }
+    voctree::EditLayer read() const { return voctree::read_paint(path, layer.field); }
     void expect_complaint(const std::vector<Chunk>& damaged, const std::string& words) const {
         put(nvv_of(damaged));
         expect_input_error([&] { read(); }, {path.string(), words});
@@ -167,10 +167,10 @@ struct PaintFile : testing::Test {
 };
 
 TEST_F(PaintFile, ComesBackAndIsAsSpecified) {
-    write_paint(path, layer);
+    voctree::write_paint(path, layer);
     EXPECT_EQ(read().edits, layer.edits);
-    ChunkReader file(path);
-    ChunkHeader header;
+    voctree::ChunkReader file(path);
+    voctree::ChunkHeader header;
     for (const Chunk& chunk : chunks()) {
         ASSERT_TRUE(file.next(header));
         EXPECT_EQ(header.name, chunk.name);
@@ -180,27 +180,29 @@ TEST_F(PaintFile, ComesBackAndIsAsSpecified) {
     put(nvv_of(chunks()));
     EXPECT_EQ(read().edits, layer.edits);
     layer.edits.clear();
-    write_paint(path, layer);
+    voctree::write_paint(path, layer);
     EXPECT_TRUE(read().edits.empty());
 }
 
 TEST_F(PaintFile, OfAnotherFieldIsRefused) {
-    write_paint(path, layer);
-    const VOctree other = random_tree({.seed = 6, .leaves = 200});
-    expect_input_error([&] { read_paint(path, painted_field(other)); }, {"PTHD", "another", "painted on"});
-    PaintedField longer = layer.field;
+    voctree::write_paint(path, layer);
+    const voctree::VOctree other = random_tree({.seed = 6, .leaves = 200});
+    expect_input_error([&] { voctree::read_paint(path, voctree::painted_field(other)); },
+                       {"PTHD", "another", "painted on"});
+    voctree::PaintedField longer = layer.field;
     longer.frames++;
-    expect_input_error([&] { read_paint(path, longer); }, {"5 frames, not 6"});
-    VOctree same = tree;
+    expect_input_error([&] { voctree::read_paint(path, longer); }, {"5 frames, not 6"});
+    voctree::VOctree same = tree;
     same.weights[0] += 1;
-    EXPECT_EQ(painted_field(same), painted_field(tree)) << "the same leaves, however they look";
-    write_nvv(path, tree);
+    EXPECT_EQ(voctree::painted_field(same), voctree::painted_field(tree)) << "the same leaves, however they look";
+    voctree::write_nvv(path, tree);
     expect_input_error([&] { read(); }, {"not a layer of paint"});
-    expect_input_error([&] { read_paint(folder.path / "none.nvpaint", layer.field); }, {"no such file", "neuvv paint"});
+    expect_input_error([&] { voctree::read_paint(folder.path / "none.nvpaint", layer.field); },
+                       {"no such file", "neuvv paint"});
 }
 
 TEST_F(PaintFile, EveryDamagedByteAndEveryMissingEndIsRefused) {
-    write_paint(path, layer);
+    voctree::write_paint(path, layer);
     const std::vector<uint8_t> sound = read_file(path);
     for (size_t i = 0; i < sound.size(); i += 3) {
         Bytes damaged = sound;
@@ -244,7 +246,7 @@ TEST_F(PaintFile, NumbersThatAreNoneAreRefused) {
     EXPECT_EQ(read().edits, layer.edits) << "ancillary";
     std::swap(layer.edits[0], layer.edits[20]);
     expect_complaint(chunks(), "out of order");
-    EXPECT_THROW(write_paint(path, layer), RuntimeFailure);
+    EXPECT_THROW(voctree::write_paint(path, layer), RuntimeFailure);
 }
 
 }  // namespace

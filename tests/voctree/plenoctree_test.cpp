@@ -89,7 +89,7 @@ struct N3Tree {
         std::string text;
         for (const char letter : format()) text += {letter, 0, 0, 0};
         std::vector<uint16_t> rounded;
-        for (const float value : data) rounded.push_back(half_from_float(value));
+        for (const float value : data) rounded.push_back(voctree::half_from_float(value));
         const auto of = [](glm::vec3 v) { return npy_bytes("<f4", {3}, bytes_of<float>({v.x, v.y, v.z})); };
         return {{"child", npy_bytes("<i4", {nodes(), 2, 2, 2}, bytes_of(child))},
                 {"data", npy_bytes(halves ? "<f2" : "<f4", {nodes(), 2, 2, 2, numbers()},
@@ -120,7 +120,7 @@ N3Tree random_n3tree(uint32_t functions, bool halves, uint64_t seed) {
     for (uint64_t cell = 0; cell < 8 * kCapacity; cell++) {
         for (uint64_t i = 0; i + 1 < tree.numbers(); i++) {
             const auto value = static_cast<float>(random.uniform(-3, 3));
-            tree.data.push_back(halves ? float_from_half(half_from_float(value)) : value);
+            tree.data.push_back(halves ? voctree::float_from_half(voctree::half_from_float(value)) : value);
         }
         const float sigma[] = {-1, 0, 0.5f, 2.25f};
         tree.data.push_back(cell < 8 * kNodes ? sigma[random.below(4)] : std::nanf(""));
@@ -136,9 +136,9 @@ struct PlenoctreeTest : ::testing::Test {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "tree.npz";
 
-    VOctree read(const N3Tree& tree, PlenoctreeColours colours, int32_t method = ZIP_CM_STORE) {
+    voctree::VOctree read(const N3Tree& tree, voctree::PlenoctreeColours colours, int32_t method = ZIP_CM_STORE) {
         write_npz(file, tree.arrays(), method);
-        return read_plenoctree(file, colours);
+        return voctree::read_plenoctree(file, colours);
     }
 };
 
@@ -149,8 +149,8 @@ TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
             for (const int32_t method : {ZIP_CM_STORE, ZIP_CM_DEFLATE}) {
                 SCOPED_TRACE(functions);
                 const N3Tree truth = random_n3tree(functions, halves, seed++);
-                const VOctree tree = read(truth, PlenoctreeColours::kAsStored, method);
-                ASSERT_EQ(defect_of(tree), "");
+                const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored, method);
+                ASSERT_EQ(voctree::defect_of(tree), "");
                 EXPECT_EQ(tree.frames, 1u);
                 EXPECT_EQ(tree.bases, 1u);
                 const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
@@ -161,7 +161,7 @@ TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
                     const float* expected =
                         truth.query((in_tree - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
                     const float sigma = expected[truth.numbers() - 1];
-                    const uint32_t leaf = find_leaf(tree, in_tree);
+                    const uint32_t leaf = voctree::find_leaf(tree, in_tree);
                     ASSERT_EQ(leaf != UINT32_MAX, sigma > 0);
                     if (leaf == UINT32_MAX) continue;
                     seen++;
@@ -176,12 +176,12 @@ TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
 
 TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     const N3Tree truth = random_n3tree(9, true, 5);
-    const VOctree tree = read(truth, PlenoctreeColours::kAsStored);
+    const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored);
     const auto slices = reference::slice_tree(tree, 0);
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
     const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        const LeafPlace& place = places[leaf];
+        const voctree::LeafPlace& place = places[leaf];
         const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * std::ldexp(1.0, -int(place.depth));
         const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
         for (size_t c = 0; c < 3; c++)
@@ -193,7 +193,7 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
 // Transmittance along rays of the world, whose cells are no cubes, by svox' steps: lengths are the world's.
 TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
     const N3Tree truth = random_n3tree(4, true, 9);
-    const VOctree tree = read(truth, PlenoctreeColours::kAsStored);
+    const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored);
     EXPECT_EQ(tree.box_min, glm::vec3(-1, -1, -6));
     EXPECT_EQ(tree.box_size, glm::vec3(4, 2, 8));
     const auto slices = reference::slice_tree(tree, 0);
@@ -234,8 +234,8 @@ TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
         N3Tree truth = random_n3tree(c.functions, false, 20 + c.functions);
         for (size_t i = 0; i < truth.data.size(); i++)  // most of a colour does not depend on the direction
             if (c.functions > 1 && i % truth.numbers() % c.functions != 0) truth.data[i] *= 0.2f;
-        const VOctree tree = read(truth, PlenoctreeColours::kLinear);
-        const VOctree stored = read(truth, PlenoctreeColours::kAsStored);
+        const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kLinear);
+        const voctree::VOctree stored = read(truth, voctree::PlenoctreeColours::kAsStored);
         EXPECT_NE(tree.weights, stored.weights);
         const auto slices = reference::slice_tree(tree, 0), as_stored = reference::slice_tree(stored, 0);
         Random random(4);
@@ -246,7 +246,7 @@ TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
                 const glm::dvec3 linear = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
                 const glm::dvec3 shown = reference::sample_colour(as_stored[leaf], tree.hh_degree, direction);
                 for (int channel = 0; channel < 3; channel++) {
-                    const double off = std::abs(srgb_from_linear(linear[channel]) - shown[channel]);
+                    const double off = std::abs(media::srgb_from_linear(linear[channel]) - shown[channel]);
                     worst = std::max(worst, off);
                     sum += off / (60.0 * tree.leaf_count);
                 }
@@ -261,22 +261,22 @@ TEST_F(PlenoctreeTest, OldFilesNameNoFormat) {
         const N3Tree truth = random_n3tree(functions, true, 6);
         auto arrays = truth.arrays();
         write_npz(file, arrays);
-        const VOctree named = read_plenoctree(file);
+        const voctree::VOctree named = voctree::read_plenoctree(file);
         arrays.erase("data_format");
         write_npz(file, arrays);
-        EXPECT_EQ(read_plenoctree(file).weights, named.weights);
+        EXPECT_EQ(voctree::read_plenoctree(file).weights, named.weights);
     }
 }
 
 TEST_F(PlenoctreeTest, IsAClipOfOneFrame) {
-    const VOctree tree = read(random_n3tree(9, true, 7), PlenoctreeColours::kLinear);
-    EXPECT_TRUE(is_plenoctree(file));
-    EXPECT_EQ(read_clip(file).weights, tree.weights);
-    write_nvv(folder.path / "tree.nvv", tree);
-    EXPECT_FALSE(is_plenoctree(folder.path / "tree.nvv"));
-    EXPECT_EQ(read_clip(folder.path / "tree.nvv").leaf_count, tree.leaf_count);
+    const voctree::VOctree tree = read(random_n3tree(9, true, 7), voctree::PlenoctreeColours::kLinear);
+    EXPECT_TRUE(voctree::is_plenoctree(file));
+    EXPECT_EQ(voctree::read_clip(file).weights, tree.weights);
+    voctree::write_nvv(folder.path / "tree.nvv", tree);
+    EXPECT_FALSE(voctree::is_plenoctree(folder.path / "tree.nvv"));
+    EXPECT_EQ(voctree::read_clip(folder.path / "tree.nvv").leaf_count, tree.leaf_count);
     for (const std::filesystem::path& path : {file, folder.path / "tree.nvv"}) {
-        const ClipHead head = read_clip_head(path);
+        const voctree::ClipHead head = voctree::read_clip_head(path);
         EXPECT_EQ(head.frames, 1u);
         EXPECT_EQ(head.fps, tree.fps);
         EXPECT_EQ(head.box_min, tree.box_min);
@@ -290,7 +290,7 @@ TEST_F(PlenoctreeTest, DamageIsNamed) {
                                     std::initializer_list<std::string> parts) {
         N3Tree tree = sound;
         damage(tree);
-        expect_input_error([&] { read(tree, PlenoctreeColours::kLinear); }, parts);
+        expect_input_error([&] { read(tree, voctree::PlenoctreeColours::kLinear); }, parts);
     };
     const auto leaf = [&](uint64_t from) {  // a leaf that is reached and seen
         for (uint64_t cell = from;; cell++)
@@ -337,13 +337,13 @@ TEST_F(PlenoctreeTest, OtherArraysAreRefused) {
         auto arrays = tree.arrays();
         arrays[name] = array;
         write_npz(file, arrays);
-        expect_input_error([&] { read_plenoctree(file); }, parts);
+        expect_input_error([&] { voctree::read_plenoctree(file); }, parts);
     };
     for (const char* name : {"child", "data", "offset", "invradius3"}) {
         auto arrays = tree.arrays();
         arrays.erase(name);
         write_npz(file, arrays);
-        expect_input_error([&] { read_plenoctree(file); }, {"tree.npz", name, "missing"});
+        expect_input_error([&] { voctree::read_plenoctree(file); }, {"tree.npz", name, "missing"});
     }
     const auto text = [](const std::string& letters) {
         std::string wide;
@@ -365,8 +365,8 @@ TEST_F(PlenoctreeTest, OtherArraysAreRefused) {
     expect_refused("data", npy_bytes("<f8", {1}, std::string(8, 0)), {"data", "<f2"});
     expect_refused("offset", npy_bytes("<f4", {2}, std::string(8, 0)), {"offset", "three"});
     write_text(file, "PK\3\4 and no more");
-    expect_input_error([&] { read_clip(file); }, {"tree.npz"});
-    expect_input_error([&] { read_clip(folder.path / "missing.npz"); }, {"missing.npz"});
+    expect_input_error([&] { voctree::read_clip(file); }, {"tree.npz"});
+    expect_input_error([&] { voctree::read_clip(folder.path / "missing.npz"); }, {"missing.npz"});
 }
 
 TEST_F(PlenoctreeTest, SmallFilesAskForLittle) {
@@ -374,7 +374,7 @@ TEST_F(PlenoctreeTest, SmallFilesAskForLittle) {
     arrays["padding"] = npy_bytes("|u1", {size_t{100} << 20}, std::string(size_t{100} << 20, 0));
     write_npz(file, arrays, ZIP_CM_DEFLATE);
     ASSERT_LT(std::filesystem::file_size(file), 300'000u);
-    expect_input_error([&] { read_plenoctree(file); }, {"padding", "too large"});
+    expect_input_error([&] { voctree::read_plenoctree(file); }, {"padding", "too large"});
 }
 
 // Damage behind the checksums, which zip would find.
@@ -391,7 +391,7 @@ TEST_F(PlenoctreeTest, AnyDamageIsRefusedOrMakesASoundTree) {
             at->second[random.below(at->second.size())] = static_cast<char>(random.below(256));
         write_npz(file, arrays);
         try {
-            ASSERT_EQ(defect_of(read_plenoctree(file)), "");
+            ASSERT_EQ(voctree::defect_of(voctree::read_plenoctree(file)), "");
         } catch (const InputError&) {
             refused++;
         }

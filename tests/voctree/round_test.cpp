@@ -18,14 +18,14 @@ struct Difference {
     double opacity = 0, colour = 0;  // the largest: of a leaf over its edge; in linear light times opacity
 };
 
-Difference difference(const VOctree& before, const VOctree& after) {
-    const std::vector<LeafPlace> places = leaf_places(before);
+Difference difference(const voctree::VOctree& before, const voctree::VOctree& after) {
+    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(before);
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     Difference largest;
     for (uint32_t frame = 0; frame < before.frames; frame++) {
         const auto was = reference::slice_tree(before, frame), is = reference::slice_tree(after, frame);
         for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
-            const double edge = leaf_edge_m(before, places[leaf].depth);
+            const double edge = voctree::leaf_edge_m(before, places[leaf].depth);
             const double seen = 1 - std::exp(-was[leaf].sigma * edge), sees = 1 - std::exp(-is[leaf].sigma * edge);
             largest.opacity = std::max(largest.opacity, std::abs(seen - sees));
             if (was[leaf].sigma <= 0 || is[leaf].sigma <= 0) continue;
@@ -38,8 +38,8 @@ Difference difference(const VOctree& before, const VOctree& after) {
 }
 
 // With a basis for each frame, w^σ of a frame alone decides its opacity.
-VOctree own_frames_tree() {
-    VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 6, .hh_degree = 2, .frames = 6});
+voctree::VOctree own_frames_tree() {
+    voctree::VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 6, .hh_degree = 2, .frames = 6});
     std::fill(tree.sigma_basis.begin(), tree.sigma_basis.end(), 0.0f);
     for (uint32_t t = 0; t < 6; t++) tree.sigma_basis[t * 6 + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
@@ -47,11 +47,11 @@ VOctree own_frames_tree() {
 }
 
 TEST(Round, LeavesShowNoMoreThanTheError) {
-    const VOctree tree = own_frames_tree();
+    const voctree::VOctree tree = own_frames_tree();
     for (const float error : {0.001f, 0.01f, 0.1f, 0.5f}) {
-        VOctree rounded = tree;
-        round_weights(rounded, error);
-        EXPECT_EQ(defect_of(rounded), "");
+        voctree::VOctree rounded = tree;
+        voctree::round_weights(rounded, error);
+        EXPECT_EQ(voctree::defect_of(rounded), "");
         const Difference off = difference(tree, rounded);
         EXPECT_LE(off.opacity, 1.001 * error);
         EXPECT_GT(off.opacity, 0.2 * error);
@@ -61,16 +61,16 @@ TEST(Round, LeavesShowNoMoreThanTheError) {
 }
 
 TEST(Round, SharedBasesKeepTheirSums) {
-    const VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 4, .hh_degree = 1, .frames = 6});
-    VOctree rounded = tree;
-    round_weights(rounded, 0.01f);
+    const voctree::VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 4, .hh_degree = 1, .frames = 6});
+    voctree::VOctree rounded = tree;
+    voctree::round_weights(rounded, 0.01f);
     EXPECT_LE(difference(tree, rounded).opacity, 4 * 0.01);  // of four weights each
 }
 
 TEST(Round, FewDigitsRemainAndHiddenNumbersGo) {
-    VOctree tree = own_frames_tree();
+    voctree::VOctree tree = own_frames_tree();
     for (uint32_t c = 0; c < 6; c++) tree.leaf(7)[c] = -1;  // empty in every frame
-    round_weights(tree, 0.1f);
+    voctree::round_weights(tree, 0.1f);
     std::set<float> sigmas, colours;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         sigmas.insert(tree.leaf(leaf), tree.leaf(leaf) + 6);

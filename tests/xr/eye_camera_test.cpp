@@ -18,7 +18,7 @@ XrFovf some_fov(SomePoses& some) {
 }
 
 // By the specification: pixels of a place before the eye.
-glm::dvec2 pixel_of(const EyeView& eye, glm::dvec3 place_in_eye) {
+glm::dvec2 pixel_of(const xr::EyeView& eye, glm::dvec3 place_in_eye) {
     const double x = place_in_eye.x / -place_in_eye.z, y = place_in_eye.y / -place_in_eye.z;
     const double left = std::tan(double{eye.fov.angleLeft}), right = std::tan(double{eye.fov.angleRight});
     const double up = std::tan(double{eye.fov.angleUp}), down = std::tan(double{eye.fov.angleDown});
@@ -28,9 +28,9 @@ glm::dvec2 pixel_of(const EyeView& eye, glm::dvec3 place_in_eye) {
 TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
     SomePoses some(1);
     for (int i = 0; i < 200; i++) {
-        const EyeView eye{some.pose(), some_fov(some)};
-        const Pose rig = some.pose();
-        const Camera camera = eye_camera(eye, rig, kSize);
+        const xr::EyeView eye{some.pose(), some_fov(some)};
+        const xr::Pose rig = some.pose();
+        const stage::Camera camera = xr::eye_camera(eye, rig, kSize);
         ASSERT_EQ(camera.width, kSize.width);
         ASSERT_EQ(camera.height, kSize.height);
         const glm::dvec3 place(some.number(-2, 2), some.number(-2, 2), some.number(-4, -0.5));
@@ -43,24 +43,24 @@ TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
 }
 
 TEST(EyeCamera, AnglesThatSpanNothingAreNoPicture) {
-    EXPECT_TRUE(spans_picture({-0.8f, 0.7f, 0.8f, -0.8f}));
-    EXPECT_TRUE(spans_picture({0.1f, 0.7f, 0.8f, 0.2f})) << "the axis may lie beside the picture";
+    EXPECT_TRUE(xr::spans_picture({-0.8f, 0.7f, 0.8f, -0.8f}));
+    EXPECT_TRUE(xr::spans_picture({0.1f, 0.7f, 0.8f, 0.2f})) << "the axis may lie beside the picture";
     const auto nan = static_cast<float>(kNan), infinite = static_cast<float>(kInfinite);
     for (const XrFovf& fov :
          {XrFovf{}, XrFovf{0.7f, -0.8f, 0.8f, -0.8f}, XrFovf{-0.8f, 0.7f, -0.8f, 0.8f},
           XrFovf{-1.6f, 0.7f, 0.8f, -0.8f}, XrFovf{-0.8f, 0.7f, 2, -0.8f}, XrFovf{nan, 0.7f, 0.8f, -0.8f},
           XrFovf{-0.8f, 0.7f, 0.8f, nan}, XrFovf{-infinite, infinite, 0.8f, -0.8f}, XrFovf{0.5f, 0.5f, 0.8f, -0.8f}})
-        EXPECT_FALSE(spans_picture(fov)) << fov.angleLeft << " " << fov.angleRight << " " << fov.angleUp;
+        EXPECT_FALSE(xr::spans_picture(fov)) << fov.angleLeft << " " << fov.angleRight << " " << fov.angleUp;
 }
 
 TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
     SomePoses some(2);
-    const EyeView eye{{}, some_fov(some)};
+    const xr::EyeView eye{{}, some_fov(some)};
     std::vector<XrVector2f> vertices;
     for (int i = 0; i < 6; i++)
         vertices.push_back({static_cast<float>(some.number(-2, 2)), static_cast<float>(some.number(-2, 2))});
     const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two that are left over
-    const std::vector<glm::vec2> corners = corners_in_picture(vertices, indices, eye.fov);
+    const std::vector<glm::vec2> corners = xr::corners_in_picture(vertices, indices, eye.fov);
     ASSERT_EQ(corners.size(), 6u);
     for (size_t i = 0; i < corners.size(); i++) {
         const XrVector2f& vertex = vertices[indices[i]];
@@ -72,21 +72,21 @@ TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
 
 TEST(EyeCamera, AMeshWhoseIndicesLieBesideItHidesNothing) {
     const std::vector<XrVector2f> vertices(3);
-    EXPECT_TRUE(corners_in_picture(vertices, std::vector<uint32_t>{0, 1, 3}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(corners_in_picture(vertices, std::vector<uint32_t>{0, 1, UINT32_MAX}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(corners_in_picture({}, std::vector<uint32_t>{0, 0, 0}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(corners_in_picture(vertices, {}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_picture(vertices, std::vector<uint32_t>{0, 1, 3}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_picture(vertices, std::vector<uint32_t>{0, 1, UINT32_MAX}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_picture({}, std::vector<uint32_t>{0, 0, 0}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_picture(vertices, {}, {-1, 1, 1, -1}).empty());
 }
 
 TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideThePicture) {
-    Camera eye{.fx = 100, .fy = 100, .cx = 120, .cy = 90, .width = 300, .height = 200};
-    const Fovea around = fovea_of(eye, 0.5, 0.4);
+    stage::Camera eye{.fx = 100, .fy = 100, .cx = 120, .cy = 90, .width = 300, .height = 200};
+    const render::Fovea around = xr::fovea_of(eye, 0.5, 0.4);
     EXPECT_LT(glm::distance(around.first, glm::dvec2(0.15, 0.2)), 1e-12);
     EXPECT_LT(glm::distance(around.last, glm::dvec2(0.65, 0.7)), 1e-12);
     EXPECT_EQ(around.beside, 0.4);
     eye.cx = 290;  // too near to the edge
     eye.cy = -50;
-    const Fovea pushed = fovea_of(eye, 0.5, 0.4);
+    const render::Fovea pushed = xr::fovea_of(eye, 0.5, 0.4);
     EXPECT_LT(glm::distance(pushed.first, glm::dvec2(0.5, 0)), 1e-12);
     EXPECT_LT(glm::distance(pushed.last, glm::dvec2(1, 0.5)), 1e-12);
 }

@@ -9,23 +9,23 @@ namespace {
 
 constexpr glm::vec4 kRed{0.8f, 0.1f, 0.05f, 1}, kClear{0.5f, 0.75f, 1, 0.5f};
 
-EyeShapes seen_from(glm::dvec3 eye, double least_width_rad = 0) {
-    EyeShapes shapes;
+xr::EyeShapes seen_from(glm::dvec3 eye, double least_width_rad = 0) {
+    xr::EyeShapes shapes;
     shapes.begin(eye, least_width_rad);
     return shapes;
 }
 
 // The largest distance of corners from a line's axis, at one of its ends.
-double half_width_at(std::span<const ShapeVertex> corners, glm::vec3 end) {
+double half_width_at(std::span<const xr::ShapeVertex> corners, glm::vec3 end) {
     double widest = 0;
-    for (const ShapeVertex& corner : corners)
+    for (const xr::ShapeVertex& corner : corners)
         if (glm::distance(corner.place, end) < 0.4f)
             widest = std::max(widest, double{glm::distance(corner.place, end)});
     return widest;
 }
 
 TEST(EyeShapes, SolidOnesAndClearOnesAreApart) {
-    EyeShapes shapes = seen_from({});
+    xr::EyeShapes shapes = seen_from({});
     shapes.ball({0, 0, -1}, 0.1, kRed);
     EXPECT_FALSE(shapes.solid().empty());
     EXPECT_TRUE(shapes.clear_ones().empty());
@@ -40,7 +40,7 @@ TEST(EyeShapes, SolidOnesAndClearOnesAreApart) {
 }
 
 TEST(EyeShapes, WhatIsSeenThroughAllIsApart) {
-    EyeShapes shapes = seen_from({});
+    xr::EyeShapes shapes = seen_from({});
     shapes.see_through(true);
     shapes.ball({0, 0, -1}, 0.1, kRed);
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
@@ -56,16 +56,16 @@ TEST(EyeShapes, WhatIsSeenThroughAllIsApart) {
 }
 
 TEST(EyeShapes, ColoursArePremultiplied) {
-    EyeShapes shapes = seen_from({});
+    xr::EyeShapes shapes = seen_from({});
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
-    for (const ShapeVertex& corner : shapes.clear_ones()) {
+    for (const xr::ShapeVertex& corner : shapes.clear_ones()) {
         EXPECT_EQ(corner.colour.a, 0.5f);
         EXPECT_EQ(glm::vec3(corner.colour), 0.5f * glm::vec3(kClear));
     }
 }
 
 TEST(EyeShapes, LinesStayAsWideAsAPixelHoweverFar) {
-    EyeShapes shapes = seen_from({0, 0, 0}, 0.002);
+    xr::EyeShapes shapes = seen_from({0, 0, 0}, 0.002);
     shapes.line({0, 0, -1}, {0, 0, -100}, 0.01, kRed, kRed);
     EXPECT_NEAR(half_width_at(shapes.solid(), {0, 0, -1}), 0.005, 1e-6) << "near ones are as wide as they say";
     EXPECT_NEAR(half_width_at(shapes.solid(), {0, 0, -100}), 0.1, 1e-5) << "0.002 rad of 100 m";
@@ -75,10 +75,10 @@ TEST(EyeShapes, LinesStayAsWideAsAPixelHoweverFar) {
 }
 
 TEST(EyeShapes, BallsHaveTheirRadius) {
-    EyeShapes shapes = seen_from({});
+    xr::EyeShapes shapes = seen_from({});
     const glm::vec3 middle(1, 2, 3);
     shapes.ball(middle, 0.25, kRed);
-    for (const ShapeVertex& corner : shapes.solid()) EXPECT_NEAR(glm::distance(corner.place, middle), 0.25, 1e-6);
+    for (const xr::ShapeVertex& corner : shapes.solid()) EXPECT_NEAR(glm::distance(corner.place, middle), 0.25, 1e-6);
     ASSERT_EQ(shapes.solid().size() % 3, 0u);
 }
 
@@ -87,11 +87,11 @@ TEST(EyeShapes, BoxesGoWithTheSpaceTheyAreIn) {
                              glm::rotate(glm::dmat4(1), 0.5, glm::dvec3(0, 1, 0)) *
                              glm::scale(glm::dmat4(1), glm::dvec3(2));
     const glm::dvec3 low(-0.1, 0, -0.2), high(0.1, 0.8, 0.2);
-    EyeShapes shapes = seen_from({});
+    xr::EyeShapes shapes = seen_from({});
     shapes.solid_box(world, low, high, kRed);
     EXPECT_EQ(shapes.solid().size(), 36u);
     const glm::dmat4 inside = glm::inverse(world);
-    for (const ShapeVertex& corner : shapes.solid()) {
+    for (const xr::ShapeVertex& corner : shapes.solid()) {
         const glm::dvec3 at = inside * glm::dvec4(corner.place, 1);
         for (int axis = 0; axis < 3; axis++)
             EXPECT_LT(std::min(std::abs(at[axis] - low[axis]), std::abs(at[axis] - high[axis])), 1e-6) << axis;
@@ -102,8 +102,8 @@ TEST(EyeShapes, BoxesGoWithTheSpaceTheyAreIn) {
 }
 
 TEST(EyeShapes, AHoleIsTheRectangleAndHidesAllOfIt) {
-    EyeShapes shapes = seen_from({});
-    const Pose stands{{0, 1, -2}, glm::angleAxis(0.7, glm::dvec3(0, 1, 0))};
+    xr::EyeShapes shapes = seen_from({});
+    const xr::Pose stands{{0, 1, -2}, glm::angleAxis(0.7, glm::dvec3(0, 1, 0))};
     shapes.hole(stands, {0.8, 0.6});
     ASSERT_EQ(shapes.holes().size(), 6u);
     double area = 0;
@@ -112,8 +112,8 @@ TEST(EyeShapes, AHoleIsTheRectangleAndHidesAllOfIt) {
         area += 0.5 * double{glm::length(glm::cross(at(1) - at(0), at(2) - at(0)))};
     }
     EXPECT_NEAR(area, 0.8 * 0.6, 1e-6);
-    for (const ShapeVertex& corner : shapes.holes()) {
-        const glm::dvec3 at = inverse(stands) * glm::dvec3(corner.place);
+    for (const xr::ShapeVertex& corner : shapes.holes()) {
+        const glm::dvec3 at = xr::inverse(stands) * glm::dvec3(corner.place);
         EXPECT_NEAR(std::abs(at.x), 0.4, 1e-6);
         EXPECT_NEAR(std::abs(at.y), 0.3, 1e-6);
         EXPECT_NEAR(at.z, 0, 1e-6);

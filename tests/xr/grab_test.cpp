@@ -15,11 +15,11 @@ using test::kInfinite;
 using test::kNan;
 using test::SomePoses;
 
-const GrabSettings kFree = {.upright = false, .least_scale = 1e-6, .most_scale = 1e6};
-const GrabSettings kUpright = {.upright = true, .least_scale = 1e-6, .most_scale = 1e6};
+const xr::GrabSettings kFree = {.upright = false, .least_scale = 1e-6, .most_scale = 1e6};
+const xr::GrabSettings kUpright = {.upright = true, .least_scale = 1e-6, .most_scale = 1e6};
 
 glm::dmat4 some_node(SomePoses& some) {
-    return matrix_of(some.pose()) * glm::scale(glm::dmat4(1), glm::dvec3(0.7, 1.5, -1));
+    return xr::matrix_of(some.pose()) * glm::scale(glm::dmat4(1), glm::dvec3(0.7, 1.5, -1));
 }
 
 // Where what was at `then` in the world is after a node went from one matrix to another.
@@ -27,8 +27,8 @@ glm::dvec3 carried(const glm::dmat4& before, const glm::dmat4& after, glm::dvec3
     return after * glm::inverse(before) * glm::dvec4(then, 1);
 }
 
-glm::dvec3 held_point(const Pose& hand, double distance_m) {
-    return matrix_of(hand) * glm::dvec4(0, 0, -distance_m, 1);
+glm::dvec3 held_point(const xr::Pose& hand, double distance_m) {
+    return xr::matrix_of(hand) * glm::dvec4(0, 0, -distance_m, 1);
 }
 
 // The similarity that carries one matrix to another scales by this.
@@ -40,14 +40,14 @@ TEST(Grab, OneFreeHandHoldsItRigidly) {
     SomePoses some(10);
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = some_node(some);
-        const Pose then = some.pose(), now = some.pose();
-        Grab grab(node, kFree);
+        const xr::Pose then = some.pose(), now = some.pose();
+        xr::Grab grab(node, kFree);
         EXPECT_TRUE(grab.empty());
         grab.take(1, then, some.number(0, 3));
         EXPECT_TRUE(grab.holds(1) && !grab.holds(0) && !grab.empty());
         EXPECT_LT(apart(grab.world_from_node(), node), 1e-12);
         grab.move(1, now);
-        EXPECT_LT(apart(grab.world_from_node(), matrix_of(now) * glm::inverse(matrix_of(then)) * node), 1e-10);
+        EXPECT_LT(apart(grab.world_from_node(), xr::matrix_of(now) * glm::inverse(xr::matrix_of(then)) * node), 1e-10);
     }
 }
 
@@ -56,8 +56,8 @@ TEST(Grab, OneHandCarriesAnUprightThingOnItsRay) {
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = some_node(some);
         const double distance_m = some.number(0, 3);
-        const Pose then = some.pose(), now = some.near(then, 1, 1.5);
-        Grab grab(node, kUpright);
+        const xr::Pose then = some.pose(), now = some.near(then, 1, 1.5);
+        xr::Grab grab(node, kUpright);
         grab.take(0, then, distance_m);
         grab.move(0, now);
         const glm::dmat4 moved = grab.world_from_node();
@@ -70,10 +70,10 @@ TEST(Grab, OneHandCarriesAnUprightThingOnItsRay) {
 }
 
 TEST(Grab, OnlyYawTurnsAnUprightThing) {
-    const Pose then = {{0, 1, 0}, turn_by(0.4) * glm::angleAxis(-0.6, glm::dvec3(1, 0, 0))};
-    Grab grab(glm::dmat4(1), kUpright);
+    const xr::Pose then = {{0, 1, 0}, xr::turn_by(0.4) * glm::angleAxis(-0.6, glm::dvec3(1, 0, 0))};
+    xr::Grab grab(glm::dmat4(1), kUpright);
     grab.take(0, then, 0);
-    grab.move(0, {then.position, turn_by(1.1) * glm::angleAxis(0.5, glm::dvec3(1, 0, 0))});
+    grab.move(0, {then.position, xr::turn_by(1.1) * glm::angleAxis(0.5, glm::dvec3(1, 0, 0))});
     const glm::dvec3 x = grab.world_from_node()[0];
     EXPECT_NEAR(std::atan2(-x.z, x.x), 0.7, 1e-12);
 }
@@ -83,8 +83,8 @@ TEST(Grab, TwoFreeHandsKeepBothPoints) {
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = some_node(some);
         const std::array<double, 2> distances = {some.number(0, 2), some.number(0, 2)};
-        const std::array<Pose, 2> then = {some.pose(), some.pose()}, now = {some.pose(), some.pose()};
-        Grab grab(node, kFree);
+        const std::array<xr::Pose, 2> then = {some.pose(), some.pose()}, now = {some.pose(), some.pose()};
+        xr::Grab grab(node, kFree);
         for (const int hand : {0, 1}) {
             grab.take(hand, then[static_cast<size_t>(hand)], distances[static_cast<size_t>(hand)]);
             EXPECT_LT(apart(grab.world_from_node(), node), 1e-12);
@@ -106,7 +106,7 @@ TEST(Grab, TwoFreeHandsKeepBothPoints) {
 }
 
 TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
-    Grab grab(glm::dmat4(1), kUpright);
+    xr::Grab grab(glm::dmat4(1), kUpright);
     grab.take(0, {{-0.2, 1, 0}});
     grab.take(1, {{0.2, 1, 0}});
     // The line a quarter to the left and up.
@@ -121,7 +121,7 @@ TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
 
 TEST(Grab, AVerticalLineGivesNoYaw) {
     SomePoses some(13);
-    Grab grab(glm::dmat4(1), kUpright);
+    xr::Grab grab(glm::dmat4(1), kUpright);
     grab.take(0, {{0, 0.5, 0}});
     grab.take(1, {{0, 1.5, 0}});
     for (int i = 0; i < 50; ++i) {
@@ -136,7 +136,7 @@ TEST(Grab, AVerticalLineGivesNoYaw) {
     const glm::dvec3 x = grab.world_from_node()[0];
     EXPECT_NEAR(std::atan2(-x.z, x.x), glm::radians(90.0), 1e-9);
 
-    Grab at_once(glm::dmat4(1), kUpright);
+    xr::Grab at_once(glm::dmat4(1), kUpright);
     at_once.take(0, {{0, 0.5, 0}});
     at_once.take(1, {{0, 1.5, 0}});
     at_once.move(1, {{1, 1.5, 0}});
@@ -144,8 +144,8 @@ TEST(Grab, AVerticalLineGivesNoYaw) {
 }
 
 TEST(Grab, AFullTurnOfTheLineIsOne) {
-    for (const GrabSettings& settings : {kFree, kUpright}) {
-        Grab grab(glm::dmat4(1), settings);
+    for (const xr::GrabSettings& settings : {kFree, kUpright}) {
+        xr::Grab grab(glm::dmat4(1), settings);
         grab.take(0, {{-0.3, 1, 0}});
         grab.take(1, {{0.3, 1, 0}});
         for (int degrees = 1; degrees <= 360; ++degrees) {
@@ -162,7 +162,7 @@ TEST(Grab, AFullTurnOfTheLineIsOne) {
 
 TEST(Grab, HalfATurnInOneFrameIsFinite) {
     for (const glm::dvec3 out : {glm::dvec3(0.3, 0, 0), glm::dvec3(0, 0.3, 0), glm::dvec3(0.1, 0.2, -0.3)}) {
-        Grab grab(glm::dmat4(1), kFree);
+        xr::Grab grab(glm::dmat4(1), kFree);
         grab.take(0, {-out, {1, 0, 0, 0}});
         grab.take(1, {out, {1, 0, 0, 0}});
         grab.move(0, {out * 3.0, {1, 0, 0, 0}});
@@ -177,11 +177,11 @@ TEST(Grab, NeverJumps) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         SomePoses some(100 + seed);
         const bool upright = seed % 2 == 0;
-        Grab grab(some_node(some), {.upright = upright, .least_scale = 0.2, .most_scale = 4});
-        std::array<Pose, 2> hands = {some.pose(0.5), some.pose(0.5)};
+        xr::Grab grab(some_node(some), {.upright = upright, .least_scale = 0.2, .most_scale = 4});
+        std::array<xr::Pose, 2> hands = {some.pose(0.5), some.pose(0.5)};
         for (int i = 0; i < 2000; ++i) {
             const int hand = some.number(0, 1) < 0.5 ? 0 : 1;
-            Pose& pose = hands[static_cast<size_t>(hand)];
+            xr::Pose& pose = hands[static_cast<size_t>(hand)];
             const glm::dmat4 before = grab.world_from_node();
             const double event = some.number(0, 1);
             double most = 1e-9;
@@ -209,8 +209,8 @@ TEST(Grab, NeverJumps) {
 }
 
 TEST(Grab, ContinuesSmoothlyThroughTheVerticalAndThroughEachOther) {
-    for (const GrabSettings& settings : {kFree, kUpright}) {
-        Grab grab(glm::dmat4(1), settings);
+    for (const xr::GrabSettings& settings : {kFree, kUpright}) {
+        xr::Grab grab(glm::dmat4(1), settings);
         grab.take(0, {});
         grab.take(1, {{1, 0, 0}});
         glm::dmat4 before = grab.world_from_node();
@@ -227,10 +227,10 @@ TEST(Grab, ContinuesSmoothlyThroughTheVerticalAndThroughEachOther) {
 
 TEST(Grab, AHandThatTipsOverSpinsNothing) {
     const auto tipped = [](double t) {
-        return Pose{
+        return xr::Pose{
             {}, glm::angleAxis(t, glm::dvec3(1, 0, 0)) * glm::angleAxis(0.05 * std::sin(t / 3), glm::dvec3(0, 0, 1))};
     };
-    Grab grab(glm::dmat4(1), kUpright);
+    xr::Grab grab(glm::dmat4(1), kUpright);
     grab.take(0, tipped(0));
     glm::dmat4 before = grab.world_from_node();
     for (double t = 0; t < 20; t += 0.01) {
@@ -242,7 +242,7 @@ TEST(Grab, AHandThatTipsOverSpinsNothing) {
 }
 
 TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
-    Grab grab(glm::scale(glm::dmat4(1), glm::dvec3(3)), {.upright = true, .least_scale = 0.5, .most_scale = 2});
+    xr::Grab grab(glm::scale(glm::dmat4(1), glm::dvec3(3)), {.upright = true, .least_scale = 0.5, .most_scale = 2});
     for (int round = 0; round < 3; ++round) {  // again and again: the limits are not per grab
         grab.take(0, {{-0.1, 1, 0}});
         grab.take(1, {{0.1, 1, 0}});
@@ -260,7 +260,7 @@ TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
 }
 
 TEST(Grab, HandsAtOnePlaceDoNotScale) {
-    Grab grab(glm::dmat4(1), kFree);
+    xr::Grab grab(glm::dmat4(1), kFree);
     grab.take(0, {});
     grab.take(1, {{0.001, 0, 0}});
     EXPECT_LT(apart(grab.world_from_node(), glm::dmat4(1)), 1e-12);
@@ -270,18 +270,18 @@ TEST(Grab, HandsAtOnePlaceDoNotScale) {
     grab.move(1, {});
     EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0, 0})), 1e-12) << "the same place";
     grab.move(1, {{0.2, 0, 0}});
-    EXPECT_NEAR(grab.scale(), 0.2 / Grab::kLeastApart_m, 1e-9);
+    EXPECT_NEAR(grab.scale(), 0.2 / xr::Grab::kLeastApart_m, 1e-9);
 }
 
 TEST(Grab, ReachesAlongTheHand) {
-    const Pose hand = {{0, 1, 0}, turn_by(glm::radians(90.0))};  // looks along −X
-    Grab grab(glm::dmat4(1), kUpright);
+    const xr::Pose hand = {{0, 1, 0}, xr::turn_by(glm::radians(90.0))};  // looks along −X
+    xr::Grab grab(glm::dmat4(1), kUpright);
     grab.take(0, hand, 2);
     grab.reach(0, 0.5);
     EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.5, 0, 0})), 1e-12);
     EXPECT_NEAR(grab.distance_m(0), 2.5, 1e-12);
     grab.reach(0, -100);
-    EXPECT_NEAR(grab.distance_m(0), Grab::kNearest_m, 1e-12);
+    EXPECT_NEAR(grab.distance_m(0), xr::Grab::kNearest_m, 1e-12);
     EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {1.9, 0, 0})), 1e-12);
     // It still hangs on the ray where it has been pulled to.
     grab.move(0, {{0, 1, 0}, {1, 0, 0, 0}});
@@ -298,10 +298,10 @@ TEST(Grab, ReachesAlongTheHand) {
 }
 
 TEST(Grab, IgnoresWhatIsNoPose) {
-    for (const GrabSettings& settings : {kFree, kUpright}) {
+    for (const xr::GrabSettings& settings : {kFree, kUpright}) {
         SomePoses some(14);
-        Grab grab(glm::dmat4(1), settings);
-        for (const Pose& pose : test::no_poses()) grab.take(0, pose);
+        xr::Grab grab(glm::dmat4(1), settings);
+        for (const xr::Pose& pose : test::no_poses()) grab.take(0, pose);
         for (const double bad : {kNan, kInfinite, -kInfinite, -0.5}) grab.take(0, {}, bad);
         EXPECT_TRUE(grab.empty());
         grab.move(0, some.pose());
@@ -313,7 +313,7 @@ TEST(Grab, IgnoresWhatIsNoPose) {
         grab.move(0, some.pose());
         const glm::dmat4 before = grab.world_from_node();
         for (const int hand : {0, 1})
-            for (const Pose& pose : test::no_poses()) grab.move(hand, pose);
+            for (const xr::Pose& pose : test::no_poses()) grab.move(hand, pose);
         grab.let_go(1);
         for (const double bad : {kNan, kInfinite, -kInfinite}) grab.reach(0, bad);
         EXPECT_LT(apart(grab.world_from_node(), before), 1e-12);
@@ -323,7 +323,7 @@ TEST(Grab, IgnoresWhatIsNoPose) {
 TEST(Grab, StaysFiniteWhateverTheHandsDo) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         SomePoses some(200 + seed);
-        Grab grab(some_node(some), {.upright = seed % 2 == 0});
+        xr::Grab grab(some_node(some), {.upright = seed % 2 == 0});
         const double most_m = seed < 10 ? 1 : 1e-3;
         for (int i = 0; i < 1000; ++i) {
             const int hand = some.number(0, 1) < 0.5 ? 0 : 1;
@@ -345,7 +345,7 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = some_node(some);
         const double floor_y = some.number(-2, 2);
-        const glm::dmat4 standing = on_floor(node, low, high, floor_y);
+        const glm::dmat4 standing = xr::on_floor(node, low, high, floor_y);
         double lowest = kInfinite, was = kInfinite;
         for (unsigned corner = 0; corner < 8; ++corner) {
             const glm::dvec4 at((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
@@ -355,17 +355,17 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
         }
         EXPECT_NEAR(lowest, floor_y, 1e-12);
         EXPECT_LT(apart(glm::translate(glm::dmat4(1), {0, floor_y - was, 0}) * node, standing), 1e-12) << "only that";
-        EXPECT_NEAR(above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
+        EXPECT_NEAR(xr::above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
     }
 }
 
 TEST(Floor, StaysWhereThereIsNone) {
     const glm::dmat4 node = glm::translate(glm::dmat4(1), {1, 2, 3});
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
-        EXPECT_EQ(apart(on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
-        EXPECT_EQ(apart(on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
-        EXPECT_FALSE(std::isfinite(above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
-        EXPECT_FALSE(std::isfinite(above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
+        EXPECT_EQ(apart(xr::on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
+        EXPECT_EQ(apart(xr::on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
+        EXPECT_FALSE(std::isfinite(xr::above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
+        EXPECT_FALSE(std::isfinite(xr::above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
     }
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // What each update says: d(own), u(p), h(eld), . (not held).
-std::string told(Press& press, const std::vector<double>& values) {
+std::string told(xr::Press& press, const std::vector<double>& values) {
     std::string told;
     for (const double value : values) {
         press.update(value);
@@ -24,23 +24,23 @@ std::string told(Press& press, const std::vector<double>& values) {
 }
 
 TEST(Press, GoesDownOnceAndUpOnce) {
-    Press press;
+    xr::Press press;
     EXPECT_EQ(told(press, {0, 0.3, 0.69, 0.7, 1, 0.5, 0.41, 0.4, 0.2}), "...dhhhu.");
     EXPECT_FALSE(press.held());
 }
 
 TEST(Press, DoesNotTrembleBetweenItsThresholds) {
-    Press press(0.6, 0.5);
+    xr::Press press(0.6, 0.5);
     EXPECT_EQ(told(press, {0.59, 0.55, 0.59, 0.6, 0.55, 0.59, 0.51, 0.6, 0.5, 0.55, 0.59}), "...dhhhhu..");
 }
 
 TEST(Press, NanIsNoPress) {
-    Press press;
+    xr::Press press;
     EXPECT_EQ(told(press, {kNan, 1, kNan, kNan, 1}), ".du.d");
 }
 
 TEST(Press, ResetLetsGoSilently) {
-    Press press;
+    xr::Press press;
     press.update(1);
     press.reset();
     EXPECT_FALSE(press.held() || press.went_down() || press.went_up());
@@ -50,7 +50,7 @@ TEST(Press, ResetLetsGoSilently) {
 }
 
 // What each update says: l, r, u, d or a dot.
-std::string told(Flick& flick, const std::vector<glm::dvec2>& sticks) {
+std::string told(xr::Flick& flick, const std::vector<glm::dvec2>& sticks) {
     std::string told;
     for (const glm::dvec2 stick : sticks) {
         flick.update(stick);
@@ -65,14 +65,14 @@ std::string told(Flick& flick, const std::vector<glm::dvec2>& sticks) {
 }
 
 TEST(Flick, StepsOnceAWay) {
-    Flick flick;
+    xr::Flick flick;
     EXPECT_EQ(told(flick, {{0, 0}, {0.69, 0}, {0.7, 0}, {1, 0}, {0.36, 0}, {1, 0}, {0.35, 0}, {1, 0}}), "..r....r");
-    Flick all;
+    xr::Flick all;
     EXPECT_EQ(told(all, {{-1, 0}, {0, 0}, {0, 1}, {0, 0}, {0, -1}, {0, 0}, {1, 0}}), "l.u.d.r");
 }
 
 TEST(Flick, RoundTheRimIsOneStep) {
-    Flick flick;
+    xr::Flick flick;
     std::vector<glm::dvec2> round(100);
     for (size_t i = 0; i < 100; ++i)
         round[i] = {std::cos(0.1 * static_cast<double>(i)), std::sin(0.1 * static_cast<double>(i))};
@@ -80,17 +80,17 @@ TEST(Flick, RoundTheRimIsOneStep) {
 }
 
 TEST(Flick, TheLargerAxisSaysTheDirection) {
-    Flick flick;
+    xr::Flick flick;
     EXPECT_EQ(told(flick, {{0.7, 0.69}, {0, 0}, {-0.7, 0.71}, {0, 0}, {0.7, -0.9}, {0, 0}, {-0.8, -0.8}}), "r.u.d.l");
 }
 
 TEST(Flick, ComesBackInBothAxes) {
-    Flick flick;
+    xr::Flick flick;
     EXPECT_EQ(told(flick, {{1, 0}, {0.1, 0.6}, {1, 0}, {0.1, 0.3}, {1, 0}}), "r...r");
 }
 
 TEST(Flick, NanIsTheMiddle) {
-    Flick flick;
+    xr::Flick flick;
     EXPECT_EQ(told(flick, {{kNan, 1}, {kNan, kNan}, {1, kNan}, {kNan, 0.9}}), "u.r.");
 }
 

@@ -22,9 +22,9 @@ class SomePoses {
         std::normal_distribution<double> normal;
         return glm::normalize(glm::dquat(normal(random_), normal(random_), normal(random_), normal(random_)));
     }
-    Pose pose(double most_m = 2) { return {vector(most_m), rotation()}; }
+    xr::Pose pose(double most_m = 2) { return {vector(most_m), rotation()}; }
     // Not far from another, as a hand is a frame later.
-    Pose near(const Pose& pose, double by_m, double by_rad) {
+    xr::Pose near(const xr::Pose& pose, double by_m, double by_rad) {
         const glm::dvec3 axis = glm::normalize(vector(1) + glm::dvec3(1e-3));
         return {pose.position + vector(by_m), glm::angleAxis(number(-by_rad, by_rad), axis) * pose.rotation};
     }
@@ -34,7 +34,7 @@ class SomePoses {
 };
 
 // None of them is sound.
-inline std::vector<Pose> no_poses() {
+inline std::vector<xr::Pose> no_poses() {
     return {{{kNan, 0, 0}, {1, 0, 0, 0}},       {{0, kInfinite, 0}, {1, 0, 0, 0}}, {{0, 0, 0}, {kNan, 0, 0, 0}},
             {{0, 0, 0}, {1, 0, -kInfinite, 0}}, {{0, 0, 0}, {0, 0, 0, 0}},         {{0, 0, 1e200}, {1, 0, 0, 0}},
             {{0, 0, 0}, {1e200, 0, 0, 0}}};

@@ -261,9 +261,9 @@ TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
     expect_clean(run);
     EXPECT_NE(run.log.find("right hand: Bare hands"), std::string::npos) << run.log;
     EXPECT_EQ(check_golden("xr_bare_hand", run.picture(kReady + 6, "left")), "");
-    const auto kept = find_recovery(folder.path / "state/neuvv/recovery", stage);
+    const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
-    const json document = restore(kept[0]).file.json;
+    const json document = edit::restore(kept[0]).file.json;
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
@@ -279,9 +279,9 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
     script.end(66);
     const XrRun run = this->run(script);
     expect_clean(run);
-    const auto kept = find_recovery(folder.path / "state/neuvv/recovery", stage);
+    const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
-    const json document = restore(kept[0]).file.json;
+    const json document = edit::restore(kept[0]).file.json;
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 

@@ -16,12 +16,14 @@ struct Faults : XrSession {
         script.click(10, "right", "b/click");
         return script;
     }
-    std::vector<RecoveryEntry> kept() const { return find_recovery(folder.path / "state/neuvv/recovery", stage); }
+    std::vector<edit::RecoveryEntry> kept() const {
+        return edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
+    }
     void expect_copy_is_kept(size_t runs = 1) const {
         const auto entries = kept();
         ASSERT_EQ(entries.size(), runs);
-        for (const RecoveryEntry& entry : entries)
-            EXPECT_EQ(restore(entry).file.json["nodes"].size(), saved()["nodes"].size() + 1);
+        for (const edit::RecoveryEntry& entry : entries)
+            EXPECT_EQ(edit::restore(entry).file.json["nodes"].size(), saved()["nodes"].size() + 1);
     }
     static void expect_no_violations(const XrRun& run) {
         ASSERT_TRUE(run.report.is_object()) << run.log;
@@ -101,7 +103,8 @@ TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
     EXPECT_EQ(run.code, 0) << run.log;
     const auto entries = kept();
     ASSERT_EQ(entries.size(), 2u) << run.log;  // the first run's edits, too
-    EXPECT_EQ(restore(entries[0]).paint.size() + restore(entries[1]).paint.size(), 1u) << "the layer that was painted";
+    EXPECT_EQ(edit::restore(entries[0]).paint.size() + edit::restore(entries[1]).paint.size(), 1u)
+        << "the layer that was painted";
 }
 
 TEST_F(Faults, ARefusedFormatIsReplaced) {
@@ -145,7 +148,7 @@ TEST_F(Faults, AGrabOutlivesALostPose) {
     expect_clean(run);
     const auto entries = kept();
     ASSERT_EQ(entries.size(), 1u);
-    const json document = restore(entries[0]).file.json;
+    const json document = edit::restore(entries[0]).file.json;
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 
@@ -200,7 +203,7 @@ TEST_F(Faults, AMoveOutlivesASessionThatIsLostInItsMiddle) {
     expect_no_violations(run);
     const auto entries = kept();
     ASSERT_EQ(entries.size(), 1u) << run.log;
-    const json document = restore(entries[0]).file.json;
+    const json document = edit::restore(entries[0]).file.json;
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 

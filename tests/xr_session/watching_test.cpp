@@ -28,9 +28,9 @@ TEST_F(Watching, BothEyesSeeTheStage) {
 }
 
 // As the script has it: the head in the middle between them, 64 mm apart.
-EyeView eye_of(const XrScript& script, int eye) {
+xr::EyeView eye_of(const XrScript& script, int eye) {
     const auto& fov = script.json["fov_deg"][static_cast<size_t>(eye)];
-    EyeView view;
+    xr::EyeView view;
     view.pose.position = {eye == 0 ? -0.032 : 0.032, 1.5, 0};
     view.pose.rotation = glm::angleAxis(std::asin(-0.3 / std::hypot(0.3, 2.0)), glm::dvec3(1, 0, 0));
     const auto angle = [&](size_t i) { return static_cast<float>(glm::radians(fov[i].get<double>())); };
@@ -46,19 +46,21 @@ TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
     const XrRun run = this->run(script, {"--no-mask"});
     expect_clean(run);
 
-    const Device device;
-    const Stage on_stage = load_stage(stage);
-    StageRenderer renderer(device, on_stage, {192, 192});
-    const StageInstant instant = stage_at(on_stage, 0);
+    const gpu::Device device;
+    const stage::Stage on_stage = stage::load_stage(stage);
+    render::StageRenderer renderer(device, on_stage, {192, 192});
+    const stage::StageInstant instant = stage::stage_at(on_stage, 0);
     renderer.show(instant);
-    FrameSettings settings = renderer.settings_at(instant);
+    render::FrameSettings settings = renderer.settings_at(instant);
     settings.width = settings.height = 192;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     for (const int eye : {0, 1}) {
-        const Image truth = renderer.frames().render(eye_camera(eye_of(script, eye), {}, {192, 192}), settings);
-        const Image seen = run.picture(4, eye == 0 ? "left" : "right");
+        const media::Image truth =
+            renderer.frames().render(xr::eye_camera(eye_of(script, eye), {}, {192, 192}), settings);
+        const media::Image seen = run.picture(4, eye == 0 ? "left" : "right");
         EXPECT_TRUE(same_pixels(truth, seen)) << eye;
-        const Image other = renderer.frames().render(eye_camera(eye_of(script, 1 - eye), {}, {192, 192}), settings);
+        const media::Image other =
+            renderer.frames().render(xr::eye_camera(eye_of(script, 1 - eye), {}, {192, 192}), settings);
         EXPECT_FALSE(same_pixels(other, seen)) << "the comparison tells eyes apart";
     }
 }
@@ -116,11 +118,11 @@ TEST_F(Watching, AStickTeleportsAndTurns) {
 }
 
 TEST_F(Watching, WhereTheRoomIsSeenTheStageHasNoBackground) {
-    StageFile file = read_stage_file(stage);
-    StageEdit edit;
+    stage::StageFile file = stage::read_stage_file(stage);
+    edit::StageEdit edit;
     edit.background = glm::dvec3(0.2, 0.5, 0.9);
-    set_stage(file, edit);
-    save_stage_file(file, stage);
+    edit::set_stage(file, edit);
+    stage::save_stage_file(file, stage);
     XrScript script;
     script.json["profile"] = "";
     script.save(6);
@@ -155,7 +157,7 @@ TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
     script.end(8);
     const XrRun whole = run(script), inset = run(script, {"--inset", "0.5"});
     expect_clean(inset);
-    const Image a = whole.picture(6, "left"), b = inset.picture(6, "left");
+    const media::Image a = whole.picture(6, "left"), b = inset.picture(6, "left");
     // About the eye's axis; beside it there are half as many rays a side.
     uint32_t inside = 0, beside = 0;
     for (uint32_t y = 0; y < a.height; y++)
@@ -211,7 +213,7 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
 struct Fitted {
     double fits, left, top;
 };
-Fitted fitted(const Image& eye, const WindowPlace& window) {
+Fitted fitted(const media::Image& eye, const viewer::WindowPlace& window) {
     const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
     return {fits, (window.width - fits * eye.width) / 2, (window.height - fits * eye.height) / 2};
 }
@@ -219,7 +221,7 @@ Fitted fitted(const Image& eye, const WindowPlace& window) {
 // Whether a picture of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
 // screen does not reach are left out. The middle of an eye's pixel lies within half a pixel of the screen's, so its
 // neighbour may have a share in that.
-bool is_mirrored(const Image& eye, const Image& screen, const WindowPlace& window) {
+bool is_mirrored(const media::Image& eye, const media::Image& screen, const viewer::WindowPlace& window) {
     const auto [fits, left, top] = fitted(eye, window);
     int most = 0;
     for (uint32_t y = 4; y < eye.height; y += 8)
@@ -233,8 +235,8 @@ bool is_mirrored(const Image& eye, const Image& screen, const WindowPlace& windo
 }
 
 // A window that shows it.
-Image enlarged_into(const WindowPlace& window, const Image& eye) {
-    Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
+media::Image enlarged_into(const viewer::WindowPlace& window, const media::Image& eye) {
+    media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
     const auto [fits, left, top] = fitted(eye, window);
     for (uint32_t y = 0; y < shown.height; y++)
         for (uint32_t x = 0; x < shown.width; x++) {
@@ -253,7 +255,7 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     script.save(10);
     script.end(14);
     const XrRun plain = run(script);
-    const Image eye = plain.picture(10, "left");
+    const media::Image eye = plain.picture(10, "left");
     EXPECT_FALSE(is_mirrored(eye, screen.picture(), {})) << "nothing is shown yet";
     EXPECT_TRUE(is_mirrored(eye, enlarged_into({}, eye), {}));
     EXPECT_FALSE(is_mirrored(eye, enlarged_into({}, plain.picture(10, "right")), {})) << "the other eye is told apart";

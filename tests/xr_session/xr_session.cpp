@@ -95,25 +95,25 @@ void XrScript::save(int frame) {
     json["save_frames"].push_back(frame);
 }
 
-Image XrRun::picture(int frame, const std::string& which) const {
+media::Image XrRun::picture(int frame, const std::string& which) const {
     char name[64];
     std::snprintf(name, sizeof(name), "frame_%04d_%s.png", frame, which.c_str());
-    return read_png(out / name);
+    return media::read_png(out / name);
 }
 
 XrSession::XrSession() {
-    write_nvv(clip, figure_tree());
-    StageFile file = new_stage(stage);
-    PerformerEdit performer;
+    voctree::write_nvv(clip, figure_tree());
+    stage::StageFile file = edit::new_stage(stage);
+    edit::PerformerEdit performer;
     performer.clip = clip;
-    Placement place;
+    edit::Placement place;
     place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -0.8, 0, -2.8, 1);
-    add_performer(file, "anna", performer, place);
-    Placement eyes;
+    edit::add_performer(file, "anna", performer, place);
+    edit::Placement eyes;
     eyes.at = glm::dvec3(0, 1.5, 0);
     eyes.aim = glm::dvec3(0, 1.5, -1);
-    place_node(file, find_node(file, "camera"), eyes);
-    save_stage_file(file, stage);
+    edit::place_node(file, edit::find_node(file, "camera"), eyes);
+    stage::save_stage_file(file, stage);
 }
 
 XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more) {
@@ -199,7 +199,7 @@ glm::dvec3 XrSession::place(const json& node) {
     return {at[0], at[1], at[2]};
 }
 
-bool same_pixels(const Image& a, const Image& b, int step) {
+bool same_pixels(const media::Image& a, const media::Image& b, int step) {
     if (a.width != b.width || a.height != b.height) return false;
     for (size_t i = 0; i < a.rgba.size(); i++)
         if (std::abs(a.rgba[i] - b.rgba[i]) > step) return false;

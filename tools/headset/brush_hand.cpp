@@ -7,19 +7,20 @@
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
 constexpr double kTip_m = 0.08;  // in front of the hand
 
-PaintWork work_of(const HandBrush& brush, float frame, uint32_t frames) {
-    PaintWork work;
-    work.kind = brush.does == HandBrush::Does::kErase ? PaintWork::Kind::kErase : PaintWork::Kind::kColour;
-    work.colour = linear_of_srgb(brush.colour);
+viewer::PaintWork work_of(const HandBrush& brush, float frame, uint32_t frames) {
+    viewer::PaintWork work;
+    work.kind =
+        brush.does == HandBrush::Does::kErase ? viewer::PaintWork::Kind::kErase : viewer::PaintWork::Kind::kColour;
+    work.colour = viewer::linear_of_srgb(brush.colour);
     work.opacity = static_cast<float>(brush.opacity);
-    work.frames = {frame, frame, Follow::kRun};
-    if (brush.whole_clip) work.frames = {0, static_cast<float>(frames - 1), Follow::kNot};
+    work.frames = {frame, frame, edit::Follow::kRun};
+    if (brush.whole_clip) work.frames = {0, static_cast<float>(frames - 1), edit::Follow::kNot};
     return work;
 }
 
@@ -47,8 +48,8 @@ struct BrushHand::Ready {
     uint32_t node = 0;
     std::filesystem::path clip_path, layer_path;
     bool is_new = false;  // the layer
-    std::shared_ptr<const PaintClip> clip;
-    std::shared_ptr<const EditLayer> layer;  // as read; none where it is new, or the document has it
+    std::shared_ptr<const viewer::PaintClip> clip;
+    std::shared_ptr<const voctree::EditLayer> layer;  // as read; none where it is new, or the document has it
 };
 
 struct BrushHand::Stroke {
@@ -62,31 +63,31 @@ struct BrushHand::Stroke {
     bool under_way = false, released = false;
     // Once its performer has been read; the jobs' own, one after the other.
     std::shared_ptr<const Ready> ready;
-    std::shared_ptr<const EditLayer> before;
+    std::shared_ptr<const voctree::EditLayer> before;
     std::vector<uint8_t> covered;  // by leaf
     bool region_laid = false, met = false, failed = false;
 
     bool waits() const { return !waiting.empty() || (region && !region_laid); }
-    std::shared_ptr<const EditLayer> lay(const Region& touched);
+    std::shared_ptr<const voctree::EditLayer> lay(const edit::Region& touched);
 };
 
 // Bound by memory: all leaves' middles once a job, 12 bytes each. Null where it meets nothing new.
-std::shared_ptr<const EditLayer> BrushHand::Stroke::lay(const Region& touched) {
-    const Canvas& canvas = ready->clip->canvas;
-    const PaintWork work = work_of(brush, frame, ready->clip->tree.frames);
+std::shared_ptr<const voctree::EditLayer> BrushHand::Stroke::lay(const edit::Region& touched) {
+    const edit::Canvas& canvas = ready->clip->canvas;
+    const viewer::PaintWork work = work_of(brush, frame, ready->clip->tree.frames);
     bool any = false;
-    for (const ChosenLeaf& leaf : chosen_in(canvas, *before, touched, work)) {
+    for (const viewer::ChosenLeaf& leaf : viewer::chosen_in(canvas, *before, touched, work)) {
         any |= !covered[leaf.leaf];
         covered[leaf.leaf] = 1;
     }
     if (!any) return nullptr;
-    std::vector<ChosenLeaf> leaves;
+    std::vector<viewer::ChosenLeaf> leaves;
     for (uint32_t leaf = 0; leaf < covered.size(); leaf++)
         if (covered[leaf]) leaves.push_back({leaf});
-    return worked_on(canvas, *before, leaves, work);
+    return viewer::worked_on(canvas, *before, leaves, work);
 }
 
-glm::dvec3 BrushHand::tip_of(const Pose& world_aim) {
+glm::dvec3 BrushHand::tip_of(const xr::Pose& world_aim) {
     return world_aim * glm::dvec3(0, 0, -kTip_m);
 }
 
@@ -100,14 +101,14 @@ std::optional<uint32_t> BrushHand::target(const OnStage& on) {
 
 // Its uppermost layer is painted where it is its alone, else a new one. Null while that is not known.
 std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t index) {
-    const StagePerformer& performer = on.stage->performers[index];
-    const auto layers = layers_of(on.editor.file(), performer.node);
+    const stage::StagePerformer& performer = on.stage->performers[index];
+    const auto layers = viewer::layers_of(on.editor.file(), performer.node);
     if (!layers) return nullptr;
-    const bool own = !layers->empty() && !is_shared(on.editor.file(), performer.node, layers->back().path);
+    const bool own = !layers->empty() && !viewer::is_shared(on.editor.file(), performer.node, layers->back().path);
     const std::filesystem::path clip_path = on.stage->clips[performer.clip].path;
     const bool same = ready_ && ready_->node == performer.node && ready_->clip_path == clip_path &&
                       (own ? ready_->layer_path == layers->back().path
-                           : ready_->is_new && !worn_layers(on.editor.file()).contains(ready_->layer_path) &&
+                           : ready_->is_new && !viewer::worn_layers(on.editor.file()).contains(ready_->layer_path) &&
                                  !on.editor.document().paint.contains(ready_->layer_path));  // undone, it is there yet
     if (same) return ready_;
     if (failed_.id == on.editor.id() && failed_.node == performer.node) {
@@ -119,15 +120,17 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     auto ready = std::make_shared<Ready>();
     ready->node = performer.node;
     ready->clip_path = clip_path;
-    ready->layer_path = own ? layers->back().path : free_paint_path(on.editor.document(), performer.node);
+    ready->layer_path = own ? layers->back().path : viewer::free_paint_path(on.editor.document(), performer.node);
     ready->is_new = !own;
     if (ready_ && ready_->clip_path == clip_path) ready->clip = ready_->clip;
     const bool reads_layer = own && !on.editor.document().paint.contains(ready->layer_path);
-    work_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> Work::Then {
+    work_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> viewer::Work::Then {
         try {
-            if (!ready->clip) ready->clip = std::make_shared<const PaintClip>(read_nvv(ready->clip_path));
+            if (!ready->clip)
+                ready->clip = std::make_shared<const viewer::PaintClip>(voctree::read_nvv(ready->clip_path));
             if (reads_layer)
-                ready->layer = std::make_shared<const EditLayer>(read_paint(ready->layer_path, ready->clip->field));
+                ready->layer = std::make_shared<const voctree::EditLayer>(
+                    voctree::read_paint(ready->layer_path, ready->clip->field));
         } catch (const std::exception& error) {
             return [this, &on, id, node = ready->node, problem = std::string(error.what())] {
                 reading_ = false;
@@ -146,7 +149,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
 }
 
 void BrushHand::update(OnStage& on, Hands& hands) {
-    Hand& hand = hands[kRight];
+    Hand& hand = hands[xr::kRight];
     says_.clear();
     if (on.tool != HandTool::kPaint || !hand.select.held()) end_stroke(on);
     lay(on);
@@ -168,20 +171,20 @@ void BrushHand::update(OnStage& on, Hands& hands) {
 
 void BrushHand::say_what_is_painted(const OnStage& on, const Ready& ready) {
     const auto& node = on.stage->scene.nodes[ready.node];
-    const auto layers = layers_of(on.editor.file(), ready.node);
+    const auto layers = viewer::layers_of(on.editor.file(), ready.node);
     const bool worn = layers && !layers->empty() && layers->back().path == ready.layer_path;
-    says_ = worn ? fmt::format("Paints {}, on its layer \"{}\"", node.name, title_of(layers->back()))
+    says_ = worn ? fmt::format("Paints {}, on its layer \"{}\"", node.name, viewer::title_of(layers->back()))
                  : fmt::format("Paints {}, on a new layer", node.name);
 }
 
 std::shared_ptr<BrushHand::Stroke> BrushHand::begin(const OnStage& on, uint32_t index) const {
-    const StagePerformer& performer = on.stage->performers[index];
+    const stage::StagePerformer& performer = on.stage->performers[index];
     auto stroke = std::make_shared<Stroke>();
     stroke->node = performer.node;
     stroke->brush = on.brush;
     stroke->what = fmt::format("{} {} in the air", performer.name,
                                on.brush.does == HandBrush::Does::kErase ? "erased" : "painted");
-    for (const InstantPerformer& at : on.instant.performers)
+    for (const stage::InstantPerformer& at : on.instant.performers)
         if (at.performer == index) stroke->frame = at.frame;
     return stroke;
 }
@@ -191,7 +194,7 @@ void BrushHand::draw(OnStage& on, const Hand& hand) {
     Stroke& stroke = *strokes_.back();
     const glm::dvec3 tip = tip_of(*hand.aim);
     if (stroke.last && glm::distance(*stroke.last, tip) < 0.25 * stroke.brush.radius_m) return;
-    for (const InstantPerformer& performer : on.instant.performers) {
+    for (const stage::InstantPerformer& performer : on.instant.performers) {
         if (on.stage->performers[performer.performer].node != stroke.node) continue;
         stroke.waiting.push_back(
             {performer.world_from_performer, stroke.last.value_or(tip), tip, stroke.brush.radius_m, stroke.brush.tip});
@@ -215,7 +218,7 @@ void BrushHand::lay(OnStage& on) {
         const auto known = on.editor.document().paint.find(ready.layer_path);
         stroke->before = known != on.editor.document().paint.end()
                              ? known->second
-                             : std::make_shared<EditLayer>(EditLayer{ready.clip->field, {}});
+                             : std::make_shared<voctree::EditLayer>(voctree::EditLayer{ready.clip->field, {}});
         stroke->covered.resize(ready.clip->tree.leaf_count);
     }
     if (stroke->waits())
@@ -226,17 +229,17 @@ void BrushHand::lay(OnStage& on) {
 
 void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
     stroke->under_way = true;
-    Region touched;
+    edit::Region touched;
     if (stroke->region) {
-        touched = box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));
+        touched = edit::box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));
         stroke->region_laid = true;
     } else {
         touched = [tips = std::exchange(stroke->waiting, {})](glm::vec3 place) {
             return std::any_of(tips.begin(), tips.end(), [&](const Tip& tip) { return tip.touches(place); });
         };
     }
-    work_.start("", [this, &on, stroke, touched = std::move(touched)]() -> Work::Then {
-        std::shared_ptr<const EditLayer> layer;
+    work_.start("", [this, &on, stroke, touched = std::move(touched)]() -> viewer::Work::Then {
+        std::shared_ptr<const voctree::EditLayer> layer;
         try {
             layer = stroke->lay(touched);
         } catch (const std::exception& error) {
@@ -250,8 +253,9 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
             stroke->under_way = false;
             stroke->met |= layer != nullptr;
             if (layer)
-                on.editor.drag([&](Document& document) {
-                    return put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer, stroke->what);
+                on.editor.drag([&](edit::Document& document) {
+                    return viewer::put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer,
+                                             stroke->what);
                 });
             lay(on);
         };
@@ -273,7 +277,7 @@ void BrushHand::end_stroke(OnStage& on) {
 
 void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
     if (!hand.aim) return;
-    for (const InstantPerformer& performer : on.instant.performers) {
+    for (const stage::InstantPerformer& performer : on.instant.performers) {
         if (performer.performer != index) continue;
         const glm::dvec3 tip = glm::inverse(performer.world_from_performer) * glm::dvec4(tip_of(*hand.aim), 1);
         if (hand.takes_press() && hand.at.what != PointedAt::What::kPanel) {
@@ -298,4 +302,4 @@ void BrushHand::do_region(OnStage& on) {
     lay(on);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

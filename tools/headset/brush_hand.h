@@ -16,7 +16,7 @@
 #include "tools/viewer/paint_desk.h"
 #include "tools/viewer/work.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 // In the performer's space, metres.
 struct PaintRegion {
@@ -28,7 +28,7 @@ struct PaintRegion {
 class BrushHand {
   public:
     // `work` must outlive it, or be stopped before.
-    explicit BrushHand(Work& work) : work_(work) {}
+    explicit BrushHand(viewer::Work& work) : work_(work) {}
 
     void update(OnStage& on, Hands& hands);
     // The hand ends its stroke: one step of the history; what is still being laid comes into it.
@@ -44,7 +44,7 @@ class BrushHand {
     void do_region(OnStage& on);
 
     // The tip of a hand that paints: world.
-    static glm::dvec3 tip_of(const Pose& world_aim);
+    static glm::dvec3 tip_of(const xr::Pose& world_aim);
     // "Paints anna, on its layer \"stars\"", "Reading anna, to be painted"; empty: nobody is to be painted.
     const std::string& says() const { return says_; }
 
@@ -60,7 +60,7 @@ class BrushHand {
     void finish(OnStage& on);
     void pull_region(const OnStage& on, uint32_t performer, Hand& hand);
 
-    Work& work_;
+    viewer::Work& work_;
     std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
     // The first is being laid, once its performer has been read; the last is the hand's until it is released.
     std::deque<std::shared_ptr<Stroke>> strokes_;
@@ -75,4 +75,4 @@ class BrushHand {
     std::optional<glm::dvec3> corner_;  // the region's first, performer's space, while it is pulled
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

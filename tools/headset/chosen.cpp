@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
 using nlohmann::ordered_json;
 
-void read_comfort(PreferenceReader& reader, const ordered_json& json, Comfort& comfort) {
+void read_comfort(viewer::PreferenceReader& reader, const ordered_json& json, Comfort& comfort) {
     const std::string at = "comfort.";
     reader.boolean(json, at, "smoothWalk", comfort.smooth_walk);
     reader.boolean(json, at, "smoothTurn", comfort.smooth_turn);
@@ -22,9 +22,9 @@ void read_comfort(PreferenceReader& reader, const ordered_json& json, Comfort& c
 }
 
 // One of two words. Whether it is the second.
-bool read_choice(PreferenceReader& reader, const ordered_json& json, const char* name, std::array<const char*, 2> words,
-                 bool before) {
-    const ordered_json* member = PreferenceReader::find(json, name);
+bool read_choice(viewer::PreferenceReader& reader, const ordered_json& json, const char* name,
+                 std::array<const char*, 2> words, bool before) {
+    const ordered_json* member = viewer::PreferenceReader::find(json, name);
     std::string word;
     const std::string at = std::string("brush.") + name;
     if (!member || !reader.text(*member, at, word)) return before;
@@ -35,7 +35,7 @@ bool read_choice(PreferenceReader& reader, const ordered_json& json, const char*
     return word == words[1];
 }
 
-void read_brush(PreferenceReader& reader, const ordered_json& json, HandBrush& brush) {
+void read_brush(viewer::PreferenceReader& reader, const ordered_json& json, HandBrush& brush) {
     const std::string at = "brush.";
     const bool is_box = read_choice(reader, json, "tip", {"ball", "box"}, brush.tip == HandBrush::Tip::kBox);
     brush.tip = is_box ? HandBrush::Tip::kBox : HandBrush::Tip::kBall;
@@ -68,7 +68,7 @@ void write_brush(ordered_json& json, const HandBrush& brush) {
     json["tip"] = brush.tip == HandBrush::Tip::kBox ? "box" : "ball";
     json["does"] = brush.does == HandBrush::Does::kErase ? "erase" : "paint";
     json["radius_m"] = rounded(brush.radius_m);
-    ordered_json& colour = object_in(json, "colour");
+    ordered_json& colour = viewer::object_in(json, "colour");
     colour["red"] = rounded(brush.colour.r);
     colour["green"] = rounded(brush.colour.g);
     colour["blue"] = rounded(brush.colour.b);
@@ -80,25 +80,25 @@ void write_brush(ordered_json& json, const HandBrush& brush) {
 
 void Chosen::load(OnStage& on, HoldSettings& hold) {
     if (path_.empty()) return;
-    PreferenceFile file = load_preference_file(path_);
-    PreferenceReader reader;
+    viewer::PreferenceFile file = viewer::load_preference_file(path_);
+    viewer::PreferenceReader reader;
     read_comfort(reader, reader.object(file.document, "comfort"), on.comfort);
     read_brush(reader, reader.object(file.document, "brush"), on.brush);
     reader.boolean(reader.object(file.document, "panel"), "panel.", "onWrist", on.panel_on_wrist);
     const ordered_json& held = reader.object(file.document, "hold");
     reader.boolean(held, "hold.", "upright", hold.upright);
     reader.boolean(held, "hold.", "snapsToFloor", hold.snaps_to_floor);
-    const std::string problem = file.message.empty() ? wrong_members(path_, reader.wrong) : file.message;
+    const std::string problem = file.message.empty() ? viewer::wrong_members(path_, reader.wrong) : file.message;
     if (!problem.empty()) on.editor.tell(problem, true);
     before_ = written(on, hold, file.document);
     document_ = std::move(file.document);
 }
 
 ordered_json Chosen::written(const OnStage& on, const HoldSettings& hold, ordered_json over) {
-    write_comfort(object_in(over, "comfort"), on.comfort);
-    write_brush(object_in(over, "brush"), on.brush);
-    object_in(over, "panel")["onWrist"] = on.panel_on_wrist;
-    ordered_json& held = object_in(over, "hold");
+    write_comfort(viewer::object_in(over, "comfort"), on.comfort);
+    write_brush(viewer::object_in(over, "brush"), on.brush);
+    viewer::object_in(over, "panel")["onWrist"] = on.panel_on_wrist;
+    ordered_json& held = viewer::object_in(over, "hold");
     held["upright"] = hold.upright;
     held["snapsToFloor"] = hold.snaps_to_floor;
     return over;
@@ -108,8 +108,8 @@ void Chosen::save(const OnStage& on, const HoldSettings& hold) {
     if (path_.empty()) return;
     ordered_json now = written(on, hold, document_);
     if (now == before_) return;
-    save_preference_file(path_, now);
+    viewer::save_preference_file(path_, now);
     before_ = std::move(now);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -12,7 +12,7 @@
 #include "tools/headset/on_stage.h"
 #include "tools/viewer/preference_file.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 class Chosen {
   public:
@@ -31,4 +31,4 @@ class Chosen {
     nlohmann::ordered_json document_ = nlohmann::ordered_json::object(), before_;  // the file's; as it would be written
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

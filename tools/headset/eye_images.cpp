@@ -3,31 +3,32 @@
 #include <chrono>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
 constexpr double kBeside = 0.5;  // rays a pixel's side beside the inset for one inside it
 
-XrSwapchainShape colour_shape(VkExtent2D size, bool keep) {
-    XrSwapchainShape shape{size, kEyes};
-    shape.formats = eye_colour_formats();
+xr::XrSwapchainShape colour_shape(VkExtent2D size, bool keep) {
+    xr::XrSwapchainShape shape{size, xr::kEyes};
+    shape.formats = xr::eye_colour_formats();
     if (keep) shape.usage |= XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
     return shape;
 }
 
-XrSwapchainShape depth_shape(VkExtent2D size) {
-    XrSwapchainShape shape{size, kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT};
-    shape.formats = eye_depth_formats();
+xr::XrSwapchainShape depth_shape(VkExtent2D size) {
+    xr::XrSwapchainShape shape{size, xr::kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                               VK_IMAGE_ASPECT_DEPTH_BIT};
+    shape.formats = xr::eye_depth_formats();
     return shape;
 }
 
 // A runtime that offers depth layers, but no format of depth that we draw, goes without.
-std::unique_ptr<XrImages> depth_images(const Device& device, const Session& session, VkExtent2D size) {
+std::unique_ptr<xr::XrImages> depth_images(const gpu::Device& device, const xr::Session& session, VkExtent2D size) {
     if (!session.runtime().has(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME)) return nullptr;
     try {
-        return std::make_unique<XrImages>(session, device, "depth of eyes", depth_shape(size));
-    } catch (const XrFailure&) {
+        return std::make_unique<xr::XrImages>(session, device, "depth of eyes", depth_shape(size));
+    } catch (const xr::XrFailure&) {
         throw;
     } catch (const RuntimeFailure&) {
         return nullptr;
@@ -41,31 +42,32 @@ bool same(const XrFovf& a, const XrFovf& b) {
 
 }  // namespace
 
-EyeImages::EyeImages(const Device& device, const Session& session, const EyeQuality& quality)
+EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, const EyeQuality& quality)
     : device_(device),
       session_(session),
       quality_(quality),
-      colour_(std::make_unique<XrImages>(session, device, "eyes",
-                                         colour_shape(session.runtime().eye_size(), quality.keep_pictures))),
+      colour_(std::make_unique<xr::XrImages>(session, device, "eyes",
+                                             colour_shape(session.runtime().eye_size(), quality.keep_pictures))),
       depth_(quality.depth ? depth_images(device, session, colour_->size()) : nullptr),
       pass_(device, colour_->format(), depth_ ? depth_->format() : VK_FORMAT_D32_SFLOAT),
       dynamic_(8),
       commands_(device, "mirror", 4) {
     const VkExtent2D size = colour_->size();
     if (!depth_)
-        own_depth_ = DeviceImage(device, "depth of eyes",
-                                 {size.width, size.height, VK_FORMAT_D32_SFLOAT,
-                                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_SAMPLE_COUNT_1_BIT, 1, kEyes});
+        own_depth_ =
+            gpu::DeviceImage(device, "depth of eyes",
+                             {size.width, size.height, VK_FORMAT_D32_SFLOAT,
+                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes});
     if (!quality.keep_pictures) return;
-    left_.emplace(
-        device, "left eye",
-        ImageShape{size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
-                   VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    left_.emplace(device, "left eye",
+                  gpu::ImageShape{
+                      size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
+                      VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
 }
 
-FrameCapacity EyeImages::capacity() const {
-    FrameCapacity capacity{size().width, size().height};
-    capacity.views = kEyes;
+render::FrameCapacity EyeImages::capacity() const {
+    render::FrameCapacity capacity{size().width, size().height};
+    capacity.views = xr::kEyes;
     return capacity;
 }
 
@@ -81,48 +83,50 @@ const char* EyeImages::format_name() const {
 }
 
 // The mesh stands in the eye's own plane, so other angles place it elsewhere in the picture.
-void EyeImages::hide(StageRenderer& renderer, const EyeViews& eyes) {
+void EyeImages::hide(render::StageRenderer& renderer, const xr::EyeViews& eyes) {
     if (!quality_.mask) return;
     bool changed = false;
-    for (uint32_t eye = 0; eye < kEyes; eye++) {
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         if (!old_mask_[eye] && same(mask_fov_[eye], eyes.eye[eye].fov)) continue;
         mask_fov_[eye] = eyes.eye[eye].fov;
-        hidden_[eye] = hidden_corners(session_, eye, mask_fov_[eye]);
+        hidden_[eye] = xr::hidden_corners(session_, eye, mask_fov_[eye]);
         old_mask_[eye] = false;
         changed = true;
     }
     if (changed) renderer.hide(hidden_);
 }
 
-FrameSettings EyeImages::settings_of(const StageRenderer& renderer, const StageInstant& instant,
-                                     std::span<const NextSlice> next) const {
-    FrameSettings settings = renderer.settings_at(instant);
+render::FrameSettings EyeImages::settings_of(const render::StageRenderer& renderer, const stage::StageInstant& instant,
+                                             std::span<const render::NextSlice> next) const {
+    render::FrameSettings settings = renderer.settings_at(instant);
     settings.width = size().width;
     settings.height = size().height;
-    settings.mode = TraceMode::kPlay;
+    settings.mode = render::TraceMode::kPlay;
     settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_.scale();
     if (settings.scale > 0.97) settings.scale = 1;
     settings.next_slices.assign(next.begin(), next.end());
     if (quality_.inset)
-        for (const Camera& camera : cameras_) settings.foveae.push_back(fovea_of(camera, *quality_.inset, kBeside));
+        for (const stage::Camera& camera : cameras_)
+            settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside));
     if (session_.runtime().blend_mode() != XR_ENVIRONMENT_BLEND_MODE_OPAQUE) settings.resolve.background = glm::vec4(0);
     return settings;
 }
 
-void EyeImages::draw(StageRenderer& renderer, const StageInstant& instant, const EyeViews& eyes,
-                     const Pose& world_from_tracking, std::span<const NextSlice> next, const EyeShapes& shapes,
-                     double vignette, double budget_ms) {
+void EyeImages::draw(render::StageRenderer& renderer, const stage::StageInstant& instant, const xr::EyeViews& eyes,
+                     const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next,
+                     const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     const auto begin = std::chrono::steady_clock::now();
     hide(renderer, eyes);
-    for (uint32_t eye = 0; eye < kEyes; eye++) cameras_[eye] = eye_camera(eyes.eye[eye], world_from_tracking, size());
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+        cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
     dynamic_.set_target(budget_ms);
-    const FrameSettings settings = settings_of(renderer, instant, next);
-    const Buffer& pictures = renderer.frames().draw(cameras_, settings);
+    const render::FrameSettings settings = settings_of(renderer, instant, next);
+    const gpu::Buffer& pictures = renderer.frames().draw(cameras_, settings);
     const auto drawn = std::chrono::steady_clock::now();
 
     const uint32_t index = colour_->acquire(), depth = depth_ ? depth_->acquire() : 0;
-    EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : own_depth_.image, colour_->view(index),
-                     depth_ ? depth_->view(depth) : own_depth_.view, size()};
+    xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : own_depth_.image, colour_->view(index),
+                         depth_ ? depth_->view(depth) : own_depth_.view, size()};
     const auto acquired = std::chrono::steady_clock::now();  // the compositor's time is not ours
     pass_.draw(renderer, pictures, cameras_, shapes, vignette, target);
     const auto ended = std::chrono::steady_clock::now();
@@ -137,28 +141,28 @@ void EyeImages::draw(StageRenderer& renderer, const StageInstant& instant, const
 
 void EyeImages::keep_left(VkImage image) {
     kept_left_ = true;
-    constexpr VkImageSubresourceRange kLayers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes};
+    constexpr VkImageSubresourceRange kLayers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, xr::kEyes};
     commands_.begin();
-    move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    move_layout(commands_, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageBlit part{};  // another format is converted
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.srcOffsets[1] =
         part.dstOffsets[1] = {static_cast<int32_t>(size().width), static_cast<int32_t>(size().height), 1};
     vkCmdBlitImage(commands_.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, left_->image,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part, VK_FILTER_NEAREST);
-    move_layout(commands_, *left_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    gpu::move_layout(commands_, *left_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                     VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     commands_.submit();
     commands_.wait();
 }
 
-const XrCompositionLayerBaseHeader* EyeImages::layer(const Session& session, bool over_holes) {
-    for (uint32_t eye = 0; eye < kEyes; eye++) {
+const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_holes) {
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         views_[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
-        views_[eye].pose = xr_pose(drawn_.eye[eye].pose);
+        views_[eye].pose = xr::xr_pose(drawn_.eye[eye].pose);
         views_[eye].fov = drawn_.eye[eye].fov;
         views_[eye].subImage = colour_->part(eye);
         if (!depth_) continue;
@@ -167,15 +171,15 @@ const XrCompositionLayerBaseHeader* EyeImages::layer(const Session& session, boo
         depths_[eye].minDepth = 0;
         depths_[eye].maxDepth = 1;
         depths_[eye].nearZ = INFINITY;  // reversed: depth 0 is infinitely far
-        depths_[eye].farZ = static_cast<float>(kSetNear_m);
+        depths_[eye].farZ = static_cast<float>(render::kSetNear_m);
         views_[eye].next = &depths_[eye];
     }
     const bool mixes = session.runtime().blend_mode() == XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND;
     projection_.layerFlags = over_holes || mixes ? XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT : 0;
     projection_.space = session.tracking_space();
-    projection_.viewCount = kEyes;
+    projection_.viewCount = xr::kEyes;
     projection_.views = views_.data();
     return reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -9,7 +9,7 @@
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 struct EyeQuality {
     double scale = 0;                // rays a pixel along each side; 0: as many as the refresh rate allows
@@ -21,11 +21,11 @@ struct EyeQuality {
 class EyeImages {
   public:
     // Of the size that the runtime recommends. All must outlive it.
-    EyeImages(const Device& device, const Session& session, const EyeQuality& quality);
+    EyeImages(const gpu::Device& device, const xr::Session& session, const EyeQuality& quality);
 
     VkExtent2D size() const { return colour_->size(); }
     // What a renderer must have room for.
-    FrameCapacity capacity() const;
+    render::FrameCapacity capacity() const;
     const char* format_name() const;
 
     // A lens hides another part now.
@@ -33,42 +33,42 @@ class EyeImages {
 
     // Draws the instant that the renderer was made to show, from eyes that stand on the rig, with what shall be shown
     // next sliced ahead. Waits for the device. `budget_ms`: in which a picture should be drawn.
-    void draw(StageRenderer& renderer, const StageInstant& instant, const EyeViews& eyes,
-              const Pose& world_from_tracking, std::span<const NextSlice> next, const EyeShapes& shapes,
+    void draw(render::StageRenderer& renderer, const stage::StageInstant& instant, const xr::EyeViews& eyes,
+              const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next, const xr::EyeShapes& shapes,
               double vignette, double budget_ms);
     // What was drawn last, for the frame's end. `over_holes`: layers beneath show through holes.
-    const XrCompositionLayerBaseHeader* layer(const Session& session, bool over_holes);
+    const XrCompositionLayerBaseHeader* layer(const xr::Session& session, bool over_holes);
 
     // How large the middle pixels of the last picture look.
     double pixel_rad() const { return 1 / cameras_[0].fx; }
     double scale() const { return drawn_scale_; }
     // The left eye's picture (layout TRANSFER_SRC), where pictures are kept.
-    const DeviceImage* left() const { return kept_left_ ? &*left_ : nullptr; }
+    const gpu::DeviceImage* left() const { return kept_left_ ? &*left_ : nullptr; }
 
   private:
-    void hide(StageRenderer& renderer, const EyeViews& eyes);
-    FrameSettings settings_of(const StageRenderer& renderer, const StageInstant& instant,
-                              std::span<const NextSlice> next) const;
+    void hide(render::StageRenderer& renderer, const xr::EyeViews& eyes);
+    render::FrameSettings settings_of(const render::StageRenderer& renderer, const stage::StageInstant& instant,
+                                      std::span<const render::NextSlice> next) const;
     void keep_left(VkImage image);
-    const Device& device_;
-    const Session& session_;
+    const gpu::Device& device_;
+    const xr::Session& session_;
     EyeQuality quality_;
-    std::unique_ptr<XrImages> colour_, depth_;
-    DeviceImage own_depth_;
-    EyePass pass_;
-    std::array<Camera, kEyes> cameras_{Camera{.fx = 1000}, Camera{.fx = 1000}};
-    std::array<bool, kEyes> old_mask_{true, true};
-    std::array<XrFovf, kEyes> mask_fov_{};
-    std::array<std::vector<glm::vec2>, kEyes> hidden_;
-    DynamicScale dynamic_;
+    std::unique_ptr<xr::XrImages> colour_, depth_;
+    gpu::DeviceImage own_depth_;
+    xr::EyePass pass_;
+    std::array<stage::Camera, xr::kEyes> cameras_{stage::Camera{.fx = 1000}, stage::Camera{.fx = 1000}};
+    std::array<bool, xr::kEyes> old_mask_{true, true};
+    std::array<XrFovf, xr::kEyes> mask_fov_{};
+    std::array<std::vector<glm::vec2>, xr::kEyes> hidden_;
+    viewer::DynamicScale dynamic_;
     double drawn_scale_ = 1;
-    EyeViews drawn_;
-    std::optional<DeviceImage> left_;
+    xr::EyeViews drawn_;
+    std::optional<gpu::DeviceImage> left_;
     bool kept_left_ = false;  // it holds a picture
-    Commands commands_;
+    gpu::Commands commands_;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
-    std::array<XrCompositionLayerProjectionView, kEyes> views_{};
-    std::array<XrCompositionLayerDepthInfoKHR, kEyes> depths_{};
+    std::array<XrCompositionLayerProjectionView, xr::kEyes> views_{};
+    std::array<XrCompositionLayerDepthInfoKHR, xr::kEyes> depths_{};
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

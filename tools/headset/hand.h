@@ -7,7 +7,7 @@
 #include "xr/hands.h"
 #include "xr/press.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 // Something that a ray meets.
 struct PointedAt {
@@ -18,10 +18,10 @@ struct PointedAt {
 };
 
 struct Hand {
-    HandInput input;                // of this frame
-    std::optional<Pose> aim, grip;  // world
-    Press select, grab;
-    Flick flick;
+    xr::HandInput input;                // of this frame
+    std::optional<xr::Pose> aim, grip;  // world
+    xr::Press select, grab;
+    xr::Flick flick;
     PointedAt at;
     double selecting_s = 0;  // for how long select has been held
     PointedAt pressed;   // what select was pressed on, while it is held; of the panel where it points now, or did last
@@ -37,6 +37,6 @@ struct Hand {
     void feel(double strength) { pulse = std::max(pulse, strength); }
 };
 
-using Hands = std::array<Hand, kHands>;
+using Hands = std::array<Hand, xr::kHands>;
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -2,7 +2,7 @@
 
 #include "tools/viewer/fields.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
@@ -11,9 +11,9 @@ constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}
     kRed{0.8f, 0.1f, 0.05f, 1}, kNoRegion{0, 0, 0, 0};
 constexpr double kIdleRay_m = 1.2, kSelectedOut = 0.006;
 
-void draw_controller(EyeShapes& shapes, const Hand& hand) {
+void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
     if (!hand.grip || hand.input.bare) return;
-    const glm::dmat4 grip = matrix_of(*hand.grip);
+    const glm::dmat4 grip = xr::matrix_of(*hand.grip);
     shapes.solid_box(grip, {-0.017, -0.02, -0.03}, {0.017, 0.015, 0.085}, kBody);
     shapes.solid_box(grip, {-0.024, 0.0, -0.075}, {0.024, 0.022, -0.03}, kTrim);
     const float pressed = static_cast<float>(std::clamp(hand.input.select, 0.0, 1.0));
@@ -21,19 +21,19 @@ void draw_controller(EyeShapes& shapes, const Hand& hand) {
                      glm::mix(kTrim, kBlue, hand.select.held() ? 1.0f : 0.5f * pressed));
 }
 
-void draw_ray(EyeShapes& shapes, const Hand& hand, std::optional<double> held_m) {
+void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> held_m) {
     if (!hand.aim) return;
     const bool meets = hand.at.what == PointedAt::What::kPanel || hand.at.what == PointedAt::What::kPerformer;
     const double metres = held_m ? *held_m : meets ? hand.at.metres : kIdleRay_m;
-    const Ray ray = ray_of(*hand.aim);
+    const xr::Ray ray = xr::ray_of(*hand.aim);
     const glm::dvec3 end = ray.origin + metres * ray.direction;
     shapes.line(ray.origin, end, 0.003, kRay, meets || held_m ? kRay : kFaint);
     if (meets || held_m) shapes.ball(end, held_m ? 0.014 : 0.008, held_m ? kBlue : glm::vec4(0.9f, 0.9f, 0.9f, 1));
 }
 
-void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
     const auto selected = on.selected_performer();
-    for (const InstantPerformer& performer : on.instant.performers) {
+    for (const stage::InstantPerformer& performer : on.instant.performers) {
         if (!performer.visible) continue;
         bool pointed_at = false;
         for (const Hand& hand : interaction.hands)
@@ -48,18 +48,18 @@ void draw_boxes(EyeShapes& shapes, const OnStage& on, const Interaction& interac
     }
     const auto& region = interaction.brush.region();
     if (on.tool != HandTool::kRegion || !region) return;
-    for (const InstantPerformer& performer : on.instant.performers)
+    for (const stage::InstantPerformer& performer : on.instant.performers)
         if (on.stage->performers[performer.performer].node == region->node)
             shapes.box_edges(performer.world_from_performer, region->low, region->high, 0.004, kGreen);
 }
 
 glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
     if (brush.does == HandBrush::Does::kErase) return {0.6f, 0.6f, 0.6f, alpha};
-    return {linear_of_srgb(brush.colour), alpha};
+    return {viewer::linear_of_srgb(brush.colour), alpha};
 }
 
-void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
-    const Hand& hand = interaction.hands[kRight];
+void draw_brush(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+    const Hand& hand = interaction.hands[xr::kRight];
     if (on.tool == HandTool::kArrange || !hand.aim || hand.at.what == PointedAt::What::kPanel) return;
     const glm::dvec3 tip = BrushHand::tip_of(*hand.aim);
     if (on.tool == HandTool::kRegion) {
@@ -79,7 +79,7 @@ void draw_brush(EyeShapes& shapes, const OnStage& on, const Interaction& interac
     }
 }
 
-void draw_arc(EyeShapes& shapes, const Arc* arc) {
+void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc) {
     if (!arc) return;
     shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
     if (arc->landing) shapes.ring(*arc->landing + glm::dvec3(0, 0.01, 0), 0.22, 0.04, kGreen);
@@ -87,7 +87,7 @@ void draw_arc(EyeShapes& shapes, const Arc* arc) {
 
 }  // namespace
 
-void draw_floor(EyeShapes& shapes, const OnStage& on) {
+void draw_floor(xr::EyeShapes& shapes, const OnStage& on) {
     constexpr int kReach = 4;
     constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFades{0.25f, 0.27f, 0.3f, 0};
     if (has_set(*on.stage)) return;
@@ -100,12 +100,13 @@ void draw_floor(EyeShapes& shapes, const OnStage& on) {
         }
 }
 
-void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+void draw_interaction(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
     draw_boxes(shapes, on, interaction);
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
-        const bool paints = which == kRight && on.tool != HandTool::kArrange && hand.at.what != PointedAt::What::kPanel;
+        const bool paints =
+            which == xr::kRight && on.tool != HandTool::kArrange && hand.at.what != PointedAt::What::kPanel;
         if (paints || hand.throws_arc) continue;
         draw_ray(
             shapes, hand,
@@ -116,12 +117,12 @@ void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& i
     if (interaction.panel) shapes.hole(interaction.panel->world, interaction.panel->size_m);
 }
 
-void draw_joints(EyeShapes& shapes, const HandJoints& joints, const Pose& world_from_tracking) {
-    for (const HandJoint& joint : joints)
+void draw_joints(xr::EyeShapes& shapes, const xr::HandJoints& joints, const xr::Pose& world_from_tracking) {
+    for (const xr::HandJoint& joint : joints)
         shapes.ball(world_from_tracking * joint.position, joint.radius_m, {0.75f, 0.6f, 0.5f, 1});
 }
 
-void draw_overlay(EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer) {
+void draw_overlay(xr::EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer) {
     const auto at = [&](uint32_t joint) {
         return glm::dvec3(world_from_performer * glm::dvec4(overlay.joints[joint].at, 1));
     };
@@ -131,4 +132,4 @@ void draw_overlay(EyeShapes& shapes, const JointOverlay& overlay, const glm::dma
         shapes.line(at(a), at(b), 0.012, overlay.joints[a].colour, overlay.joints[b].colour);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

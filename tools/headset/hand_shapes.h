@@ -9,13 +9,13 @@
 #include "xr/eye_shapes.h"
 #include "xr/hand_tracking.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 // Where there is no set: something to stand on, a metre from line to line.
-void draw_floor(EyeShapes& shapes, const OnStage& on);
-void draw_interaction(EyeShapes& shapes, const OnStage& on, const Interaction& interaction);
+void draw_floor(xr::EyeShapes& shapes, const OnStage& on);
+void draw_interaction(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction);
 // Bare hands, joint by joint; tracking space.
-void draw_joints(EyeShapes& shapes, const HandJoints& joints, const Pose& world_from_tracking);
+void draw_joints(xr::EyeShapes& shapes, const xr::HandJoints& joints, const xr::Pose& world_from_tracking);
 
 // Named joints over a performer, where motion is compared with its own: in its space, metres.
 struct JointOverlay {
@@ -27,6 +27,6 @@ struct JointOverlay {
     std::vector<Joint> joints;
     std::vector<std::pair<uint32_t, uint32_t>> bones;  // between joints
 };
-void draw_overlay(EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer);
+void draw_overlay(xr::EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

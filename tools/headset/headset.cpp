@@ -17,7 +17,7 @@
 #include "tools/viewer/open_file.h"
 #include "xr/actions.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
@@ -41,17 +41,17 @@ struct Visit {
 
     const HeadsetOptions& options;
     OnStage on;
-    Work work;
+    viewer::Work work;
     Interaction interaction = Interaction(work);
     Chosen chosen = Chosen(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<Keeper> keeper;
-    std::vector<Notice> notices;
-    std::unique_ptr<Window> window;  // of the mirror
+    std::vector<viewer::Notice> notices;
+    std::unique_ptr<viewer::Window> window;  // of the mirror
     Clock::time_point began = Clock::now();
-    bool placed = false;       // the user stands somewhere
-    bool leaves = false;       // was asked to
-    std::optional<Pose> head;  // tracking space: where it was last
-    uint64_t frames = 0;       // drawn, of the runtime that is there
+    bool placed = false;           // the user stands somewhere
+    bool leaves = false;           // was asked to
+    std::optional<xr::Pose> head;  // tracking space: where it was last
+    uint64_t frames = 0;           // drawn, of the runtime that is there
     std::map<std::string, glm::dvec2> panel_items;
 
     double asked_until_s = 0;  // whether to leave what is not saved
@@ -64,16 +64,16 @@ struct Visit {
 };
 
 void Visit::open() {
-    const std::filesystem::path stage = stage_of_file(options.file);
-    std::optional<RecoveryEntry> lost = lost_edits(stage);
+    const std::filesystem::path stage = viewer::stage_of_file(options.file);
+    std::optional<edit::RecoveryEntry> lost = lost_edits(stage);
     if (lost && !options.recover) {
         say(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
         lost.reset();
     }
     if (lost) on.editor.tell("unsaved edits of an earlier run are taken: save keeps them");
-    if (lost && has_anothers_file(*lost))
+    if (lost && edit::has_anothers_file(*lost))
         on.editor.tell("the stage's file has changed since: saving keeps that beside it");
-    on.editor.open(lost ? restore(*lost) : open_document(options.file), lost.has_value());
+    on.editor.open(lost ? edit::restore(*lost) : viewer::open_document(options.file), lost.has_value());
     on.follow_document();
     chosen.load(on, interaction.holding.settings);
     on.clock.playing = options.play;
@@ -105,12 +105,12 @@ void Visit::leave() {
 
 // Notices are shown for a while, and said on the terminal.
 void Visit::tell() {
-    for (Notice& notice : on.editor.take_notices()) {
+    for (viewer::Notice& notice : on.editor.take_notices()) {
         say(notice.text);
         notice.until_s = now_s() + kNotice_s;
         notices.push_back(std::move(notice));
     }
-    std::erase_if(notices, [&](const Notice& notice) { return notice.until_s < now_s(); });
+    std::erase_if(notices, [&](const viewer::Notice& notice) { return notice.until_s < now_s(); });
 }
 
 // A stage on a device, for as long as the runtime lives that made it.
@@ -118,21 +118,21 @@ struct OnRuntime {
     explicit OnRuntime(Visit& of);
     void follow(Visit& visit);
 
-    Runtime runtime;
-    Device device;
+    xr::Runtime runtime;
+    gpu::Device device;
     // Of all clips that were ever on stage, as read last: undoing a deletion in a session must not read one.
-    std::map<std::filesystem::path, std::shared_ptr<const Field>> fields;
-    std::unique_ptr<StageRenderer> renderer;  // made for the first session's images
-    std::shared_ptr<const Stage> drawn;
+    std::map<std::filesystem::path, std::shared_ptr<const render::Field>> fields;
+    std::unique_ptr<render::StageRenderer> renderer;  // made for the first session's images
+    std::shared_ptr<const stage::Stage> drawn;
 };
 
 OnRuntime::OnRuntime(Visit& of)
     : device(
-          of.options.device, of.options.validate ? Validation::kOn : Validation::kOff,
+          of.options.device, of.options.validate ? gpu::Validation::kOn : gpu::Validation::kOff,
           [this, &of] {
-              DeviceExtensions extensions = runtime.device_extensions();
+              gpu::DeviceExtensions extensions = runtime.device_extensions();
               if (!of.window) return extensions;
-              const DeviceExtensions more = of.window->extensions();
+              const gpu::DeviceExtensions more = of.window->extensions();
               extensions.instance.insert(extensions.instance.end(), more.instance.begin(), more.instance.end());
               extensions.device.insert(extensions.device.end(), more.device.begin(), more.device.end());
               return extensions;
@@ -161,7 +161,7 @@ void OnRuntime::follow(Visit& visit) {
     know_clips(visit.on, *this);
 }
 
-void tell_validation(const Device& device) {
+void tell_validation(const gpu::Device& device) {
     for (const std::string& message : device.drain_validation_messages()) say("validation: " + message);
 }
 
@@ -173,60 +173,60 @@ struct InSession {
           fingers(session),
           eyes(at.device, session, visit.options.quality),
           panel(at.device, session) {}
-    Session session;
-    Actions actions;
-    HandTracking fingers;
+    xr::Session session;
+    xr::Actions actions;
+    xr::HandTracking fingers;
     EyeImages eyes;
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
-    EyeShapes shapes;
+    xr::EyeShapes shapes;
     XrTime last_display = 0;
     double pictures_a_second = 0;
 };
 
 void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
     if (at.renderer) return;
-    const PaintSource paint = [&visit](const std::filesystem::path& path, const PaintedField&) {
+    const render::PaintSource paint = [&visit](const std::filesystem::path& path, const voctree::PaintedField&) {
         const auto& edited = visit.on.editor.document().paint;
-        const auto found = edited.find(absolute_path(path));
+        const auto found = edited.find(stage::absolute_path(path));
         return found != edited.end() ? found->second : nullptr;
     };
     at.drawn = visit.on.stage;
-    at.renderer =
-        std::make_unique<StageRenderer>(at.device, *at.drawn, eyes.capacity(), StageRenderer::Loaded{}, paint);
+    at.renderer = std::make_unique<render::StageRenderer>(at.device, *at.drawn, eyes.capacity(),
+                                                          render::StageRenderer::Loaded{}, paint);
     know_clips(visit.on, at);
     visit.on.look_at_instant();
     if (!visit.placed) visit.on.floor_m = floor_of(visit.on);  // later it stays, with who stands on it
 }
 
-void hear(const SessionNews& news, InSession& in) {
+void hear(const xr::SessionNews& news, InSession& in) {
     if (news.controllers) {
         in.actions.look_at_controllers();
-        for (const int hand : {kLeft, kRight})
+        for (const int hand : {xr::kLeft, xr::kRight})
             if (const std::string controller = in.actions.controller(hand); !controller.empty())
-                say(fmt::format("{} hand: {}", hand == kLeft ? "left" : "right", controller));
+                say(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
     }
-    for (uint32_t eye = 0; eye < kEyes; eye++)
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         if (news.mask[eye]) in.eyes.look_at_mask(eye);
 }
 
 // Slices of what will be seen next.
-std::vector<NextSlice> slices_ahead(const Visit& visit, const StageRenderer& renderer) {
-    std::vector<NextSlice> next;
+std::vector<render::NextSlice> slices_ahead(const Visit& visit, const render::StageRenderer& renderer) {
+    std::vector<render::NextSlice> next;
     if (!visit.on.clock.playing) return next;
     for (int32_t n = 1; n <= kAhead; n++)
-        for (const Instance& instance :
-             renderer.settings_at(stage_at(*visit.on.stage, visit.on.clock.shown_after_s(n))).instances)
+        for (const render::Instance& instance :
+             renderer.settings_at(stage::stage_at(*visit.on.stage, visit.on.clock.shown_after_s(n))).instances)
             next.push_back({{instance.frame, instance.paint}, instance.field});
     return next;
 }
 
 // Hands, time and edits up to the instant at which this frame is seen.
-void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, double dt_s) {
+void live(Visit& visit, OnRuntime& at, InSession& in, const xr::FrameTime& time, double dt_s) {
     OnStage& on = visit.on;
-    HandInputs inputs = in.actions.sample(time.display);
+    xr::HandInputs inputs = in.actions.sample(time.display);
     in.fingers.locate(time.display);
-    for (const int hand : {kLeft, kRight}) stand_in(inputs[hand], in.fingers.joints(hand));
+    for (const int hand : {xr::kLeft, xr::kRight}) xr::stand_in(inputs[hand], in.fingers.joints(hand));
     const auto head = in.session.locate(in.session.head_space(), time.display);
     if (head) visit.head = *head;
     if (head && !visit.placed) {
@@ -238,7 +238,7 @@ void live(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time, dou
     on.clock.tick(dt_s);
     on.look_at_instant();
     if (visit.head) visit.interaction.update(on, inputs, *visit.head, dt_s);
-    for (const int hand : {kLeft, kRight})
+    for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = visit.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
     visit.keeper->tick(visit.now_s());
     visit.tell();
@@ -257,18 +257,18 @@ void draw_panel_of(Visit& visit, InSession& in, double dt_s) {
 }
 
 // The stage as it is now for both eyes. False: there is nothing to be shown yet.
-bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time) {
+bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const xr::FrameTime& time) {
     OnStage& on = visit.on;
     const bool hides_room = at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
     at.renderer->show(on.instant, hides_room);
-    const Pose world = world_from_tracking(on.rig);
+    const xr::Pose world = xr::world_from_tracking(on.rig);
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
     if (hides_room) draw_floor(in.shapes, on);
     draw_interaction(in.shapes, on, visit.interaction);
-    for (const int hand : {kLeft, kRight})
+    for (const int hand : {xr::kLeft, xr::kRight})
         if (visit.interaction.hands[hand].input.bare) draw_joints(in.shapes, in.fingers.joints(hand), world);
-    const std::vector<NextSlice> next = slices_ahead(visit, *at.renderer);
+    const std::vector<render::NextSlice> next = slices_ahead(visit, *at.renderer);
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
     if (!eyes) return false;
@@ -278,7 +278,7 @@ bool draw_eyes(Visit& visit, OnRuntime& at, InSession& in, const FrameTime& time
 }
 
 void frame(Visit& visit, OnRuntime& at, InSession& in) {
-    const FrameTime time = in.session.wait();
+    const xr::FrameTime time = in.session.wait();
     const double dt_s = in.last_display > 0
                             ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMostStep_s)
                             : 0;
@@ -292,8 +292,8 @@ void frame(Visit& visit, OnRuntime& at, InSession& in) {
         if (draw_eyes(visit, at, in, time)) {
             const auto& panel = visit.interaction.panel;
             if (panel)
-                layers.push_back(in.panel.layer(in.session, inverse(world_from_tracking(visit.on.rig)) * panel->world,
-                                                panel->size_m));
+                layers.push_back(in.panel.layer(
+                    in.session, xr::inverse(xr::world_from_tracking(visit.on.rig)) * panel->world, panel->size_m));
             layers.push_back(in.eyes.layer(in.session, panel.has_value()));
         }
     }
@@ -313,22 +313,22 @@ void ask_for_rate(const Visit& visit, InSession& in) {
 }
 
 // Until it ends. kLost: another session may be begun.
-SessionDoes run_session(Visit& visit, OnRuntime& at) {
+xr::SessionDoes run_session(Visit& visit, OnRuntime& at) {
     InSession in(visit, at);
     make_renderer(visit, at, in.eyes);
     in.actions.look_at_controllers();
     if (visit.window) in.mirror = std::make_unique<Mirror>(at.device, *visit.window, in.eyes.size());
     bool asked = false, rated = false;
     for (;;) {
-        SessionNews news;
-        const SessionDoes does = in.session.poll(news);
+        xr::SessionNews news;
+        const xr::SessionDoes does = in.session.poll(news);
         hear(news, in);
-        if (does == SessionDoes::kEnd || does == SessionDoes::kLost) {
+        if (does == xr::SessionDoes::kEnd || does == xr::SessionDoes::kLost) {
             visit.interaction.holding.put_down(visit.on);
             return does;
         }
         if ((visit.leaves || stop_requested()) && !std::exchange(asked, true)) in.session.request_exit();
-        if (does == SessionDoes::kWait) {
+        if (does == xr::SessionDoes::kWait) {
             visit.work.run_told();
             visit.keeper->tick(visit.now_s());
             visit.tell();
@@ -342,11 +342,11 @@ SessionDoes run_session(Visit& visit, OnRuntime& at) {
 }
 
 // Another session may do where this one was lost, or the headset was unplugged.
-bool is_session_loss(const XrFailure& failure) {
+bool is_session_loss(const xr::XrFailure& failure) {
     return failure.result == XR_ERROR_SESSION_LOST || failure.result == XR_ERROR_FORM_FACTOR_UNAVAILABLE;
 }
 
-bool is_instance_loss(const XrFailure& failure) {
+bool is_instance_loss(const xr::XrFailure& failure) {
     return failure.result == XR_ERROR_INSTANCE_LOST || failure.result == XR_ERROR_RUNTIME_FAILURE ||
            failure.result == XR_ERROR_RUNTIME_UNAVAILABLE;
 }
@@ -379,8 +379,8 @@ void run_sessions(Visit& visit, OnRuntime& at) {
     for (Patience patience(visit);;) {
         std::string why = "every session ends";
         try {
-            if (run_session(visit, at) == SessionDoes::kEnd) return tell_validation(at.device);
-        } catch (const XrFailure& failure) {
+            if (run_session(visit, at) == xr::SessionDoes::kEnd) return tell_validation(at.device);
+        } catch (const xr::XrFailure& failure) {
             visit.interaction.holding.put_down(visit.on);
             if (!is_session_loss(failure) || !patience.has_run()) throw;
             why = failure.what();
@@ -400,7 +400,7 @@ void run_runtimes(Visit& visit) {
             OnRuntime at(visit);
             run_sessions(visit, at);
             return;
-        } catch (const XrFailure& failure) {
+        } catch (const xr::XrFailure& failure) {
             visit.interaction.holding.put_down(visit.on);
             if (!is_instance_loss(failure) || !patience.has_run()) throw;
             why = failure.what();
@@ -416,7 +416,7 @@ void run_runtimes(Visit& visit) {
 
 void write_report(const Visit& visit) {
     nlohmann::json report;
-    const Pose tracking = inverse(world_from_tracking(visit.on.rig));
+    const xr::Pose tracking = xr::inverse(xr::world_from_tracking(visit.on.rig));
     for (const auto& [name, at] : visit.panel_items) {
         if (!visit.interaction.panel) break;
         const glm::dvec3 place = tracking * visit.interaction.panel->at(at);
@@ -438,7 +438,7 @@ void watch_in_headset(const HeadsetOptions& options) {
     catch_stop_signals();
     Visit visit(options);
     visit.open();
-    if (options.mirror) visit.window = std::make_unique<Window>("NeuVV in a headset", WindowPlace{});
+    if (options.mirror) visit.window = std::make_unique<viewer::Window>("NeuVV in a headset", viewer::WindowPlace{});
     const auto keep = [&] {
         visit.finish();
         visit.work.stop();
@@ -461,4 +461,4 @@ void watch_in_headset(const HeadsetOptions& options) {
     if (!options.report.empty()) write_report(visit);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -14,7 +14,7 @@
 #include "tools/headset/eye_images.h"
 #include "tools/headset/keeper.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 struct HeadsetOptions {
     std::filesystem::path file;
@@ -30,4 +30,4 @@ struct HeadsetOptions {
 // Until its user leaves. Throws RuntimeFailure or InputError, in a line; unsaved edits are stored by then.
 void watch_in_headset(const HeadsetOptions& options);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -2,7 +2,7 @@
 
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
@@ -25,13 +25,13 @@ bool lets_go(const Hand& hand) {
 void Holding::take(OnStage& on, Hand& hand, int which) {
     if (!hand.aim || hand.at.what != PointedAt::What::kPerformer) return;
     const uint32_t node = on.stage->performers[hand.at.performer].node;
-    if (is_locked(on.editor.file(), node)) return on.editor.tell("it is locked: unlock it to move it", true);
+    if (edit::is_locked(on.editor.file(), node)) return on.editor.tell("it is locked: unlock it to move it", true);
     if (grab_ && node != node_) return;  // the other hand holds another one
     if (!grab_) {
         taken_from_ = on.instant.pose.world_from_node[node];
-        const Ray ray = ray_of(*hand.aim);
+        const xr::Ray ray = xr::ray_of(*hand.aim);
         taken_at_ = ray.origin + hand.at.metres * ray.direction;
-        grab_.emplace(taken_from_, GrabSettings{settings.upright});
+        grab_.emplace(taken_from_, xr::GrabSettings{settings.upright});
     }
     node_ = node;
     grab_->take(which, *hand.aim, hand.at.metres);
@@ -40,7 +40,7 @@ void Holding::take(OnStage& on, Hand& hand, int which) {
 }
 
 void Holding::update(OnStage& on, Hands& hands, double dt_s) {
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         if (holds(which) && lets_go(hand)) {
             if (grab_->holds(1 - which))
@@ -54,7 +54,7 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
     }
     if (on.tool != HandTool::kArrange) put_down(on);  // a hand has taken up another tool
     if (!grab_) return;
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         if (!holds(which) || !hands[which].aim) continue;
         grab_->move(which, *hands[which].aim);
         const double stick = hands[which].input.stick.y;
@@ -69,12 +69,12 @@ glm::dmat4 Holding::snapped(const OnStage& on, const glm::dmat4& world_from_node
     for (uint32_t performer = 0; performer < on.stage->performers.size() && settings.snaps_to_floor; performer++) {
         if (on.stage->performers[performer].node != node_) continue;
         const auto [low, high] = box_of(on, performer);
-        const double above = above_floor(world_from_node, low, high, on.floor_m),
-                     before = above_floor(taken_from_, low, high, on.floor_m);
+        const double above = xr::above_floor(world_from_node, low, high, on.floor_m),
+                     before = xr::above_floor(taken_from_, low, high, on.floor_m);
         const glm::dmat4 moved = world_from_node * glm::inverse(taken_from_);
         const double lifted = (moved * glm::dvec4(taken_at_, 1)).y - taken_at_.y;
         const bool stood = std::abs(before) < kSnap_m && std::abs(lifted) < kSnap_m;
-        if (above < kSnap_m || stood) return on_floor(world_from_node, low, high, on.floor_m);
+        if (above < kSnap_m || stood) return xr::on_floor(world_from_node, low, high, on.floor_m);
     }
     return world_from_node;
 }
@@ -93,9 +93,9 @@ void stand_at(OnStage& on, uint32_t node, const glm::dmat4& world_from_node) {
     const int32_t parent = on.stage->scene.nodes[node].parent;
     const glm::dmat4 world_from_parent =
         parent < 0 ? glm::dmat4(1) : on.instant.pose.world_from_node[static_cast<size_t>(parent)];
-    Placement placement;
+    edit::Placement placement;
     placement.to = glm::inverse(world_from_parent) * world_from_node;
-    on.editor.edit([&](Document& document) { return place_node(document.file, node, placement); });
+    on.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -8,7 +8,7 @@
 #include "tools/headset/on_stage.h"
 #include "xr/grab.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 struct HoldSettings {
     bool upright = true;  // performers do not tilt
@@ -34,7 +34,7 @@ class Holding {
   private:
     void take(OnStage& on, Hand& hand, int which);
     glm::dmat4 snapped(const OnStage& on, const glm::dmat4& world_from_node) const;
-    std::optional<Grab> grab_;
+    std::optional<xr::Grab> grab_;
     uint32_t node_ = 0;
     glm::dmat4 taken_from_{1};  // world from node
     glm::dvec3 taken_at_{0};    // world: where the first hand took it
@@ -43,4 +43,4 @@ class Holding {
 // An edit: the node stands there.
 void stand_at(OnStage& on, uint32_t node, const glm::dmat4& world_from_node);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

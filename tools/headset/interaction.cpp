@@ -6,7 +6,7 @@
 #include "edit/operations.h"
 #include "xr/ray_hit.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
@@ -14,14 +14,14 @@ constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.18, kPanelBeside_rad = 0
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
 // Beside what the head looks at, where the right hand reaches it, upright, turned to it.
-Pose panel_before(const Pose& world_head) {
-    const glm::dquat turned = turn_by(yaw_of(world_head.rotation) + kPanelBeside_rad);
+xr::Pose panel_before(const xr::Pose& world_head) {
+    const glm::dquat turned = xr::turn_by(xr::yaw_of(world_head.rotation) + kPanelBeside_rad);
     return {world_head.position + turned * glm::dvec3(0, -kPanelBelow_m, -kPanelAway_m), turned};
 }
 
 // Above the wrist, tilted to who looks down at it.
-Pose panel_on(const Pose& world_grip) {
-    const Pose above{{0, 0.16, 0.02}, glm::angleAxis(glm::radians(-50.0), glm::dvec3(1, 0, 0))};
+xr::Pose panel_on(const xr::Pose& world_grip) {
+    const xr::Pose above{{0, 0.16, 0.02}, glm::angleAxis(glm::radians(-50.0), glm::dvec3(1, 0, 0))};
     return world_grip * above;
 }
 
@@ -34,22 +34,23 @@ size_t node_count(const OnStage& on) {
 void duplicate_selected(OnStage& on) {
     if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
     const size_t before = node_count(on);
-    CopySettings copies;
+    edit::CopySettings copies;
     copies.distance_m = 0.8;
     const bool done = on.editor.edit(
-        [&](Document& document) { return duplicate_node(document.file, *on.editor.selected(), copies); });
+        [&](edit::Document& document) { return edit::duplicate_node(document.file, *on.editor.selected(), copies); });
     if (done && node_count(on) > before) on.editor.select(static_cast<uint32_t>(before));
 }
 
 void delete_selected(OnStage& on) {
     if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
-    if (is_locked(on.editor.file(), *on.editor.selected()))
+    if (edit::is_locked(on.editor.file(), *on.editor.selected()))
         return on.editor.tell("it is locked: unlock it to delete it", true);
-    if (on.editor.edit([&](Document& document) { return remove_node(document.file, *on.editor.selected()); }))
+    if (on.editor.edit(
+            [&](edit::Document& document) { return edit::remove_node(document.file, *on.editor.selected()); }))
         on.editor.select({});
 }
 
-void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head, double dt_s) {
+void Interaction::update(OnStage& on, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s) {
     place_hands(on, inputs, dt_s);
     place_panel(on, head);
     move_panel(on);
@@ -61,22 +62,22 @@ void Interaction::update(OnStage& on, const HandInputs& inputs, const Pose& head
     if (!on.is_behind()) brush.update(on, hands);
     if (!on.is_behind())
         for (Hand& hand : hands) hand.fresh = false;
-    std::array<bool, kHands> free{};
-    for (int which = 0; which < kHands; which++)
+    std::array<bool, xr::kHands> free{};
+    for (int which = 0; which < xr::kHands; which++)
         free[which] = !holding.holds(which) && hands[which].at.what != PointedAt::What::kPanel;
     walking.update(on, hands, free, head, dt_s);
 }
 
-void Interaction::place_hands(const OnStage& on, const HandInputs& inputs, double dt_s) {
-    const Pose world = world_from_tracking(on.rig);
-    for (int which = 0; which < kHands; which++) {
+void Interaction::place_hands(const OnStage& on, const xr::HandInputs& inputs, double dt_s) {
+    const xr::Pose world = xr::world_from_tracking(on.rig);
+    for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         hand.input = inputs[which];
         hand.pulse = 0;
         hand.aim.reset();
         hand.grip.reset();
-        if (hand.input.aim && is_sound(*hand.input.aim)) hand.aim = world * *hand.input.aim;
-        if (hand.input.grip && is_sound(*hand.input.grip)) hand.grip = world * *hand.input.grip;
+        if (hand.input.aim && xr::is_sound(*hand.input.aim)) hand.aim = world * *hand.input.aim;
+        if (hand.input.grip && xr::is_sound(*hand.input.grip)) hand.grip = world * *hand.input.grip;
         hand.select.update(hand.input.select);
         hand.grab.update(hand.input.grab);
         hand.flick.update(hand.input.stick);
@@ -84,12 +85,12 @@ void Interaction::place_hands(const OnStage& on, const HandInputs& inputs, doubl
     }
 }
 
-void Interaction::place_panel(OnStage& on, const Pose& head) {
-    Hand& left = hands[kLeft];
+void Interaction::place_panel(OnStage& on, const xr::Pose& head) {
+    Hand& left = hands[xr::kLeft];
     const bool calls = left.input.lacks_menu && left.selecting_s > kCall_s && !left.held_long &&
                        (left.pressed.what == PointedAt::What::kNothing || left.pressed.what == PointedAt::What::kFloor);
     if (calls) left.held_long = true;
-    if (left.input.menu || hands[kRight].input.menu || calls) on.panel_shown = !on.panel_shown;
+    if (left.input.menu || hands[xr::kRight].input.menu || calls) on.panel_shown = !on.panel_shown;
     if (!on.panel_shown) {
         panel.reset();
         panel_was_shown_ = false;
@@ -103,7 +104,7 @@ void Interaction::place_panel(OnStage& on, const Pose& head) {
         if (wrist) panel->world = panel_on(*wrist);
     } else if (!panel_was_shown_ || panel_was_on_wrist_) {
         panel->size_m = kPanel_m;
-        panel->world = panel_before(world_from_tracking(on.rig) * head);
+        panel->world = panel_before(xr::world_from_tracking(on.rig) * head);
     }
     panel_was_shown_ = true;
     panel_was_on_wrist_ = on.panel_on_wrist;
@@ -113,11 +114,11 @@ void Interaction::place_panel(OnStage& on, const Pose& head) {
 void Interaction::move_panel(const OnStage& on) {
     if (held_panel_ && !hands[held_panel_->first].grab.held()) held_panel_.reset();
     if (!panel || on.panel_on_wrist) return held_panel_.reset();
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         if (held_panel_ || !hand.aim || !hand.grab.went_down()) continue;
-        if (!rectangle_hit(ray_of(*hand.aim), panel->world, panel->size_m)) continue;
-        held_panel_.emplace(which, inverse(*hand.aim) * panel->world);
+        if (!xr::rectangle_hit(xr::ray_of(*hand.aim), panel->world, panel->size_m)) continue;
+        held_panel_.emplace(which, xr::inverse(*hand.aim) * panel->world);
         hand.feel(0.4);
     }
     if (held_panel_ && hands[held_panel_->first].aim)
@@ -125,21 +126,21 @@ void Interaction::move_panel(const OnStage& on) {
 }
 
 void Interaction::point(const OnStage& on) {
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         hand.at = {};
         if (!hand.aim) continue;
-        const Ray ray = ray_of(*hand.aim);
-        if (panel && !(on.panel_on_wrist && which == kLeft))
-            if (const auto hit = rectangle_hit(ray, panel->world, panel->size_m)) {
+        const xr::Ray ray = xr::ray_of(*hand.aim);
+        if (panel && !(on.panel_on_wrist && which == xr::kLeft))
+            if (const auto hit = xr::rectangle_hit(ray, panel->world, panel->size_m)) {
                 hand.at = {PointedAt::What::kPanel, hit->metres, hit->at};
                 continue;
             }
         double nearest = kFarthest_m;
-        for (const InstantPerformer& performer : on.instant.performers) {
+        for (const stage::InstantPerformer& performer : on.instant.performers) {
             if (!performer.visible) continue;
             const auto [low, high] = box_of(on, performer.performer);
-            const auto metres = box_hit(ray, performer.world_from_performer, low, high);
+            const auto metres = xr::box_hit(ray, performer.world_from_performer, low, high);
             if (!metres || *metres >= nearest) continue;
             nearest = *metres;
             hand.at = {PointedAt::What::kPerformer, nearest, {}, performer.performer};
@@ -178,8 +179,8 @@ void Interaction::press_buttons(OnStage& on) {
         if (hand.input.undo) on.editor.undo();
         if (hand.input.duplicate) duplicate_selected(on);
     }
-    if (!holding.holds(kRight)) change_speed(on, hands[kRight]);
-    if (!holding.holds(kLeft)) step_through(on, hands[kLeft]);
+    if (!holding.holds(xr::kRight)) change_speed(on, hands[xr::kRight]);
+    if (!holding.holds(xr::kLeft)) step_through(on, hands[xr::kLeft]);
 }
 
 // The right stick up and down: how fast it plays, backwards below the slowest.
@@ -206,7 +207,7 @@ void Interaction::step_through(OnStage& on, Hand& hand) {
 }
 
 void Interaction::select(OnStage& on) {
-    for (int which = 0; which < kHands; which++) {
+    for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         if (!hand.select.held() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
         if (!hand.fresh) continue;
@@ -242,4 +243,4 @@ PanelPointer Interaction::panel_pointer() const {
     return pointer;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -5,12 +5,12 @@
 #include "tools/headset/holding.h"
 #include "tools/headset/walking.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 constexpr glm::dvec2 kPanel_m{0.72, 0.54}, kWristPanel_m{0.36, 0.27};
 // The panel in the world; X to its right, Y to its top.
 struct PanelStand {
-    Pose world;
+    xr::Pose world;
     glm::dvec2 size_m = kPanel_m;
 
     // World; of a place in 0..1 from the upper left.
@@ -29,7 +29,7 @@ struct PanelPointer {
 class Interaction {
   public:
     // `work` must outlive it, or be stopped before.
-    explicit Interaction(Work& work) : brush(work) {}
+    explicit Interaction(viewer::Work& work) : brush(work) {}
 
     Hands hands;
     Holding holding;
@@ -38,12 +38,12 @@ class Interaction {
     std::optional<PanelStand> panel;  // while it is shown
 
     // A frame: `on.instant` is of its time, and is changed where hands hold something. `head` in the tracking space.
-    void update(OnStage& on, const HandInputs& inputs, const Pose& head, double dt_s);
+    void update(OnStage& on, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s);
     PanelPointer panel_pointer() const;
 
   private:
-    void place_hands(const OnStage& on, const HandInputs& inputs, double dt_s);
-    void place_panel(OnStage& on, const Pose& head);
+    void place_hands(const OnStage& on, const xr::HandInputs& inputs, double dt_s);
+    void place_panel(OnStage& on, const xr::Pose& head);
     void point(const OnStage& on);
     void remember_presses();
     void press_buttons(OnStage& on);
@@ -51,8 +51,8 @@ class Interaction {
     void change_speed(OnStage& on, Hand& hand);
     void step_through(OnStage& on, Hand& hand);
     void move_panel(const OnStage& on);
-    int panel_hand_ = kRight;                         // whose ray is the panel's mouse
-    std::optional<std::pair<int, Pose>> held_panel_;  // by which hand, and where it is in its frame
+    int panel_hand_ = xr::kRight;                         // whose ray is the panel's mouse
+    std::optional<std::pair<int, xr::Pose>> held_panel_;  // by which hand, and where it is in its frame
     bool panel_was_shown_ = false, panel_was_on_wrist_ = false;
 };
 
@@ -60,4 +60,4 @@ class Interaction {
 void duplicate_selected(OnStage& on);
 void delete_selected(OnStage& on);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -4,12 +4,12 @@
 #include "tools/headset/on_stage.h"
 #include "tools/viewer/stored_edits.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 class Keeper {
   public:
     // `recovered`: what the document came from, kept until its edits are stored anew.
-    Keeper(OnStage& on, Work& work, std::optional<RecoveryEntry> recovered);
+    Keeper(OnStage& on, viewer::Work& work, std::optional<edit::RecoveryEntry> recovered);
 
     // Where it has a file, else beside its clip under a name that is free.
     void save();
@@ -21,12 +21,12 @@ class Keeper {
 
   private:
     OnStage& on_;
-    Work& work_;
-    StoredEdits stored_;
+    viewer::Work& work_;
+    viewer::StoredEdits stored_;
     bool saving_ = false;
 };
 
 // Edits of this stage that an earlier program left behind, the latest; of none that still runs.
-std::optional<RecoveryEntry> lost_edits(const std::filesystem::path& stage);
+std::optional<edit::RecoveryEntry> lost_edits(const std::filesystem::path& stage);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::headset {
 
-Mirror::Mirror(const Device& device, Window& window, VkExtent2D eye)
+Mirror::Mirror(const gpu::Device& device, viewer::Window& window, VkExtent2D eye)
     : device_(device),
       window_(window),
-      swapchain_(device, window.make_surface(device), PresentPace::kFree),  // the headset's pace alone counts
+      swapchain_(device, window.make_surface(device), gpu::PresentPace::kFree),  // the headset's pace alone counts
       values_(device, "mirror",
               {eye.width, eye.height, VK_FORMAT_R8G8B8A8_UNORM,
                VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),
@@ -15,7 +15,7 @@ Mirror::Mirror(const Device& device, Window& window, VkExtent2D eye)
     swapchain_.resize(window.framebuffer());
 }
 
-bool Mirror::show(const DeviceImage* picture) {
+bool Mirror::show(const gpu::DeviceImage* picture) {
     window_.poll();
     if (window_.asked_to_close()) return false;
     if (!picture) return true;
@@ -25,8 +25,8 @@ bool Mirror::show(const DeviceImage* picture) {
     commands_.wait();
     if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);
-    CommandSemaphores semaphores;
-    const std::optional<PresentTarget> target = swapchain_.acquire(semaphores);
+    gpu::CommandSemaphores semaphores;
+    const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);
     if (!target) return true;
     commands_.begin();
     record(*picture, *target);
@@ -35,20 +35,20 @@ bool Mirror::show(const DeviceImage* picture) {
     return true;
 }
 
-void Mirror::record(const DeviceImage& picture, const PresentTarget& target) {
-    move_layout(commands_, values_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+void Mirror::record(const gpu::DeviceImage& picture, const gpu::PresentTarget& target) {
+    gpu::move_layout(commands_, values_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageCopy part{};
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.extent = {values_.shape.width, values_.shape.height, 1};
     vkCmdCopyImage(commands_.handle(), picture.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, values_.image,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
-    move_layout(commands_, values_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, values_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 
-    move_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue black{};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands_.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &all);
-    full_barrier(commands_);
+    gpu::full_barrier(commands_);
     const double fits = std::min(static_cast<double>(target.extent.width) / values_.shape.width,
                                  static_cast<double>(target.extent.height) / values_.shape.height);
     const auto width = static_cast<int32_t>(values_.shape.width * fits),
@@ -62,7 +62,7 @@ void Mirror::record(const DeviceImage& picture, const PresentTarget& target) {
     blit.dstOffsets[1] = {first.x + width, first.y + height, 1};
     vkCmdBlitImage(commands_.handle(), values_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
-    move_layout(commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    gpu::move_layout(commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -5,24 +5,24 @@
 #include "gpu/swapchain.h"
 #include "tools/viewer/window.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 class Mirror {
   public:
     // `eye`: pixels of what is shown. The window outlives it, and was made before the device.
-    Mirror(const Device& device, Window& window, VkExtent2D eye);
+    Mirror(const gpu::Device& device, viewer::Window& window, VkExtent2D eye);
 
     // The picture (R8G8B8A8 sRGB, layout TRANSFER_SRC) in the middle of the window, as large as it fits. False: the
     // window was closed.
-    bool show(const DeviceImage* picture);
+    bool show(const gpu::DeviceImage* picture);
 
   private:
-    void record(const DeviceImage& picture, const PresentTarget& target);
-    const Device& device_;
-    Window& window_;
-    Swapchain swapchain_;
-    DeviceImage values_;  // the picture's sRGB values as they are
-    Commands commands_;
+    void record(const gpu::DeviceImage& picture, const gpu::PresentTarget& target);
+    const gpu::Device& device_;
+    viewer::Window& window_;
+    gpu::Swapchain swapchain_;
+    gpu::DeviceImage values_;  // the picture's sRGB values as they are
+    gpu::Commands commands_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -6,12 +6,12 @@
 #include "base/error.h"
 #include "xr/grab.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 void OnStage::follow_document() {
     if (stage && stage_id == editor.id()) return;
     try {
-        stage = std::make_shared<const Stage>(make_stage(editor.file(), stage.get()));
+        stage = std::make_shared<const stage::Stage>(stage::make_stage(editor.file(), stage.get()));
     } catch (const InputError& error) {
         if (!stage) throw;
         editor.take_back(error.what());
@@ -21,7 +21,7 @@ void OnStage::follow_document() {
 }
 
 void OnStage::look_at_instant() {
-    instant = stage_at(*stage, clock.shown_s());
+    instant = stage::stage_at(*stage, clock.shown_s());
 }
 
 std::optional<uint32_t> OnStage::selected_performer() const {
@@ -33,44 +33,44 @@ std::optional<uint32_t> OnStage::selected_performer() const {
 
 std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer) {
     const uint32_t of = on.stage->performers[performer].clip;
-    const StageClip& clip = on.stage->clips[of];
+    const stage::StageClip& clip = on.stage->clips[of];
     if (of < on.leaf_boxes.size()) return on.leaf_boxes[of];
     return {clip.box_min, clip.box_min + clip.box_size};
 }
 
-bool has_set(const Stage& stage) {
+bool has_set(const stage::Stage& stage) {
     return std::any_of(stage.scene.nodes.begin(), stage.scene.nodes.end(),
-                       [](const GltfNode& node) { return node.draws_mesh(); });
+                       [](const stage::GltfNode& node) { return node.draws_mesh(); });
 }
 
 double floor_of(const OnStage& on) {
     if (has_set(*on.stage)) return 0;
     double lowest = INFINITY;
-    for (const InstantPerformer& performer : on.instant.performers) {
+    for (const stage::InstantPerformer& performer : on.instant.performers) {
         const auto [low, high] = box_of(on, performer.performer);
-        const glm::dmat4 raised = on_floor(performer.world_from_performer, low, high, 0);
+        const glm::dmat4 raised = xr::on_floor(performer.world_from_performer, low, high, 0);
         lowest = std::min(lowest, performer.world_from_performer[3].y - raised[3].y);
     }
     return std::isfinite(lowest) ? lowest : 0;
 }
 
-XrRig first_rig(const OnStage& on, const Pose& head) {
+xr::XrRig first_rig(const OnStage& on, const xr::Pose& head) {
     constexpr double kAway_m = 2.2;
-    const auto [low, high] = performers_box(*on.stage, on.instant);
+    const auto [low, high] = stage::performers_box(*on.stage, on.instant);
     const glm::dvec3 middle = 0.5 * (low + high);
     glm::dvec3 stands(middle.x, on.floor_m, high.z + kAway_m);
     double yaw = 0;
-    for (const InstantCamera& camera : on.instant.cameras) {
+    for (const stage::InstantCamera& camera : on.instant.cameras) {
         if (camera.orthographic) continue;
         const glm::dvec3 at(camera.world_from_camera[3]), ahead = -glm::dvec3(camera.world_from_camera[2]);
         stands = {at.x, on.floor_m, at.z};
         yaw = std::atan2(-ahead.x, -ahead.z);
         break;
     }
-    return moved_so_that_head_stands_at({}, head, stands, yaw);
+    return xr::moved_so_that_head_stands_at({}, head, stands, yaw);
 }
 
-void carry(StageInstant& instant, const Stage& stage, uint32_t node, const glm::dmat4& world_from_node) {
+void carry(stage::StageInstant& instant, const stage::Stage& stage, uint32_t node, const glm::dmat4& world_from_node) {
     auto& nodes = instant.pose.world_from_node;
     const glm::dmat4 moved = world_from_node * glm::inverse(nodes[node]);
     const auto hangs_on_it = [&](uint32_t one) {
@@ -80,14 +80,14 @@ void carry(StageInstant& instant, const Stage& stage, uint32_t node, const glm::
     };
     for (uint32_t i = 0; i < nodes.size(); i++)
         if (hangs_on_it(i)) nodes[i] = moved * nodes[i];
-    for (InstantPerformer& performer : instant.performers)
+    for (stage::InstantPerformer& performer : instant.performers)
         if (hangs_on_it(stage.performers[performer.performer].node))
             performer.world_from_performer = moved * performer.world_from_performer;
-    for (InstantLight& light : instant.lights)
+    for (stage::InstantLight& light : instant.lights)
         if (hangs_on_it(light.node)) {
             light.position = moved * glm::dvec4(light.position, 1);
             light.direction = glm::normalize(glm::dvec3(moved * glm::dvec4(light.direction, 0)));
         }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

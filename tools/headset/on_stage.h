@@ -10,7 +10,7 @@
 #include "tools/viewer/playback.h"
 #include "xr/locomotion.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 enum class HandTool { kArrange, kPaint, kRegion };
 
@@ -32,14 +32,14 @@ struct HandBrush {
 };
 
 struct OnStage {
-    Editor editor;
-    StageClock clock;
-    std::shared_ptr<const Stage> stage;  // of the document with id `stage_id`
+    viewer::Editor editor;
+    viewer::StageClock clock;
+    std::shared_ptr<const stage::Stage> stage;  // of the document with id `stage_id`
     uint64_t stage_id = 0;
     // By clip: around its leaves, low and high, performer's space; a clip's own box is wider. None while not known.
     std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
-    StageInstant instant;  // of `stage`, with what a hand holds where it holds it
-    XrRig rig;
+    stage::StageInstant instant;  // of `stage`, with what a hand holds where it holds it
+    xr::XrRig rig;
     double floor_m = 0;  // world: where the user and performers stand
     HandTool tool = HandTool::kArrange;
     Comfort comfort;
@@ -61,13 +61,13 @@ std::pair<glm::dvec3, glm::dvec3> box_of(const OnStage& on, uint32_t performer);
 
 // Where a user first stands: where the stage's first camera does, but upright on the floor; without one, in front of
 // its performers. `head` in the tracking space.
-XrRig first_rig(const OnStage& on, const Pose& head);
+xr::XrRig first_rig(const OnStage& on, const xr::Pose& head);
 // Whether anything but performers is drawn.
-bool has_set(const Stage& stage);
+bool has_set(const stage::Stage& stage);
 // A set stands at 0; performers alone stand on the lowest of their boxes.
 double floor_of(const OnStage& on);
 
 // All that hangs on a node goes along with it: performers, meshes, lights. Where the node was moved to, in the world.
-void carry(StageInstant& instant, const Stage& stage, uint32_t node, const glm::dmat4& world_from_node);
+void carry(stage::StageInstant& instant, const stage::Stage& stage, uint32_t node, const glm::dmat4& world_from_node);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

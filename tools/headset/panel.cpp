@@ -9,7 +9,7 @@
 #include "edit/time_edit.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
@@ -59,7 +59,7 @@ float width_of(int of) {
 }
 
 void time_rows(Rows& rows) {
-    StageClock& clock = rows.on.clock;
+    viewer::StageClock& clock = rows.on.clock;
     const float one = width_of(6);
     if (rows.sign("start", SIGN_START, "To the start", one)) clock.scrub(clock.in_s());
     ImGui::SameLine();
@@ -99,14 +99,14 @@ void tool_row(Rows& rows) {
     tool("region", SIGN_BOX " Region", HandTool::kRegion);
 }
 
-const StagePerformer* selected(const OnStage& on) {
+const stage::StagePerformer* selected(const OnStage& on) {
     const auto performer = on.selected_performer();
     return performer ? &on.stage->performers[*performer] : nullptr;
 }
 
-void set(OnStage& on, const PerformerEdit& edit) {
+void set(OnStage& on, const edit::PerformerEdit& edit) {
     const uint32_t node = *on.editor.selected();
-    on.editor.edit([&](Document& document) { return set_performer(document.file, node, edit); });
+    on.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
 void snap_to_floor(OnStage& on) {
@@ -114,49 +114,54 @@ void snap_to_floor(OnStage& on) {
     if (!performer) return;
     const uint32_t node = on.stage->performers[*performer].node;
     const auto [low, high] = box_of(on, *performer);
-    stand_at(on, node, on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
+    stand_at(on, node, xr::on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
 }
 
 // Each edit of a map may find that the map cannot have it: that is told, as an operation's failure is.
 template <typename Edit>
-void retime(OnStage& on, const StagePerformer& performer, const Edit& edit) {
-    const StageClip& clip = on.stage->clips[performer.clip];
-    on.editor.edit([&](Document& document) {
-        PerformerEdit timed;
-        timed.time = edit(performer.settings.time, ClipRate{clip.frames, clip.fps});
-        return set_performer(document.file, performer.node, timed);
+void retime(OnStage& on, const stage::StagePerformer& performer, const Edit& edit) {
+    const stage::StageClip& clip = on.stage->clips[performer.clip];
+    on.editor.edit([&](edit::Document& document) {
+        edit::PerformerEdit timed;
+        timed.time = edit(performer.settings.time, edit::ClipRate{clip.frames, clip.fps});
+        return edit::set_performer(document.file, performer.node, timed);
     });
 }
 
-void retime_row(Rows& rows, const StagePerformer& performer) {
+void retime_row(Rows& rows, const stage::StagePerformer& performer) {
     OnStage& on = rows.on;
     const float one = width_of(5);
     if (rows.button("slower", "half speed", one))
-        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 0.5); });
+        retime(on, performer,
+               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::sped(map, clip, 0.5); });
     ImGui::SameLine();
     if (rows.button("faster", "double speed", one))
-        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return sped(map, clip, 2); });
+        retime(on, performer,
+               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::sped(map, clip, 2); });
     ImGui::SameLine();
     if (rows.button("reverse", "backwards", one))
-        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return reversed(map, clip); });
+        retime(on, performer,
+               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::reversed(map, clip); });
     ImGui::SameLine();
     if (rows.button("earlier", "0.5 s earlier", one))
-        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, -kLater_s); });
+        retime(on, performer,
+               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::moved(map, clip, -kLater_s); });
     ImGui::SameLine();
     if (rows.button("later", "0.5 s later", one))
-        retime(on, performer, [](const TimeMap& map, const ClipRate& clip) { return moved(map, clip, kLater_s); });
+        retime(on, performer,
+               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::moved(map, clip, kLater_s); });
 }
 
 // Of the performer's own clip, at this instant.
-double seconds_shown(const OnStage& on, const StagePerformer& performer) {
-    for (const InstantPerformer& at : on.instant.performers)
+double seconds_shown(const OnStage& on, const stage::StagePerformer& performer) {
+    for (const stage::InstantPerformer& at : on.instant.performers)
         if (&on.stage->performers[at.performer] == &performer) return at.frame / on.stage->clips[performer.clip].fps;
     return 0;
 }
 
 void arrange_rows(Rows& rows) {
     OnStage& on = rows.on;
-    const StagePerformer* performer = selected(on);
+    const stage::StagePerformer* performer = selected(on);
     if (!performer) {
         ImGui::TextWrapped("Point at a performer and pull the trigger to select it; the grip holds it.");
     } else {
@@ -227,15 +232,15 @@ void region_rows(Rows& rows) {
     ImGui::EndDisabled();
 }
 
-void set(OnStage& on, const StageEdit& edit) {
-    on.editor.edit([&](Document& document) { return set_stage(document.file, edit); });
+void set(OnStage& on, const edit::StageEdit& edit) {
+    on.editor.edit([&](edit::Document& document) { return edit::set_stage(document.file, edit); });
 }
 
 void light_row(Rows& rows) {
     bool shadows = rows.on.stage->settings.shadows, falloff = rows.on.stage->settings.falloff;
-    if (rows.checkbox("shadows", "Shadows", &shadows)) set(rows.on, StageEdit{.shadows = shadows});
+    if (rows.checkbox("shadows", "Shadows", &shadows)) set(rows.on, edit::StageEdit{.shadows = shadows});
     ImGui::SameLine();
-    if (rows.checkbox("falloff", "Lights on performers", &falloff)) set(rows.on, StageEdit{.falloff = falloff});
+    if (rows.checkbox("falloff", "Lights on performers", &falloff)) set(rows.on, edit::StageEdit{.falloff = falloff});
 }
 
 void comfort_rows(Rows& rows) {
@@ -250,7 +255,7 @@ void comfort_rows(Rows& rows) {
 }
 
 void file_row(Rows& rows) {
-    Editor& editor = rows.on.editor;
+    viewer::Editor& editor = rows.on.editor;
     const float one = width_of(4);
     ImGui::BeginDisabled(!editor.history().next_undo());
     if (rows.button("undo", SIGN_UNDO " Undo", one)) editor.undo();
@@ -277,7 +282,7 @@ void notice_rows(const Rows& rows) {
                                       .c_str());
         return;
     }
-    const Notice& last = facts.notices.back();
+    const viewer::Notice& last = facts.notices.back();
     if (last.error) ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.55f, 0.4f, 1});
     ImGui::TextWrapped("%s", last.text.c_str());
     if (last.error) ImGui::PopStyleColor();
@@ -320,4 +325,4 @@ PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& fa
     return rows.asks;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -7,7 +7,7 @@
 
 #include "tools/headset/interaction.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 // What is asked of whoever has files.
 struct PanelAsks {
@@ -16,7 +16,7 @@ struct PanelAsks {
 };
 
 struct PanelFacts {
-    std::vector<Notice> notices;  // the latest last
+    std::vector<viewer::Notice> notices;  // the latest last
     double pictures_a_second = 0, scale = 1;
     bool saving = false;
 };
@@ -24,4 +24,4 @@ struct PanelFacts {
 // Between ImGui::NewFrame() and Render(); fills ImGui's whole display.
 PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& facts);
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

@@ -4,15 +4,15 @@
 
 #include <cfloat>
 
-namespace neuvv {
+namespace neuvv::headset {
 
 namespace {
 
 constexpr VkExtent2D kSize{960, 720};
 constexpr float kScale = 1.75f;
 
-XrSwapchainShape shape() {
-    XrSwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
+xr::XrSwapchainShape shape() {
+    xr::XrSwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
     shape.formats = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB};
     return shape;
 }
@@ -23,14 +23,14 @@ VkFormat unorm_of(VkFormat srgb) {
 
 }  // namespace
 
-PanelSurface::PanelSurface(const Device& device, const Session& session)
+PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session)
     : device_(device),
       images_(session, device, "panel", shape()),
       drawn_(device, "panel",
              {kSize.width, kSize.height, unorm_of(images_.format()),
               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
       drawing_(device, drawn_.shape.format, 2, kScale),
-      framebuffer_(make_framebuffer(device, drawing_, drawn_.view, kSize)),
+      framebuffer_(viewer::make_framebuffer(device, drawing_, drawn_.view, kSize)),
       commands_(device, "panel", 4) {}
 
 PanelSurface::~PanelSurface() {
@@ -66,30 +66,30 @@ void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::fun
 
 void PanelSurface::record(VkImage to) {
     constexpr VkImageSubresourceRange kAll{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue clear{};
     vkCmdClearColorImage(commands_.handle(), drawn_.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &clear, 1, &kAll);
-    move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     drawing_.record(commands_, framebuffer_, kSize);
-    move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    move_layout(commands_, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageCopy part{};
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.extent = {kSize.width, kSize.height, 1};
     vkCmdCopyImage(commands_.handle(), drawn_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
-    move_layout(commands_, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    gpu::move_layout(commands_, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
-const XrCompositionLayerBaseHeader* PanelSurface::layer(const Session& session, const Pose& tracking_from_panel,
+const XrCompositionLayerBaseHeader* PanelSurface::layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                                         glm::dvec2 size_m) {
     quad_.layerFlags = 0;  // what lies beneath a hole is the panel alone
     quad_.space = session.tracking_space();
     quad_.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
     quad_.subImage = images_.part(0);
-    quad_.pose = xr_pose(tracking_from_panel);
+    quad_.pose = xr::xr_pose(tracking_from_panel);
     quad_.size = {static_cast<float>(size_m.x), static_cast<float>(size_m.y)};
     return reinterpret_cast<const XrCompositionLayerBaseHeader*>(&quad_);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

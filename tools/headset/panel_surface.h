@@ -7,11 +7,11 @@
 #include "tools/viewer/panel_drawing.h"
 #include "xr/swapchain.h"
 
-namespace neuvv {
+namespace neuvv::headset {
 
 class PanelSurface {
   public:
-    PanelSurface(const Device& device, const Session& session);
+    PanelSurface(const gpu::Device& device, const xr::Session& session);
     ~PanelSurface();
     PanelSurface(const PanelSurface&) = delete;
     PanelSurface& operator=(const PanelSurface&) = delete;
@@ -19,21 +19,21 @@ class PanelSurface {
     // Draws what `panels` puts up with ImGui. Waits for the device.
     void draw(const PanelPointer& pointer, double dt_s, const std::function<void()>& panels);
     // What was drawn last, where the panel stands in tracking space.
-    const XrCompositionLayerBaseHeader* layer(const Session& session, const Pose& tracking_from_panel,
+    const XrCompositionLayerBaseHeader* layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                               glm::dvec2 size_m);
     bool has_picture() const { return has_picture_; }
 
   private:
     void feed(const PanelPointer& pointer, double dt_s);
     void record(VkImage to);
-    const Device& device_;
-    XrImages images_;
-    DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
-    PanelDrawing drawing_;
+    const gpu::Device& device_;
+    xr::XrImages images_;
+    gpu::DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
+    viewer::PanelDrawing drawing_;
     bool has_picture_ = false;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
-    Commands commands_;
+    gpu::Commands commands_;
     XrCompositionLayerQuad quad_{XR_TYPE_COMPOSITION_LAYER_QUAD};
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::headset

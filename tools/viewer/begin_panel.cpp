@@ -2,7 +2,7 @@
 
 #include "tools/viewer/panels.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 bool begin_panel(const char* name, const Area& area) {
     ImGui::SetNextWindowPos({area.left, area.top});
@@ -13,4 +13,4 @@ bool begin_panel(const char* name, const Area& area) {
                             ImGuiWindowFlags_NoSavedSettings);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 constexpr double kTooLong = 1.5, kShort = 0.35;  // of the target
@@ -35,4 +35,4 @@ bool BlockGrid::drawn(double milliseconds) {
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class BlockGrid {
   public:
@@ -30,4 +30,4 @@ class BlockGrid {
     bool in_vain_ = false;  // finer ones would hardly take less
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,15 +3,15 @@
 
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct Block {
     uint32_t left = 0, top = 0;
-    Camera camera;  // of the block's size; its rays are the whole picture's
+    stage::Camera camera;  // of the block's size; its rays are the whole picture's
 };
 
 // Block i of side × side, row by row; together they are the picture, each pixel once.
-inline Block block_of(Camera camera, uint32_t i, uint32_t side) {
+inline Block block_of(stage::Camera camera, uint32_t i, uint32_t side) {
     const auto part = [side](uint32_t whole, uint32_t n) { return static_cast<uint32_t>(uint64_t{whole} * n / side); };
     Block block{part(camera.width, i % side), part(camera.height, i / side), camera};
     block.camera.width = part(camera.width, i % side + 1) - block.left;
@@ -22,10 +22,10 @@ inline Block block_of(Camera camera, uint32_t i, uint32_t side) {
 }
 
 // The least side of blocks that have no more than width × height pixels each.
-inline uint32_t blocks_within(const Camera& camera, uint32_t width, uint32_t height) {
+inline uint32_t blocks_within(const stage::Camera& camera, uint32_t width, uint32_t height) {
     uint32_t side = 1;
     while ((camera.width + side - 1) / side > width || (camera.height + side - 1) / side > height) side++;
     return side;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

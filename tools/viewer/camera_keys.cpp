@@ -6,20 +6,20 @@
 #include "stage/camera_path_json.h"
 #include "stage/stage_settings.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
-std::optional<CameraPath> camera_path_in(const StageFile& file) {
+std::optional<stage::CameraPath> camera_path_in(const stage::StageFile& file) {
     const auto scenes = file.json.find("scenes");
     if (scenes == file.json.end() || scenes->empty()) return std::nullopt;
     const nlohmann::ordered_json& scene = scenes->at(file.json.value("scene", size_t{0}));
-    const nlohmann::json::json_pointer place(std::string("/extensions/") + kStageExtension + "/cameraPath");
+    const nlohmann::json::json_pointer place(std::string("/extensions/") + stage::kStageExtension + "/cameraPath");
     if (!scene.contains(place)) return std::nullopt;
-    return camera_path_of(scene.at(place), file.path.string(), "cameraPath");
+    return stage::camera_path_of(scene.at(place), file.path.string(), "cameraPath");
 }
 
-CameraPathKey key_of(const Eye& eye, double time_s) {
+stage::CameraPathKey key_of(const Eye& eye, double time_s) {
     const glm::dmat4 world_from_camera = world_from_eye(eye);
-    CameraPathKey key;
+    stage::CameraPathKey key;
     key.time_s = time_s;
     key.position = glm::dvec3(world_from_camera[3]);
     key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
@@ -27,19 +27,19 @@ CameraPathKey key_of(const Eye& eye, double time_s) {
     return key;
 }
 
-Eye eye_on(const CameraPath& path, double time_s, double distance_m) {
-    const Camera camera = camera_at(path, time_s, 2, 2);
+Eye eye_on(const stage::CameraPath& path, double time_s, double distance_m) {
+    const stage::Camera camera = stage::camera_at(path, time_s, 2, 2);
     return looking_through(camera.world_from_camera, 2 * std::atan(1 / camera.fy), distance_m);
 }
 
-size_t nearest_key(const CameraPath& path, double time_s) {
-    const auto farther = [&](const CameraPathKey& a, const CameraPathKey& b) {
+size_t nearest_key(const stage::CameraPath& path, double time_s) {
+    const auto farther = [&](const stage::CameraPathKey& a, const stage::CameraPathKey& b) {
         return std::abs(a.time_s - time_s) < std::abs(b.time_s - time_s);
     };
     return static_cast<size_t>(std::min_element(path.keys.begin(), path.keys.end(), farther) - path.keys.begin());
 }
 
-CameraPath made_cyclic(CameraPath path, bool cyclic) {
+stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic) {
     const double first_s = path.keys.front().time_s, last_s = path.keys.back().time_s;
     const size_t ways = path.keys.size() - 1;
     const double mean_s = ways > 0 ? (last_s - first_s) / static_cast<double>(ways) : 1;
@@ -51,14 +51,14 @@ CameraPath made_cyclic(CameraPath path, bool cyclic) {
     return path;
 }
 
-std::vector<glm::dvec3> line_of(const CameraPath& path, size_t steps) {
+std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps) {
     std::vector<glm::dvec3> line;
-    if (path.interpolation == Interpolation::kCut) return line;
+    if (path.interpolation == stage::Interpolation::kCut) return line;
     steps = std::clamp<size_t>(steps, 1, std::max<size_t>(1, kMostLinePoints / path.keys.size()));
     const auto add = [&](double from_s, double to_s) {
         for (size_t i = 0; i < steps; i++) {
             const double t = from_s + (to_s - from_s) * static_cast<double>(i) / static_cast<double>(steps);
-            line.emplace_back(camera_at(path, t, 2, 2).world_from_camera[3]);
+            line.emplace_back(stage::camera_at(path, t, 2, 2).world_from_camera[3]);
         }
     };
     for (size_t i = 0; i + 1 < path.keys.size(); i++) add(path.keys[i].time_s, path.keys[i + 1].time_s);
@@ -67,4 +67,4 @@ std::vector<glm::dvec3> line_of(const CameraPath& path, size_t steps) {
     return line;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,22 +8,22 @@
 #include "stage/stage_file.h"
 #include "tools/viewer/navigation.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Of a sound document; none where it has none.
-std::optional<CameraPath> camera_path_in(const StageFile& file);
+std::optional<stage::CameraPath> camera_path_in(const stage::StageFile& file);
 
-CameraPathKey key_of(const Eye& eye, double time_s);
+stage::CameraPathKey key_of(const Eye& eye, double time_s);
 // The eye that sees as the path's camera does; the pivot `distance_m` in front of it.
-Eye eye_on(const CameraPath& path, double time_s, double distance_m);
+Eye eye_on(const stage::CameraPath& path, double time_s, double distance_m);
 // The key that is nearest in time, of at least one.
-size_t nearest_key(const CameraPath& path, double time_s);
+size_t nearest_key(const stage::CameraPath& path, double time_s);
 // A cycle comes back to its first key in the time that it takes from key to key, one of a single key in a second; a
 // path that is none any more ends with its last key.
-CameraPath made_cyclic(CameraPath path, bool cyclic);
+stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic);
 
 // What a line through all places of a path joins: `steps` points from key to key. Nothing for cuts.
 constexpr size_t kMostLinePoints = 4096;
-std::vector<glm::dvec3> line_of(const CameraPath& path, size_t steps);
+std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -9,7 +9,7 @@
 #include "tools/viewer/look.h"
 #include "tools/viewer/pointer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -27,7 +27,7 @@ void draw_line(const Viewer& viewer, glm::dvec3 a, glm::dvec3 b, unsigned colour
 }
 
 // From the camera's place to the corners of what it sees, as large in the picture wherever it stands.
-void draw_sight(const Viewer& viewer, const Camera& seen, unsigned colour, float width) {
+void draw_sight(const Viewer& viewer, const stage::Camera& seen, unsigned colour, float width) {
     const glm::dvec3 from(seen.world_from_camera[3]);
     if (depth_of(viewer.camera, from) < kNearest_m) return;
     const double high = metres_of_pixels(viewer.camera, from, viewer.ui(kSightPixels)) / 2;
@@ -46,37 +46,39 @@ void draw_sight(const Viewer& viewer, const Camera& seen, unsigned colour, float
 
 }  // namespace
 
-Eye eye_at(const CameraPath& path, double time_s, const Viewer& viewer) {
-    const glm::dmat4 world_from_camera = camera_at(path, time_s, 2, 2).world_from_camera;
+Eye eye_at(const stage::CameraPath& path, double time_s, const Viewer& viewer) {
+    const glm::dmat4 world_from_camera = stage::camera_at(path, time_s, 2, 2).world_from_camera;
     if (!viewer.stage) return eye_on(path, time_s, viewer.eye.distance);
-    const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+    const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
     return eye_on(path, time_s, distance_to(world_from_camera, low, high));
 }
 
 void add_key_here(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
-    const CameraPathKey key = key_of(viewer.eye, viewer.clock.shown_s());
-    if (viewer.editor.edit(
-            [key, frame_s = 1 / viewer.clock.fps()](Document& d) { return add_path_key(d.file, key, frame_s); }))
+    const stage::CameraPathKey key = key_of(viewer.eye, viewer.clock.shown_s());
+    if (viewer.editor.edit([key, frame_s = 1 / viewer.clock.fps()](edit::Document& d) {
+            return edit::add_path_key(d.file, key, frame_s);
+        }))
         viewer.editor.tell(fmt::format("a key of the camera path at {:.2f} s", key.time_s));
 }
 
 void remove_key_near(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
-    const std::optional<CameraPath> path = camera_path_in(viewer.editor.file());
+    const std::optional<stage::CameraPath> path = camera_path_in(viewer.editor.file());
     if (!path) return viewer.editor.tell("there is no camera path");
     const size_t key = nearest_key(*path, viewer.clock.shown_s());
-    viewer.editor.edit([key](Document& d) { return remove_path_key(d.file, key); });
+    viewer.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
 }
 
-void draw_camera_path(const Viewer& viewer, const CameraPath& path, const std::vector<glm::dvec3>& line) {
+void draw_camera_path(const Viewer& viewer, const stage::CameraPath& path, const std::vector<glm::dvec3>& line) {
     const Area& area = viewer.picture_area;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
     for (size_t i = 0; i + 1 < line.size(); i++) draw_line(viewer, line[i], line[i + 1], kWay, 2);
-    for (const CameraPathKey& key : path.keys) draw_sight(viewer, camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
-    draw_sight(viewer, camera_at(path, viewer.clock.shown_s(), 2, 2), kAccent, 2);
+    for (const stage::CameraPathKey& key : path.keys)
+        draw_sight(viewer, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
+    draw_sight(viewer, stage::camera_at(path, viewer.clock.shown_s(), 2, 2), kAccent, 2);
     list.PopClipRect();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

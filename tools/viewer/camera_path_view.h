@@ -4,14 +4,14 @@
 #include "tools/viewer/camera_keys.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // The middle of the performers is what the eye turns about then.
-Eye eye_at(const CameraPath& path, double time_s, const Viewer& viewer);
+Eye eye_at(const stage::CameraPath& path, double time_s, const Viewer& viewer);
 // Enter and Shift+Enter: the present view becomes a key at the present time; the nearest key goes.
 void add_key_here(Viewer& viewer);
 void remove_key_near(Viewer& viewer);
 // In the picture: the path, its keys as pyramids of sight, and where its camera is now.
-void draw_camera_path(const Viewer& viewer, const CameraPath& path, const std::vector<glm::dvec3>& line);
+void draw_camera_path(const Viewer& viewer, const stage::CameraPath& path, const std::vector<glm::dvec3>& line);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "tools/viewer/blocks.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -26,8 +26,8 @@ uint32_t roomy(uint32_t pixels) {
     return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
 }
 
-void add_passes(std::vector<PassTime>& to, const std::vector<PassTime>& passes) {
-    for (const PassTime& pass : passes) {
+void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>& passes) {
+    for (const gpu::PassTime& pass : passes) {
         const auto known = std::find_if(to.begin(), to.end(), [&](const auto& p) { return p.name == pass.name; });
         if (known != to.end())
             known->milliseconds += pass.milliseconds;
@@ -39,7 +39,7 @@ void add_passes(std::vector<PassTime>& to, const std::vector<PassTime>& passes) 
 }  // namespace
 
 struct Drawer::Job {
-    std::shared_ptr<const Document> stage;
+    std::shared_ptr<const edit::Document> stage;
     uint64_t stage_id = 0;
     std::optional<Remake> remake;
     Task task;
@@ -48,7 +48,7 @@ struct Drawer::Job {
     Idle idle;
 };
 
-Drawer::Drawer(const Device& device, std::function<void()> wake)
+Drawer::Drawer(const gpu::Device& device, std::function<void()> wake)
     : device_(device),
       wake_(std::move(wake)),
       commands_(device, "drawer", 4),
@@ -78,7 +78,7 @@ void Drawer::stop() {
     if (thread_.joinable()) thread_.join();
 }
 
-void Drawer::show(std::shared_ptr<const Document> stage, uint64_t id) {
+void Drawer::show(std::shared_ptr<const edit::Document> stage, uint64_t id) {
     {
         const std::lock_guard lock(mutex_);
         next_stage_ = std::move(stage);
@@ -111,7 +111,7 @@ void Drawer::post_idle(Idle idle) {
     changed_.notify_all();
 }
 
-void Drawer::remake(ShaderReplacements shaders, std::function<void(const std::string&)> done) {
+void Drawer::remake(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
     {
         const std::lock_guard lock(mutex_);
         next_remake_ = Remake{std::move(shaders), std::move(done)};
@@ -212,9 +212,9 @@ void Drawer::tell_problem(std::string problem, uint64_t unsound_id) {
 }
 
 // Whether it could be drawn if all its clips were there.
-bool Drawer::is_sound(const Document& document) {
+bool Drawer::is_sound(const edit::Document& document) {
     try {
-        expect_sound_document(document.file);
+        stage::expect_sound_document(document.file);
     } catch (const InputError&) {
         return false;
     }
@@ -232,10 +232,10 @@ void Drawer::tell_progress(const std::string& file, size_t done, size_t of) {
 }
 
 void Drawer::make_again(const Remake& remake) {
-    const ShaderReplacements before = device_.shaders().replacements();
+    const gpu::ShaderReplacements before = device_.shaders().replacements();
     device_.shaders().set(remake.shaders);
     const VkExtent2D capacity = capacity_;
-    std::unique_ptr<StageRenderer> last = std::move(renderer_);
+    std::unique_ptr<render::StageRenderer> last = std::move(renderer_);
     std::string problem;
     try {
         if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
@@ -255,13 +255,13 @@ void Drawer::make_again(const Remake& remake) {
 }
 
 // Keeps the old one where the new one cannot be drawn.
-void Drawer::load(std::shared_ptr<const Document> document, uint64_t id) {
+void Drawer::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
         tell_progress(file, done, of);
     };
     const auto before = std::exchange(document_, document);
     try {
-        auto stage = std::make_shared<const Stage>(make_stage(document->file, stage_.get()));
+        auto stage = std::make_shared<const stage::Stage>(stage::make_stage(document->file, stage_.get()));
         if (renderer_) {
             renderer_->change(*stage, progress);
         } else {
@@ -300,19 +300,19 @@ void Drawer::draw_newest() {
     if (stage_ && view_) draw(*view_);
 }
 
-void Drawer::make_renderer(const Stage& stage, const StageRenderer::Loaded& progress) {
+void Drawer::make_renderer(const stage::Stage& stage, const render::StageRenderer::Loaded& progress) {
     VkExtent2D capacity = kFirstCapacity;
     {
         const std::lock_guard lock(mutex_);
         if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
         if (next_view_) capacity = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
     }
-    const PaintSource paint = [this](const std::filesystem::path& path, const PaintedField&) {
-        const auto found = document_->paint.find(absolute_path(path));
+    const render::PaintSource paint = [this](const std::filesystem::path& path, const voctree::PaintedField&) {
+        const auto found = document_->paint.find(stage::absolute_path(path));
         return found != document_->paint.end() ? found->second : nullptr;
     };
-    renderer_ = std::make_unique<StageRenderer>(device_, stage, FrameCapacity{capacity.width, capacity.height},
-                                                progress, paint);
+    renderer_ = std::make_unique<render::StageRenderer>(
+        device_, stage, render::FrameCapacity{capacity.width, capacity.height}, progress, paint);
     capacity_ = capacity;
 }
 
@@ -323,18 +323,19 @@ void Drawer::fit(VkExtent2D size) {
         renderer_->resize(capacity_.width, capacity_.height);
     }
     if (picture_ && picture_->shape.width == capacity_.width && picture_->shape.height == capacity_.height) return;
-    auto made = std::make_shared<DeviceImage>(
+    auto made = std::make_shared<gpu::DeviceImage>(
         device_, "shown picture",
-        ImageShape{capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
-                   VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
-    run_once(device_, "shown picture", [&](Commands& commands) {
-        move_layout(commands, *made, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        gpu::ImageShape{
+            capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
+            VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    gpu::run_once(device_, "shown picture", [&](gpu::Commands& commands) {
+        gpu::move_layout(commands, *made, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
     picture_ = std::move(made);
 }
 
-FrameSettings Drawer::settings_of(const Sight& view, const StageInstant& instant) const {
-    FrameSettings settings = renderer_->settings_at(instant);
+render::FrameSettings Drawer::settings_of(const Sight& view, const stage::StageInstant& instant) const {
+    render::FrameSettings settings = renderer_->settings_at(instant);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
     if (!view.own_background) settings.resolve.background = background;
@@ -350,12 +351,12 @@ void Drawer::draw(const Sight& view) {
     if (size.width == 0 || size.height == 0) return;
     fit(size);
     const Clock::time_point begin = Clock::now();
-    const StageInstant instant = stage_at(*stage_, view.time_s);
+    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
     renderer_->show(instant, !view.own_background);
-    FrameSettings settings = settings_of(view, instant);
+    render::FrameSettings settings = settings_of(view, instant);
     settings.scale = std::min(scale_.scale(), view.most_scale);
     for (const double next : view.next_s)
-        for (const Instance& instance : renderer_->settings_at(stage_at(*stage_, next)).instances)
+        for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
             settings.next_slices.push_back({{instance.frame, instance.paint}, instance.field});
     copy_to_picture(renderer_->frames().draw({&view.camera, 1}, settings), {0, 0}, size);
     const double milliseconds = milliseconds_since(begin);
@@ -412,11 +413,11 @@ void Drawer::refine() {
 
 void Drawer::draw_block(const Sight& view, uint32_t block, uint32_t side, uint32_t samples) {
     const Block part = block_of(view.camera, block, side);
-    const Camera& camera = part.camera;
+    const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
-    const StageInstant instant = stage_at(*stage_, view.time_s);
+    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
     renderer_->show(instant, !view.own_background);
-    FrameSettings settings = settings_of(view, instant);
+    render::FrameSettings settings = settings_of(view, instant);
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
@@ -424,17 +425,17 @@ void Drawer::draw_block(const Sight& view, uint32_t block, uint32_t side, uint32
                     {static_cast<int32_t>(part.left), static_cast<int32_t>(part.top)}, {camera.width, camera.height});
 }
 
-void Drawer::copy_to_picture(const Buffer& pixels, VkOffset2D at, VkExtent2D size) {
+void Drawer::copy_to_picture(const gpu::Buffer& pixels, VkOffset2D at, VkExtent2D size) {
     commands_.begin();
-    full_barrier(commands_);
-    move_layout(commands_, *picture_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::full_barrier(commands_);
+    gpu::move_layout(commands_, *picture_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     region.imageOffset = {at.x, at.y, 0};
     region.imageExtent = {size.width, size.height, 1};
     vkCmdCopyBufferToImage(commands_.handle(), pixels.buffer, picture_->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                            &region);
-    move_layout(commands_, *picture_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, *picture_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     commands_.submit();
     commands_.wait();
 }
@@ -448,4 +449,4 @@ void Drawer::publish(Shown shown) {
     wake_();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,7 +8,7 @@
 #include "tools/viewer/fields.h"
 #include "tools/viewer/node_actions.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -16,17 +16,17 @@ constexpr const char* kTitle = "Duplicate";
 constexpr const char* kPatterns[] = {"row", "ring", "fan"};
 constexpr const char* kUnits[] = {"frames", "seconds"};
 
-void place_fields(FieldGroup& group, CopySettings& copies) {
+void place_fields(FieldGroup& group, edit::CopySettings& copies) {
     auto pattern = static_cast<size_t>(copies.pattern);
-    if (group.choice("pattern", pattern, kPatterns)) copies.pattern = static_cast<CopyPattern>(pattern);
+    if (group.choice("pattern", pattern, kPatterns)) copies.pattern = static_cast<edit::CopyPattern>(pattern);
     double count = copies.count;
-    if (group.number("copies", count, {1, kMaxCopies, 0.1, "%.0f"})) copies.count = static_cast<uint32_t>(count);
-    const bool row = copies.pattern == CopyPattern::kRow;
+    if (group.number("copies", count, {1, edit::kMaxCopies, 0.1, "%.0f"})) copies.count = static_cast<uint32_t>(count);
+    const bool row = copies.pattern == edit::CopyPattern::kRow;
     group.number(row ? "apart" : "radius", copies.distance_m, {row ? -1e4 : 0.0, 1e4, 0.01, "%.2f m"});
-    if (copies.pattern == CopyPattern::kFan) group.number("arc", copies.arc_deg, {-360, 360, 0.5, "%.0f°"});
+    if (copies.pattern == edit::CopyPattern::kFan) group.number("arc", copies.arc_deg, {-360, 360, 0.5, "%.0f°"});
 }
 
-void time_fields(FieldGroup& group, CopySettings& copies) {
+void time_fields(FieldGroup& group, edit::CopySettings& copies) {
     size_t unit = copies.stagger.frames ? 0 : 1;
     const bool frames = copies.stagger.frames;
     group.number("each later by", copies.stagger.value,
@@ -64,7 +64,7 @@ void duplicate_dialog(Viewer& viewer) {
         return;
     }
     const bool performer = viewer.stage_tree.rows[*row].kind == NodeKind::kPerformer;
-    CopySettings settings = asked.settings;
+    edit::CopySettings settings = asked.settings;
     {
         FieldGroup group(viewer, "duplicate");
         place_fields(group, settings);
@@ -86,11 +86,12 @@ void duplicate_dialog(Viewer& viewer) {
     const bool cancel = button(viewer, "Cancel", "duplicate/cancel", width);
     ImGui::SameLine();
     if (button(viewer, "Duplicate", "duplicate/do", width)) {
-        viewer.editor.edit([&](Document& document) { return duplicate_node(document.file, asked.node, settings); });
+        viewer.editor.edit(
+            [&](edit::Document& document) { return edit::duplicate_node(document.file, asked.node, settings); });
         ImGui::CloseCurrentPopup();
     }
     if (cancel || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -57,4 +57,4 @@ double DynamicScale::wanted() const {
     return std::clamp(std::sqrt(left / full_ms_), kLeastScale, 1.0);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

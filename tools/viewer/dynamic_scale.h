@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 constexpr double kLeastScale = 0.2;
 
@@ -40,4 +40,4 @@ class DynamicScale {
     double count_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

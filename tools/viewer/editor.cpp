@@ -4,19 +4,19 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
-bool is_same(const Document& a, const Document& b) {
+bool is_same(const edit::Document& a, const edit::Document& b) {
     return a.file.json == b.file.json && a.paint == b.paint;
 }
 
 }  // namespace
 
-void Editor::open(Document document, bool modified) {
+void Editor::open(edit::Document document, bool modified) {
     document_ = std::move(document);
-    history_ = History();
+    history_ = edit::History();
     if (modified) history_.mark_unsaved();
     selected_.reset();
     before_drag_.reset();
@@ -25,10 +25,10 @@ void Editor::open(Document document, bool modified) {
     changed();
 }
 
-void Editor::saved(const Document& as, uint64_t opened, uint64_t id) {
+void Editor::saved(const edit::Document& as, uint64_t opened, uint64_t id) {
     if (opened != opened_) return;
-    const auto follow = [&](Document& document) {
-        document.file = moved_to(std::move(document.file), as.file.path);
+    const auto follow = [&](edit::Document& document) {
+        document.file = stage::moved_to(std::move(document.file), as.file.path);
         document.file.saved = as.file.saved;
         document.disk_is_anothers = false;
         for (const auto& [path, layer] : as.saved_paint) document.saved_paint[path] = layer;
@@ -43,7 +43,7 @@ void Editor::saved(const Document& as, uint64_t opened, uint64_t id) {
 }
 
 bool Editor::apply(const Operation& operation, std::string& what) {
-    Document before = document_;
+    edit::Document before = document_;
     try {
         what = operation(document_);
     } catch (const InputError& error) {
@@ -63,7 +63,7 @@ bool Editor::refused() {
 bool Editor::edit(const Operation& operation) {
     if (refused()) return false;
     end_drag();
-    Document before = document_;
+    edit::Document before = document_;
     std::string what;
     if (!apply(operation, what)) return false;
     if (is_same(before, document_)) return true;
@@ -74,7 +74,7 @@ bool Editor::edit(const Operation& operation) {
 
 bool Editor::drag(const Operation& operation) {
     if (refused()) return false;
-    Document last = document_;
+    edit::Document last = document_;
     if (before_drag_) document_ = *before_drag_;
     if (!apply(operation, dragged_)) {
         document_ = std::move(last);
@@ -140,8 +140,8 @@ void Editor::step(const char* told, const std::function<std::optional<std::strin
 }
 
 // A drag goes on from where it began: the layer was there then, too.
-void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr<const EditLayer>& layer) {
-    for (Document* document : {&document_, before_drag_ ? &*before_drag_ : nullptr})
+void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer) {
+    for (edit::Document* document : {&document_, before_drag_ ? &*before_drag_ : nullptr})
         if (document && document->paint.emplace(path, layer).second) document->saved_paint.emplace(path, layer);
 }
 
@@ -164,4 +164,4 @@ void Editor::tell(std::string text, bool error) {
     notices_.push_back({std::move(text), error});
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -9,7 +9,7 @@
 #include "edit/edited_stage.h"
 #include "edit/history.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // A line that tells the user something, for some seconds.
 struct Notice {
@@ -22,13 +22,13 @@ class Editor {
   public:
     // An operation on the document, which says what it did (edit/operations.h). Throws InputError where it cannot be
     // done. Whether the numbers it was given are sound is found by the drawer, off this thread: then take_back().
-    using Operation = std::function<std::string(Document&)>;
+    using Operation = std::function<std::string(edit::Document&)>;
 
-    void open(Document document, bool modified);
+    void open(edit::Document document, bool modified);
     bool is_open() const { return open_; }
     size_t node_count() const;
-    const Document& document() const { return document_; }
-    const StageFile& file() const { return document_.file; }
+    const edit::Document& document() const { return document_; }
+    const stage::StageFile& file() const { return document_.file; }
     // Another number after each change.
     uint64_t id() const { return id_; }
     bool modified() const { return open_ && history_.is_modified(); }
@@ -36,7 +36,7 @@ class Editor {
     uint64_t opened() const { return opened_; }
     // The disk has the document as it was with this id, as saving left it. What was edited since stays, and follows it
     // to its folder; a document that was opened since has nothing to do with it.
-    void saved(const Document& as, uint64_t opened, uint64_t id);
+    void saved(const edit::Document& as, uint64_t opened, uint64_t id);
 
     // While there is a reason, nothing is edited: it is told instead.
     void freeze(std::string reason) { frozen_ = std::move(reason); }
@@ -53,11 +53,11 @@ class Editor {
     void take_back(const std::string& why);
     void undo();
     void redo();
-    const History& history() const { return history_; }
+    const edit::History& history() const { return history_; }
 
     // Before the first edit of a layer of paint: as the disk has it (open_paint). No step of the history; of a layer
     // that is open nothing.
-    void open_layer(const std::filesystem::path& path, const std::shared_ptr<const EditLayer>& layer);
+    void open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer);
 
     // A node of the document; none where nothing is selected.
     std::optional<uint32_t> selected() const { return selected_; }
@@ -74,13 +74,13 @@ class Editor {
     void step(const char* told, const std::function<std::optional<std::string>()>& take);
     bool open_ = false;
     std::string frozen_;
-    Document document_;
-    History history_;
+    edit::Document document_;
+    edit::History history_;
     uint64_t id_ = 0, opened_ = 0;
     std::optional<uint32_t> selected_;
-    std::optional<Document> before_drag_;
+    std::optional<edit::Document> before_drag_;
     std::string dragged_;
     std::vector<Notice> notices_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "tools/viewer/blocks.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -18,11 +18,11 @@ constexpr uint32_t kBlockPixels = 512;
 
 Export::Export(ExportSettings settings)
     : settings_(std::move(settings)), picture_(settings_.size.width, settings_.size.height) {
-    prepare_output_file("export", settings_.output.path);
+    tools::prepare_output_file("export", settings_.output.path);
     if (settings_.output.exr)
         throw InputError("export", settings_.output.path.string(), "the viewer writes no linear pictures",
                          "choose .png or .mp4, or `neuvv render`");
-    if (settings_.output.kind == PictureOutput::Kind::kPicture && settings_.pictures > 1)
+    if (settings_.output.kind == tools::PictureOutput::Kind::kPicture && settings_.pictures > 1)
         throw InputError("export", settings_.output.path.string(), "is one picture",
                          "choose an .mp4, or a number as in out_%04d.png");
 }
@@ -43,8 +43,8 @@ bool Export::step(OnDevice& on_device) {
     if (cancelled_) return stop(fmt::format("export cancelled after {} pictures", finished_pictures()), false);
     try {
         if (!sink_)
-            sink_ =
-                std::make_unique<PictureSink>(settings_.output, settings_.size, settings_.fps, RenderFacts{}, false);
+            sink_ = std::make_unique<tools::PictureSink>(settings_.output, settings_.size, settings_.fps,
+                                                         tools::RenderFacts{}, false);
         draw_block(on_device);
         if (block_ < side_ * side_) return true;
         finish_picture();
@@ -59,10 +59,10 @@ bool Export::step(OnDevice& on_device) {
 }
 
 void Export::draw_block(OnDevice& on_device) {
-    const StageInstant instant = stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
-    const Camera camera = settings_.camera(on_device.stage, instant);
+    const stage::StageInstant instant = stage::stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
+    const stage::Camera camera = settings_.camera(on_device.stage, instant);
     on_device.renderer.show(instant, settings_.with_background);
-    FrameSettings settings = on_device.renderer.settings_at(instant);
+    render::FrameSettings settings = on_device.renderer.settings_at(instant);
     if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
         side_ = blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
                               std::min(settings.height, kBlockPixels) / settings_.samples);
@@ -72,7 +72,7 @@ void Export::draw_block(OnDevice& on_device) {
     settings.height = block.camera.height;
     settings.samples = settings_.samples;
     if (!settings_.with_background) settings.resolve.background = glm::vec4(0);
-    const Image drawn = on_device.renderer.frames().render(block.camera, settings);
+    const media::Image drawn = on_device.renderer.frames().render(block.camera, settings);
     for (uint32_t y = 0; y < drawn.height; y++)
         std::memcpy(picture_.at(block.left, block.top + y), drawn.at(0, y), size_t{4} * drawn.width);
 }
@@ -83,4 +83,4 @@ void Export::finish_picture() {
     finished_++;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,15 +10,15 @@
 #include "tools/picture_sink.h"
 #include "tools/viewer/drawer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct ExportSettings {
-    PictureOutput output;  // no .exr
-    PictureSize size{1920, 1080};
+    tools::PictureOutput output;  // no .exr
+    tools::PictureSize size{1920, 1080};
     double fps = 25, first_s = 0;
     uint32_t pictures = 1, samples = 2;
     // At an instant of the stage, of the export's size.
-    std::function<Camera(const Stage& stage, const StageInstant& instant)> camera;
+    std::function<stage::Camera(const stage::Stage& stage, const stage::StageInstant& instant)> camera;
     bool with_background = true;  // else pictures keep their alpha
 };
 
@@ -52,9 +52,9 @@ class Export {
     mutable std::mutex mutex_;
     std::optional<End> end_;
     // The drawer's.
-    std::unique_ptr<PictureSink> sink_;
+    std::unique_ptr<tools::PictureSink> sink_;
     uint32_t block_ = 0, side_ = 1;  // of side × side in the picture that is drawn
-    Image picture_;
+    media::Image picture_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,7 +10,7 @@
 #include "media/image.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -19,11 +19,11 @@ constexpr float kLabelShare = 0.36f;
 }  // namespace
 
 glm::dvec3 srgb_of_linear(glm::dvec3 l) {
-    return {srgb_from_linear(l.x), srgb_from_linear(l.y), srgb_from_linear(l.z)};
+    return {media::srgb_from_linear(l.x), media::srgb_from_linear(l.y), media::srgb_from_linear(l.z)};
 }
 
 glm::dvec3 linear_of_srgb(glm::dvec3 s) {
-    return {linear_from_srgb(s.x), linear_from_srgb(s.y), linear_from_srgb(s.z)};
+    return {media::linear_from_srgb(s.x), media::linear_from_srgb(s.y), media::linear_from_srgb(s.z)};
 }
 
 FieldGroup::FieldGroup(Viewer& viewer, std::string name) : viewer_(viewer), name_(std::move(name)) {
@@ -156,4 +156,4 @@ bool sign_button(Viewer& viewer, const char* name, const char* sign, const char*
     return pressed;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

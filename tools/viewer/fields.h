@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 
@@ -49,4 +49,4 @@ bool sign_button(Viewer& viewer, const char* name, const char* sign, const char*
 glm::dvec3 srgb_of_linear(glm::dvec3 linear);
 glm::dvec3 linear_of_srgb(glm::dvec3 srgb);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

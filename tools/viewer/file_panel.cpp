@@ -15,7 +15,7 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -31,7 +31,7 @@ bool button(Viewer& viewer, const char* name, bool enabled = true) {
 // Of numbered pictures the first, else the file itself.
 std::filesystem::path first_of(const std::filesystem::path& path) {
     try {
-        return parse_output(path.string()).file(0);
+        return tools::parse_output(path.string()).file(0);
     } catch (const InputError&) {
         return path;
     }
@@ -90,24 +90,24 @@ void Files::unsaved_panel() {
 }
 
 void Files::recover_panel() {
-    const RecoveryEntry& entry = question_->entries.front();
+    const edit::RecoveryEntry& entry = question_->entries.front();
     const auto when = static_cast<std::time_t>(entry.when_s);
     ImGui::TextUnformatted(fmt::format("{} was edited until {:%F %H:%M:%S} and not saved.",
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
     ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
-    if (has_anothers_file(entry))
+    if (edit::has_anothers_file(entry))
         ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
     if (button(viewer_, "Recover")) {
-        const RecoveryEntry chosen = entry;
+        const edit::RecoveryEntry chosen = entry;
         close_question();
         return recover(chosen);
     }
     const auto then = question_->then;
     const std::filesystem::path path = question_->folder;
     if (button(viewer_, "Discard")) {
-        for (const RecoveryEntry& one : question_->entries) discard(one);
+        for (const edit::RecoveryEntry& one : question_->entries) edit::discard(one);
         close_question();
         return then(path);
     }
@@ -165,7 +165,8 @@ void Files::choose(const std::filesystem::path& chosen) {
     if (std::filesystem::is_directory(path, error)) return list_folder(path);
     const std::vector<std::string>& endings = question_->endings;
     const bool listed = std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
-    const bool ends_well = listed || (!endings.empty() && is_stage("x" + endings[0]) && is_stage(path.string()));
+    const bool ends_well =
+        listed || (!endings.empty() && tools::is_stage("x" + endings[0]) && tools::is_stage(path.string()));
     if (question_->to_save && !endings.empty() && !ends_well) path += endings[0];
     if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
         question_->name = path.filename().string();
@@ -177,4 +178,4 @@ void Files::choose(const std::filesystem::path& chosen) {
     then(path);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

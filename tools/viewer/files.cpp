@@ -12,7 +12,7 @@
 #include "tools/viewer/viewer.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -40,9 +40,9 @@ void Files::open(const std::filesystem::path& path) {
 // Edits of a process that is gone are offered before the stage is read.
 void Files::open_now(const std::filesystem::path& path) {
     viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
-        std::vector<RecoveryEntry> entries;
-        if (!recovery_folder().empty())
-            for (RecoveryEntry& entry : find_recovery(recovery_folder(), stage_of_file(path)))
+        std::vector<edit::RecoveryEntry> entries;
+        if (!edit::recovery_folder().empty())
+            for (edit::RecoveryEntry& entry : edit::find_recovery(edit::recovery_folder(), stage_of_file(path)))
                 if (!entry.alive) entries.push_back(std::move(entry));
         return [this, path, entries] {
             if (entries.empty() || question_) return read(path);
@@ -52,10 +52,10 @@ void Files::open_now(const std::filesystem::path& path) {
 }
 
 void Files::offer_lost() {
-    if (recovery_folder().empty()) return;
+    if (edit::recovery_folder().empty()) return;
     viewer_.work.start("", [this]() -> Work::Then {
-        std::vector<RecoveryEntry> entries = list_recovery(recovery_folder());
-        std::erase_if(entries, [](const RecoveryEntry& entry) { return entry.alive; });
+        std::vector<edit::RecoveryEntry> entries = edit::list_recovery(edit::recovery_folder());
+        std::erase_if(entries, [](const edit::RecoveryEntry& entry) { return entry.alive; });
         if (entries.empty()) return {};
         std::erase_if(entries, [stage = entries.front().stage](const auto& entry) { return entry.stage != stage; });
         return [this, entries] {
@@ -64,7 +64,7 @@ void Files::offer_lost() {
     });
 }
 
-void Files::ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesystem::path& path,
+void Files::ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::filesystem::path& path,
                            std::function<void(const std::filesystem::path&)> then) {
     question_ = FileQuestion{};
     question_->kind = FileQuestion::Kind::kRecover;
@@ -76,7 +76,7 @@ void Files::ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesy
 
 void Files::read(const std::filesystem::path& path) {
     viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path, number = viewer_.editor.id()] {
-        auto document = std::make_shared<Document>(open_document(path));
+        auto document = std::make_shared<edit::Document>(open_document(path));
         return [this, document, path, number] {
             // Edits that were made while it was read are asked about again.
             if (viewer_.editor.modified() && viewer_.editor.id() != number) return open(path);
@@ -86,9 +86,9 @@ void Files::read(const std::filesystem::path& path) {
     });
 }
 
-void Files::recover(const RecoveryEntry& entry) {
+void Files::recover(const edit::RecoveryEntry& entry) {
     viewer_.work.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
-        auto document = std::make_shared<Document>(restore(entry));
+        auto document = std::make_shared<edit::Document>(edit::restore(entry));
         return [this, document, entry] {
             opened(std::move(*document), true, entry);
             viewer_.editor.tell("recovered unsaved edits; save to keep them");
@@ -96,7 +96,7 @@ void Files::recover(const RecoveryEntry& entry) {
     });
 }
 
-void Files::opened(Document document, bool modified, std::optional<RecoveryEntry> from) {
+void Files::opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from) {
     stored_.opened(std::move(from));
     viewer_.gizmo.reset();
     viewer_.held_light.reset();
@@ -109,8 +109,8 @@ void Files::opened(Document document, bool modified, std::optional<RecoveryEntry
 
 void Files::new_stage() {
     when_saved_or_given_up([this] {
-        const std::filesystem::path path = absolute_path("stage.gltf");
-        opened({neuvv::new_stage(path), {}, {}}, true);
+        const std::filesystem::path path = stage::absolute_path("stage.gltf");
+        opened({neuvv::edit::new_stage(path), {}, {}}, true);
     });
 }
 
@@ -131,10 +131,11 @@ void Files::save_as() {
 
 void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
     viewer_.editor.end_drag();
-    auto document = std::make_shared<Document>(viewer_.editor.document());
+    auto document = std::make_shared<edit::Document>(viewer_.editor.document());
     const uint64_t id = viewer_.editor.id(), number = viewer_.editor.opened();
     std::string also;  // a stage that is left behind wears the same layers
-    const bool left = document->file.saved->on_disk && absolute_path(path) != absolute_path(document->file.path);
+    const bool left =
+        document->file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(document->file.path);
     if (left)
         for (const auto& [file, layer] : document->saved_paint)
             if (const auto now = document->paint.find(file); now != document->paint.end() && now->second != layer)
@@ -142,13 +143,13 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
                                     file.filename().string());
     viewer_.work.start(fmt::format("Saving {}", path.filename().string()),
                        [this, document, path, id, number, also, left, then] {
-                           const auto theirs = save_document(*document, path);
+                           const auto theirs = edit::save_document(*document, path);
                            return [this, document, path, id, number, also, left, then, theirs] {
                                viewer_.editor.saved(*document, number, id);
                                if (left && number == viewer_.editor.opened())
                                    viewer_.paint.leave_alone(worn_layers(document->file));
                                if (!viewer_.editor.modified()) stored_.forget();
-                               viewer_.editor.tell(saved_text(path, theirs) + also);
+                               viewer_.editor.tell(edit::saved_text(path, theirs) + also);
                                remember_file(viewer_.preferences, std::filesystem::absolute(path));
                                if (then) then();
                            };
@@ -158,19 +159,20 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
 void Files::take(const std::filesystem::path& dropped) {
     Editor& editor = viewer_.editor;
     std::error_code error;
-    if (!editor.is_open() || is_stage(dropped.string()) || std::filesystem::is_directory(dropped, error))
+    if (!editor.is_open() || tools::is_stage(dropped.string()) || std::filesystem::is_directory(dropped, error))
         return open(dropped);
-    if (has_clip_ending(dropped)) {
-        PerformerEdit performer;
+    if (voctree::has_clip_ending(dropped)) {
+        edit::PerformerEdit performer;
         performer.clip = dropped;
-        editor.edit([&](Document& d) { return add_performer(d.file, dropped.stem().string(), performer, {}); });
+        editor.edit(
+            [&](edit::Document& d) { return edit::add_performer(d.file, dropped.stem().string(), performer, {}); });
     } else if (is_one_of(dropped, {".nvpaint"})) {
         if (!editor.selected()) return editor.tell("select the performer that shall wear this paint first", true);
-        editor.edit([&](Document& d) { return add_paint_layer(d.file, *editor.selected(), dropped, {}); });
+        editor.edit([&](edit::Document& d) { return edit::add_paint_layer(d.file, *editor.selected(), dropped, {}); });
     } else if (is_one_of(dropped, {".png"})) {
-        StageEdit stage;
+        edit::StageEdit stage;
         stage.environment = dropped;
-        editor.edit([&](Document& d) { return set_stage(d.file, stage); });
+        editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, stage); });
     } else {
         editor.tell(fmt::format("{}: is no stage, clip, paint or picture (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
                                 dropped.filename().string()),
@@ -192,7 +194,7 @@ void Files::ask_path(std::string title, std::vector<std::string> endings, bool t
 }
 
 void Files::list_folder(const std::filesystem::path& folder) {
-    question_->folder = absolute_path(folder.empty() ? "." : folder);
+    question_->folder = stage::absolute_path(folder.empty() ? "." : folder);
     viewer_.work.start("", [this, of = question_->folder, endings = question_->endings] {
         std::vector<Listed> listed;
         std::error_code error;
@@ -241,7 +243,7 @@ void Files::watch_clips() {
     if (!viewer_.stage || !viewer_.work.idle() || viewer_.exporting) return;
     watched_s_ = viewer_.now_s;
     std::vector<std::filesystem::path> paths;
-    for (const StageClip& clip : viewer_.stage->clips) paths.push_back(clip.path);
+    for (const stage::StageClip& clip : viewer_.stage->clips) paths.push_back(clip.path);
     viewer_.work.start("", [this, paths, before = clips_]() -> Work::Then {
         auto now = before;
         now.clear();
@@ -257,4 +259,4 @@ void Files::watch_clips() {
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -14,7 +14,7 @@
 #include "tools/viewer/preferences.h"
 #include "tools/viewer/stored_edits.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 
@@ -29,7 +29,7 @@ struct FileQuestion {
     std::string name;  // typed
     std::function<void(const std::filesystem::path&)> then;
     // kRecover:
-    std::vector<RecoveryEntry> entries;
+    std::vector<edit::RecoveryEntry> entries;
     // kUnsaved:
     std::function<void()> afterwards;
 };
@@ -64,10 +64,10 @@ class Files {
   private:
     void open_now(const std::filesystem::path& path);
     void read(const std::filesystem::path& path);
-    void opened(Document document, bool modified, std::optional<RecoveryEntry> from = {});
-    void recover(const RecoveryEntry& entry);
+    void opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from = {});
+    void recover(const edit::RecoveryEntry& entry);
     // `then` is called with `path` unless they are recovered.
-    void ask_to_recover(std::vector<RecoveryEntry> entries, const std::filesystem::path& path,
+    void ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::filesystem::path& path,
                         std::function<void(const std::filesystem::path&)> then);
     void save_to(const std::filesystem::path& path, std::function<void()> then);
     bool refused_by_export();
@@ -93,4 +93,4 @@ class Files {
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

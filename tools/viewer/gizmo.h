@@ -10,7 +10,7 @@
 
 #include "tools/viewer/handle_shape.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 enum class GizmoMode { kMove, kRotate, kScale };
 enum class GizmoAxes { kWorld, kLocal };
@@ -19,7 +19,7 @@ enum class GizmoAxes { kWorld, kLocal };
 enum class GizmoHandle : int { kNone, kX, kY, kZ, kYZ, kZX, kXY, kCentre };
 
 struct Gizmo {
-    Camera camera;
+    stage::Camera camera;
     glm::dmat4 world_from_node{1};  // affine, as it is now
     GizmoMode mode = GizmoMode::kMove;
     GizmoAxes axes = GizmoAxes::kWorld;  // of kScale: always the node's own, for others would shear it
@@ -46,4 +46,4 @@ glm::dmat4 dragged(const Gizmo& grabbed, GizmoHandle handle, glm::dvec2 from, gl
 // flat or not finite.
 std::optional<glm::dmat4> parent_from_node(const glm::dmat4& world_from_parent, const glm::dmat4& world_from_node);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

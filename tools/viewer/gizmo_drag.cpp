@@ -6,7 +6,7 @@
 #include "tools/viewer/gizmo.h"
 #include "tools/viewer/gizmo_frame.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -29,7 +29,7 @@ glm::dvec2 components(glm::dvec3 v, glm::dvec3 a, glm::dvec3 b) {
 }
 
 glm::dvec3 way_along(const Grabbed& grabbed, glm::dvec3 axis) {
-    const Camera& camera = grabbed.gizmo.camera;
+    const stage::Camera& camera = grabbed.gizmo.camera;
     const GizmoFrame& frame = grabbed.frame;
     const std::optional<double> from = line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
                                 to = line_drag(camera, frame.middle, axis, frame.size_m, grabbed.to);
@@ -47,7 +47,7 @@ glm::dvec3 way_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
 }
 
 double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
-    const Camera& camera = grabbed.gizmo.camera;
+    const stage::Camera& camera = grabbed.gizmo.camera;
     const glm::dvec3 middle = grabbed.frame.middle;
     const RingFront ring = ring_front(grabbed.frame, axis);
     if (ring.facing < kEdgeOnRing) {
@@ -161,4 +161,4 @@ glm::dmat4 dragged(const Gizmo& gizmo, GizmoHandle handle, glm::dvec2 from, glm:
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

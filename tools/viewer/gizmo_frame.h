@@ -5,7 +5,7 @@
 
 #include "tools/viewer/gizmo.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 constexpr double kRingAround = 1.25;                    // radius of the ring around all, in sizes
 constexpr double kSquareNear = 0.35, kSquareFar = 0.6;  // of the squares between axes
@@ -32,4 +32,4 @@ struct RingFront {
 };
 RingFront ring_front(const GizmoFrame& frame, glm::dvec3 axis);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

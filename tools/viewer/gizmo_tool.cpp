@@ -4,7 +4,7 @@
 #include "tools/viewer/picture_tools.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -14,9 +14,10 @@ GizmoMode mode_of(Tool tool) {
 }
 
 std::optional<Gizmo> gizmo_of_selected(const Viewer& viewer) {
-    const Stage* stage = viewer.stage_of_document();
+    const stage::Stage* stage = viewer.stage_of_document();
     const std::optional<uint32_t> node = viewer.editor.selected();
-    if (!stage || !node || viewer.tool == Tool::kPaint || is_locked(viewer.editor.file(), *node)) return std::nullopt;
+    if (!stage || !node || viewer.tool == Tool::kPaint || edit::is_locked(viewer.editor.file(), *node))
+        return std::nullopt;
     if (*node >= stage->scene.nodes.size() || !stage->scene.nodes[*node].in_scene) return std::nullopt;
     return Gizmo{viewer.camera, viewer.instant.pose.world_from_node[*node], mode_of(viewer.tool),
                  viewer.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, viewer.ui(90)};
@@ -35,10 +36,10 @@ void drag(Viewer& viewer, const HeldGizmo& held) {
     Gizmo shown = held.grabbed;
     shown.world_from_node = world;
     show_handles(viewer, gizmo_shapes(shown), static_cast<int>(held.handle));
-    viewer.editor.drag([&](Document& d) {
-        Placement placement;
+    viewer.editor.drag([&](edit::Document& d) {
+        edit::Placement placement;
         placement.to = *local;
-        return place_node(d.file, held.node, placement);
+        return edit::place_node(d.file, held.node, placement);
     });
 }
 
@@ -80,4 +81,4 @@ bool gizmo_tool(Viewer& viewer, bool taken) {
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

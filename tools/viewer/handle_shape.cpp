@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -91,7 +91,7 @@ std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::ve
     return shape;
 }
 
-std::optional<HandleShape> edge_shape(const Camera& camera, glm::vec4 colour, glm::dvec3 a, glm::dvec3 b) {
+std::optional<HandleShape> edge_shape(const stage::Camera& camera, glm::vec4 colour, glm::dvec3 a, glm::dvec3 b) {
     const auto ends = pixels_of(camera, a, b);
     if (!ends) return std::nullopt;
     HandleShape shape{0, colour, false, 2};
@@ -128,4 +128,4 @@ std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 middle, glm::dvec3 u, glm
     return points;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

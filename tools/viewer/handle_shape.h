@@ -9,7 +9,7 @@
 
 #include "tools/viewer/pointer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 constexpr double kGrab_px = 8;  // a pointer so near to a handle is on it
 constexpr size_t kMaxShapePoints = 49;
@@ -35,9 +35,9 @@ void sort_for_drawing(std::vector<HandleShape>& shapes);
 
 // From world to the points of shapes: `size_m` in front of or behind `middle` is z = ∓1.
 struct ShapeView {
-    const Camera& camera;
+    const stage::Camera& camera;
     double middle_depth, size_m;
-    ShapeView(const Camera& of, glm::dvec3 middle, double size)
+    ShapeView(const stage::Camera& of, glm::dvec3 middle, double size)
         : camera(of), middle_depth(depth_of(of, middle)), size_m(size) {}
     std::optional<glm::dvec3> point(glm::dvec3 world) const;
 };
@@ -46,7 +46,7 @@ struct ShapeView {
 std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::vec4 colour,
                                       std::span<const glm::dvec3> world);
 // The part of a segment that is in front of the camera, at the middle's depth.
-std::optional<HandleShape> edge_shape(const Camera& camera, glm::vec4 colour, glm::dvec3 a, glm::dvec3 b);
+std::optional<HandleShape> edge_shape(const stage::Camera& camera, glm::vec4 colour, glm::dvec3 a, glm::dvec3 b);
 // All of it, or nothing where a corner is behind the camera.
 std::optional<HandleShape> polygon_shape(const ShapeView& view, int handle, glm::vec4 colour,
                                          std::span<const glm::dvec3> world);
@@ -58,4 +58,4 @@ std::optional<HandleShape> square_shape(const ShapeView& view, int handle, glm::
 std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 middle, glm::dvec3 u, glm::dvec3 v, double radius,
                                             double half_angle);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

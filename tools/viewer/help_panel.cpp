@@ -2,7 +2,7 @@
 
 #include "tools/viewer/panels.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -59,4 +59,4 @@ void help_panel(Viewer& viewer) {
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

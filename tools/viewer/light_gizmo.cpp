@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -88,7 +88,7 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
 double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const AimedLight& light = gizmo.light;
     const auto reached = [&](glm::dvec2 pointer) -> std::optional<double> {
-        if (light.kind != GltfLightKind::kPoint) {
+        if (light.kind != stage::GltfLightKind::kPoint) {
             const glm::dvec3 along = light.direction() * light.range_m;
             return line_drag(gizmo.camera, light.position + along, along, 1, pointer);
         }
@@ -104,7 +104,7 @@ double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap)
 }
 
 glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
-    const Camera& camera = gizmo.camera;
+    const stage::Camera& camera = gizmo.camera;
     const AimedLight& light = gizmo.light;
     if (depth_of(camera, light.aim) < kNearest_m) return light.aim;
     const std::optional<glm::dvec3> before = plane_drag(camera, light.aim, facing_normal(camera), from),
@@ -118,7 +118,7 @@ glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool sna
 
 }  // namespace
 
-AimedLight aimed_light(const InstantLight& light, double reach_m) {
+AimedLight aimed_light(const stage::InstantLight& light, double reach_m) {
     const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, 0.0, 1.0)); };
     return {light.kind,
             light.position,
@@ -133,7 +133,7 @@ std::vector<HandleShape> light_shapes(const LightGizmo& gizmo) {
     if (!is_sound(light)) return {};
     Shapes shapes(gizmo);
     const Cone& cone = shapes.cone;
-    if (light.kind == GltfLightKind::kPoint) {
+    if (light.kind == stage::GltfLightKind::kPoint) {
         const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - light.position);
         if (light.range_m > 0)
             shapes.add_circle(LightHandle::kRange, light.position, to_eye, perpendicular_to(to_eye), light.range_m);
@@ -141,7 +141,7 @@ std::vector<HandleShape> light_shapes(const LightGizmo& gizmo) {
     }
     shapes.add_edge(light.aim);
     shapes.add_square(LightHandle::kAim, light.aim);
-    if (light.kind == GltfLightKind::kSpot) {
+    if (light.kind == stage::GltfLightKind::kSpot) {
         const glm::dvec3 ends[] = {cone.rim(light, cone.side), cone.rim(light, -cone.side)};
         for (const glm::dvec3& end : ends) {
             shapes.add_edge(end);
@@ -183,4 +183,4 @@ AimedLight dragged(const LightGizmo& gizmo, LightHandle handle, glm::dvec2 from,
     return light;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,13 +8,13 @@
 #include "stage/stage_instant.h"
 #include "tools/viewer/handle_shape.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 enum class LightHandle : int { kNone, kAim, kRim, kRange };
 
 // A light as its handles see it: in the world, metres.
 struct AimedLight {
-    GltfLightKind kind = GltfLightKind::kSpot;
+    stage::GltfLightKind kind = stage::GltfLightKind::kSpot;
     glm::dvec3 position{0};
     glm::dvec3 aim{0, 0, -1};  // not at `position`; its rim is drawn as far away from there as this
     double outer_cone_rad = 0.5, inner_cone_rad = 0;  // half angles; inner < outer ≤ π/2
@@ -23,10 +23,10 @@ struct AimedLight {
     glm::dvec3 direction() const { return glm::normalize(aim - position); }
 };
 // Aimed at the point `reach_m` away in which it shines.
-AimedLight aimed_light(const InstantLight& light, double reach_m);
+AimedLight aimed_light(const stage::InstantLight& light, double reach_m);
 
 struct LightGizmo {
-    Camera camera;
+    stage::Camera camera;
     AimedLight light;
     glm::vec4 colour{1, 0.85f, 0.3f, 1};
 };
@@ -44,4 +44,4 @@ constexpr double kAimSnap_m = 0.1, kConeSnap_deg = 5, kRangeSnap_m = 0.1;
 constexpr double kLeastCone_deg = 0.5, kLeastRange_m = 0.01;
 AimedLight dragged(const LightGizmo& grabbed, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

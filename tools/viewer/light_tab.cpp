@@ -11,19 +11,19 @@
 #include "tools/viewer/property_fields.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
 constexpr double kFirstRange_m = 10;
 constexpr const char* kKinds[] = {"sun", "lamp", "spotlight"};  // by GltfLightKind
 
-void drag(Viewer& viewer, uint32_t node, const LightEdit& edit) {
-    viewer.editor.drag([=](Document& document) { return set_light(document.file, node, edit); });
+void drag(Viewer& viewer, uint32_t node, const edit::LightEdit& edit) {
+    viewer.editor.drag([=](edit::Document& document) { return edit::set_light(document.file, node, edit); });
 }
 
-const char* unit_of(GltfLightKind kind) {
-    return kind == GltfLightKind::kDirectional ? "%.1f lx" : "%.1f cd";
+const char* unit_of(stage::GltfLightKind kind) {
+    return kind == stage::GltfLightKind::kDirectional ? "%.1f lx" : "%.1f cd";
 }
 
 // Dragged as fast as it is bright.
@@ -39,7 +39,8 @@ void row_of_light(Viewer& viewer, const StageRow& row) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
     bool on = row.shown;
     ImGui::BeginDisabled(!row.shown_above);
-    if (ImGui::Checkbox("##on", &on)) viewer.editor.edit([&](Document& d) { return show_node(d.file, row.node, on); });
+    if (ImGui::Checkbox("##on", &on))
+        viewer.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, on); });
     viewer.report.item(report + "/on");
     explain(on ? "Switch off" : "Switch on");
     ImGui::EndDisabled();
@@ -82,19 +83,19 @@ void list_of_lights(Viewer& viewer) {
 void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const LightValues& light) {
     auto kind = static_cast<size_t>(light.kind);
     if (!group.choice("kind", kind, kKinds)) return;
-    const auto chosen = static_cast<GltfLightKind>(kind);
-    LightEdit edit;
+    const auto chosen = static_cast<stage::GltfLightKind>(kind);
+    edit::LightEdit edit;
     edit.kind = kLightKindNames[kind];
     // Lux and candela are no numbers of the same size.
-    if ((chosen == GltfLightKind::kDirectional) != (light.kind == GltfLightKind::kDirectional))
+    if ((chosen == stage::GltfLightKind::kDirectional) != (light.kind == stage::GltfLightKind::kDirectional))
         edit.intensity = usual_intensity(chosen);
-    viewer.editor.edit([&](Document& d) { return set_light(d.file, node, edit); });
+    viewer.editor.edit([&](edit::Document& d) { return edit::set_light(d.file, node, edit); });
 }
 
 void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const LightValues& light) {
     double beam_deg = 2 * light.outer_cone_deg, softness = softness_of(light.inner_cone_deg, light.outer_cone_deg);
     const auto change = [&] {
-        LightEdit edit;
+        edit::LightEdit edit;
         edit.outer_cone_deg = beam_deg / 2;
         edit.inner_cone_deg = inner_cone_for(softness, beam_deg / 2);
         drag(viewer, node, edit);
@@ -106,13 +107,13 @@ void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const LightVa
 }
 
 void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
-    const Stage* const stage = viewer.stage_of_document();
+    const stage::Stage* const stage = viewer.stage_of_document();
     if (!stage) return;
-    const std::vector<LightShare> shares = shares_of(*stage, viewer.instant);
+    const std::vector<tools::LightShare> shares = tools::shares_of(*stage, viewer.instant);
     for (size_t i = 0; i < shares.size(); i++) {
         if (viewer.instant.lights[i].node != node) continue;
         group.label("");
-        const LightShare& share = shares[i];
+        const tools::LightShare& share = shares[i];
         const std::string text = !share.text.empty()  ? share.text
                                  : share.casts_shadow ? "casts shadows"
                                                       : "casts no shadows";
@@ -135,7 +136,7 @@ void selected_light(Viewer& viewer, FieldGroup& group) {
     if (group.colour("colour", color)) drag(viewer, *node, {.color = color});
     double intensity = light->intensity;
     if (group.number("intensity", intensity, look_of_intensity(*light))) drag(viewer, *node, {.intensity = intensity});
-    if (light->kind != GltfLightKind::kDirectional) {
+    if (light->kind != stage::GltfLightKind::kDirectional) {
         double range_m = light->range_m;
         if (group.number("range", range_m, {0, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {
             // A drag that begins at no end begins far off, not at the lamp.
@@ -145,7 +146,7 @@ void selected_light(Viewer& viewer, FieldGroup& group) {
         }
         explain("Beyond it there is no light of it; 0: endless");
     }
-    if (light->kind == GltfLightKind::kSpot) spot_fields(viewer, group, *node, *light);
+    if (light->kind == stage::GltfLightKind::kSpot) spot_fields(viewer, group, *node, *light);
     shadow_line(viewer, group, *node);
     ImGui::PopID();
 }
@@ -162,4 +163,4 @@ void light_tab(Viewer& viewer) {
     stage_light_fields(viewer, group);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 #include "tools/viewer/picture_tools.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -14,10 +14,10 @@ constexpr double kReach_m = 3;  // of an aim that nothing stops
 // As far as the middle of the performers, so that the aim lies among them.
 std::optional<LightGizmo> gizmo_of_selected(const Viewer& viewer) {
     const std::optional<uint32_t> node = viewer.editor.selected();
-    if (!node || !viewer.stage_of_document() || is_locked(viewer.editor.file(), *node)) return std::nullopt;
-    for (const InstantLight& light : viewer.instant.lights) {
+    if (!node || !viewer.stage_of_document() || edit::is_locked(viewer.editor.file(), *node)) return std::nullopt;
+    for (const stage::InstantLight& light : viewer.instant.lights) {
         if (light.node != *node) continue;
-        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
         const double along = glm::dot((low + high) / 2.0 - light.position, light.direction);
         return LightGizmo{viewer.camera, aimed_light(light, along > 0.1 ? along : kReach_m)};
     }
@@ -25,20 +25,20 @@ std::optional<LightGizmo> gizmo_of_selected(const Viewer& viewer) {
 }
 
 // What changed of the light, as one operation.
-std::string set_aimed(StageFile& file, const HeldLight& held, const AimedLight& light) {
-    LightEdit edit;
-    Placement placement;
+std::string set_aimed(stage::StageFile& file, const HeldLight& held, const AimedLight& light) {
+    edit::LightEdit edit;
+    edit::Placement placement;
     std::string said;
     if (held.handle == LightHandle::kAim) {
         placement.aim = glm::dvec3(glm::inverse(held.world_from_parent) * glm::dvec4(light.aim, 1));
-        return place_node(file, held.node, placement);
+        return edit::place_node(file, held.node, placement);
     }
     if (held.handle == LightHandle::kRange) edit.range_m = light.range_m;
     if (held.handle == LightHandle::kRim) {
         edit.outer_cone_deg = glm::degrees(light.outer_cone_rad);
         edit.inner_cone_deg = glm::degrees(light.inner_cone_rad);
     }
-    return set_light(file, held.node, edit);
+    return edit::set_light(file, held.node, edit);
 }
 
 void drag(Viewer& viewer, const HeldLight& held) {
@@ -46,7 +46,7 @@ void drag(Viewer& viewer, const HeldLight& held) {
     LightGizmo shown = held.grabbed;
     shown.light = dragged(held.grabbed, held.handle, held.from, pointer_of(viewer), snap);
     show_handles(viewer, light_shapes(shown), static_cast<int>(held.handle));
-    viewer.editor.drag([&](Document& d) { return set_aimed(d.file, held, shown.light); });
+    viewer.editor.drag([&](edit::Document& d) { return set_aimed(d.file, held, shown.light); });
 }
 
 void grab(Viewer& viewer, const LightGizmo& gizmo, LightHandle handle) {
@@ -74,4 +74,4 @@ bool light_tool(Viewer& viewer, bool taken) {
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -20,7 +20,7 @@ const ordered_json* extension_of(const ordered_json& owner) {
 
 }  // namespace
 
-std::optional<LightValues> light_values(const StageFile& file, uint32_t node) {
+std::optional<LightValues> light_values(const stage::StageFile& file, uint32_t node) {
     const ordered_json* held = extension_of(file.json.at("nodes").at(node));
     const ordered_json* lights = extension_of(file.json);
     if (!held || !lights) return {};
@@ -28,7 +28,7 @@ std::optional<LightValues> light_values(const StageFile& file, uint32_t node) {
     LightValues values;
     const std::string kind = light.value("type", "");
     for (size_t i = 0; i < std::size(kLightKindNames); i++)
-        if (kind == kLightKindNames[i]) values.kind = static_cast<GltfLightKind>(i);
+        if (kind == kLightKindNames[i]) values.kind = static_cast<stage::GltfLightKind>(i);
     if (const auto color = light.find("color"); color != light.end())
         for (int i = 0; i < 3; i++) values.color[i] = color->at(static_cast<size_t>(i)).get<double>();
     values.intensity = light.value("intensity", values.intensity);
@@ -40,8 +40,8 @@ std::optional<LightValues> light_values(const StageFile& file, uint32_t node) {
     return values;
 }
 
-double usual_intensity(GltfLightKind kind) {
-    return kind == GltfLightKind::kDirectional ? 3 : 60;
+double usual_intensity(stage::GltfLightKind kind) {
+    return kind == stage::GltfLightKind::kDirectional ? 3 : 60;
 }
 
 double softness_of(double inner_cone_deg, double outer_cone_deg) {
@@ -53,4 +53,4 @@ double inner_cone_for(double softness, double outer_cone_deg) {
     return outer_cone_deg * (1 - std::clamp(softness, kHardest, 1.0));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,7 +7,7 @@
 #include "viewer_letters/roboto.h"
 #include "viewer_letters/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -94,4 +94,4 @@ VkClearColorValue ground_colour() {
     return {{0.075f, 0.08f, 0.085f, 1.0f}};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 
 struct ImVec4;
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Makes ImGui's style and letters anew, `scale` times as large as at 96 dots an inch.
 void apply_look(float scale);
@@ -19,4 +19,4 @@ constexpr float kLetterPixels = 15;  // at scale 1
 constexpr unsigned kAccent = 0xffe8a33d, kAccentDim = 0x80e8a33d, kWarning = 0xff35b5f0, kError = 0xff5a5af0,
                    kGood = 0xff7ecb6a, kFaint = 0xff8a8580, kGroove = 0xff1b1917;
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

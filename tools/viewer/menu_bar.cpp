@@ -4,7 +4,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -50,7 +50,7 @@ void file_menu(Viewer& viewer) {
 
 void edit_menu(Viewer& viewer) {
     if (!menu(viewer, "Edit")) return;
-    const History& history = viewer.editor.history();
+    const edit::History& history = viewer.editor.history();
     if (item(viewer, "Undo", "Ctrl+Z", history.next_undo() != nullptr)) viewer.editor.undo();
     if (item(viewer, "Redo", "Ctrl+Shift+Z", history.next_redo() != nullptr)) viewer.editor.redo();
     ImGui::Separator();
@@ -66,9 +66,9 @@ void bookmarks(Viewer& viewer) {
     if (item(viewer, "Remember this view", "Ctrl+B", viewer.editor.is_open())) remember_view(viewer);
     if (!menu(viewer, "Look through")) return;
     if (!viewer.stage || viewer.instant.cameras.empty()) item(viewer, "no camera yet", "", false);
-    for (const InstantCamera& camera : viewer.instant.cameras) {
+    for (const stage::InstantCamera& camera : viewer.instant.cameras) {
         if (!item(viewer, camera.name.c_str(), "", !camera.orthographic)) continue;
-        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
         viewer.go_to(looking_through(camera.world_from_camera, camera.vertical_angle_rad,
                                      distance_to(camera.world_from_camera, low, high)));
     }
@@ -128,4 +128,4 @@ void menu_bar(Viewer& viewer) {
     ImGui::EndMainMenuBar();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -52,7 +52,7 @@ glm::dmat4 world_from_eye(const Eye& eye) {
     return matrix;
 }
 
-Camera camera_of(const Eye& eye, uint32_t width, uint32_t height) {
+stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height) {
     const double focal = height / (2 * std::tan(eye.angle_y / 2));
     return {world_from_eye(eye), focal, focal, width / 2.0, height / 2.0, width, height};
 }
@@ -185,4 +185,4 @@ Eye between(const Eye& from, const Eye& to, double elapsed_s) {
     return eye;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -15,7 +15,7 @@
 
 #include "stage/camera.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct Eye {
     glm::dvec3 pivot{0};
@@ -32,7 +32,7 @@ constexpr double kMinEyeAngle = 0.01, kMaxEyeAngle = 2.6;
 
 glm::dmat4 world_from_eye(const Eye& eye);  // as Camera::world_from_camera
 // Square pixels, the principal point in the middle.
-Camera camera_of(const Eye& eye, uint32_t width, uint32_t height);
+stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height);
 
 // A drag over the picture's height is half a turn. Over the poles it does not go.
 Eye orbited(const Eye& eye, glm::dvec2 moved_px, double height);
@@ -81,4 +81,4 @@ double distance_to(const glm::dmat4& world_from_camera, glm::dvec3 low, glm::dve
 constexpr double kEyeMove_s = 0.2;
 Eye between(const Eye& from, const Eye& to, double elapsed_s);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,11 +7,11 @@
 
 #include "tools/viewer/light_values.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
-size_t nodes_in(const StageFile& file) {
+size_t nodes_in(const stage::StageFile& file) {
     const auto nodes = file.json.find("nodes");
     return nodes != file.json.end() ? nodes->size() : 0;
 }
@@ -43,7 +43,8 @@ void begin_renaming(Viewer& viewer, uint32_t node) {
 }
 
 void duplicate_once(Viewer& viewer, uint32_t node) {
-    add(viewer, [&](Document& document) { return duplicate_node(document.file, node, CopySettings{}); });
+    add(viewer,
+        [&](edit::Document& document) { return edit::duplicate_node(document.file, node, edit::CopySettings{}); });
 }
 
 void delete_node(Viewer& viewer, uint32_t node) {
@@ -54,38 +55,40 @@ void delete_node(Viewer& viewer, uint32_t node) {
         return;
     }
     // Another node would have its number.
-    if (viewer.editor.edit([&](Document& document) { return remove_node(document.file, node); }))
+    if (viewer.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, node); }))
         viewer.editor.select({});
 }
 
 // A lamp stands where one hangs it in front of who is looked at: aside, above, and on the viewer's side.
-void add_light_in_view(Viewer& viewer, GltfLightKind kind) {
+void add_light_in_view(Viewer& viewer, stage::GltfLightKind kind) {
     const Eye& eye = viewer.eye;
     const glm::dmat4 seen = world_from_eye(eye);
     const glm::dvec3 right(seen[0]);
     const glm::dvec3 back = glm::dvec3(std::sin(eye.yaw), 0, std::cos(eye.yaw));
     glm::dvec3 aim = eye.pivot;
     if (viewer.stage && !viewer.stage->performers.empty()) {
-        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
         aim = 0.5 * (low + high);
     }
-    Placement placement;
+    edit::Placement placement;
     placement.at = aim - 1.5 * right + glm::dvec3(0, 2.5, 0) + 1.5 * back;
     placement.aim = aim;
-    LightEdit edit;
+    edit::LightEdit edit;
     edit.kind = kLightKindNames[static_cast<size_t>(kind)];
     edit.intensity = usual_intensity(kind);
-    if (kind == GltfLightKind::kSpot) {
+    if (kind == stage::GltfLightKind::kSpot) {
         edit.outer_cone_deg = 30;
         edit.inner_cone_deg = inner_cone_for(0.5, *edit.outer_cone_deg);
     }
-    const char* const name = kind == GltfLightKind::kSpot ? "spot" : kind == GltfLightKind::kPoint ? "lamp" : "sun";
-    add(viewer, [&](Document& document) { return add_light(document.file, name, edit, placement); });
+    const char* const name = kind == stage::GltfLightKind::kSpot    ? "spot"
+                             : kind == stage::GltfLightKind::kPoint ? "lamp"
+                                                                    : "sun";
+    add(viewer, [&](edit::Document& document) { return edit::add_light(document.file, name, edit, placement); });
 }
 
 void add_camera_in_view(Viewer& viewer) {
-    add(viewer, [&](Document& document) {
-        return add_camera(document.file, "camera", viewer.eye.angle_y, world_from_eye(viewer.eye));
+    add(viewer, [&](edit::Document& document) {
+        return edit::add_camera(document.file, "camera", viewer.eye.angle_y, world_from_eye(viewer.eye));
     });
 }
 
@@ -97,7 +100,8 @@ void take_node_keys(Viewer& viewer) {
         if (press.control && press.key == GLFW_KEY_D) duplicate_once(viewer, *node);
         if (press.control) continue;
         if (press.key == GLFW_KEY_H)
-            viewer.editor.edit([&](Document& d) { return show_node(d.file, *node, !is_shown(d.file, *node)); });
+            viewer.editor.edit(
+                [&](edit::Document& d) { return edit::show_node(d.file, *node, !edit::is_shown(d.file, *node)); });
         if (press.key == GLFW_KEY_F2) begin_renaming(viewer, *node);
         if (press.key == GLFW_KEY_DELETE) {
             delete_node(viewer, *node);
@@ -106,4 +110,4 @@ void take_node_keys(Viewer& viewer) {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 #include "stage/gltf_scene.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Makes the tree's rows those of the document, where it has changed since. Panels that use them call it first.
 void follow_document(Viewer& viewer);
@@ -16,7 +16,7 @@ void duplicate_once(Viewer& viewer, uint32_t node);
 // The node and what hangs on it; refused with a notice where any of it is locked.
 void delete_node(Viewer& viewer, uint32_t node);
 // Shines on what is looked at; selected.
-void add_light_in_view(Viewer& viewer, GltfLightKind kind);
+void add_light_in_view(Viewer& viewer, stage::GltfLightKind kind);
 // Sees what is seen now; selected.
 void add_camera_in_view(Viewer& viewer);
 
@@ -27,4 +27,4 @@ void take_node_keys(Viewer& viewer);
 void ask_duplicate(Viewer& viewer, uint32_t node);
 void duplicate_dialog(Viewer& viewer);  // each frame
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

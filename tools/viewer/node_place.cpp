@@ -4,7 +4,7 @@
 
 #include "stage/pose.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -34,11 +34,11 @@ NodePlace place_of_matrix(const ordered_json& list) {
 }
 
 // Metres above the floor, of a node and what hangs on it; INFINITY where there is nothing.
-double lowest_of(const Stage& stage, const StageInstant& instant, uint32_t node) {
+double lowest_of(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node) {
     double lowest = INFINITY;
-    for (const InstantPerformer& performer : instant.performers) {
+    for (const stage::InstantPerformer& performer : instant.performers) {
         if (stage.performers[performer.performer].node != node) continue;
-        const StageClip& clip = stage.clips[performer.clip];
+        const stage::StageClip& clip = stage.clips[performer.clip];
         const glm::dvec3 high = clip.box_min + clip.box_size;
         glm::dvec3 low = clip.box_min;
         if (low.y < 0 && high.y > 0) low.y = 0;
@@ -47,11 +47,11 @@ double lowest_of(const Stage& stage, const StageInstant& instant, uint32_t node)
             lowest = std::min(lowest, (performer.world_from_performer * glm::dvec4(corner, 1)).y);
         }
     }
-    const GltfNode& source = stage.scene.nodes[node];
+    const stage::GltfNode& source = stage.scene.nodes[node];
     if (source.mesh >= 0) {
-        PosedVertices posed;
-        for (const GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(source.mesh)].primitives) {
-            pose_vertices(stage.scene, instant.pose, node, primitive, posed);
+        stage::PosedVertices posed;
+        for (const stage::GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(source.mesh)].primitives) {
+            stage::pose_vertices(stage.scene, instant.pose, node, primitive, posed);
             for (const glm::vec3& position : posed.positions)
                 lowest = std::min(lowest, static_cast<double>(position.y));
         }
@@ -62,7 +62,7 @@ double lowest_of(const Stage& stage, const StageInstant& instant, uint32_t node)
 
 }  // namespace
 
-NodePlace place_of_node(const StageFile& file, uint32_t node) {
+NodePlace place_of_node(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = file.json.at("nodes").at(node);
     if (const auto matrix = json.find("matrix"); matrix != json.end()) return place_of_matrix(*matrix);
     NodePlace place;
@@ -99,8 +99,8 @@ glm::dvec3 angles_like(const glm::dvec3& shown_deg, const glm::dquat& turn) {
     return 1 - std::abs(glm::dot(turn_of(shown_deg), turn)) < kSame ? shown_deg : angles_of(turn);
 }
 
-Placement placement_to(const NodePlace& from, const NodePlace& to) {
-    Placement placement;
+edit::Placement placement_to(const NodePlace& from, const NodePlace& to) {
+    edit::Placement placement;
     if (to.at != from.at) placement.at = to.at;
     if (to.turn != from.turn) placement.turn_deg = angles_of(to.turn * glm::conjugate(from.turn));
     if (to.scale == from.scale) return placement;
@@ -121,7 +121,7 @@ glm::dvec3 kept_off_zero(const glm::dvec3& scale, const glm::dvec3& before) {
     return kept;
 }
 
-std::optional<glm::dvec3> move_to_floor(const Stage& stage, const StageInstant& instant, uint32_t node) {
+std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node) {
     const double lowest = lowest_of(stage, instant, node);
     if (!std::isfinite(lowest)) return {};
     const int32_t parent = stage.scene.nodes[node].parent;
@@ -132,4 +132,4 @@ std::optional<glm::dvec3> move_to_floor(const Stage& stage, const StageInstant& 
     return move;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,7 +8,7 @@
 #include "edit/operations.h"
 #include "stage/stage_instant.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // In its parent's space, metres. Of a matrix with shear: the rotation that keeps its X axis and the plane of X and Y.
 struct NodePlace {
@@ -18,7 +18,7 @@ struct NodePlace {
 };
 
 // Of the document; which is sound.
-NodePlace place_of_node(const StageFile& file, uint32_t node);
+NodePlace place_of_node(const stage::StageFile& file, uint32_t node);
 
 // Degrees about the parent's X, then Y, then Z, as Placement::turn_deg; Y from −90 to 90.
 glm::dvec3 angles_of(const glm::dquat& turn);
@@ -27,7 +27,7 @@ glm::dquat turn_of(const glm::dvec3& angles_deg);
 glm::dvec3 angles_like(const glm::dvec3& shown_deg, const glm::dquat& turn);
 
 // For place_node: what brings a node from one place to another. A scale of 0 stays.
-Placement placement_to(const NodePlace& from, const NodePlace& to);
+edit::Placement placement_to(const NodePlace& from, const NodePlace& to);
 
 // Scales keep their sign, and enough length to be undone.
 constexpr double kSmallestScale = 1e-3;
@@ -36,6 +36,6 @@ glm::dvec3 kept_off_zero(const glm::dvec3& scale, const glm::dvec3& before);
 // How a node must be moved in its parent's space for the lowest of it, and of all that hangs on it, to stand at y = 0
 // of the world. Of meshes, their vertices; of performers, their boxes from y = 0 upwards, which is the floor that they
 // were captured on: boxes reach below it. Nothing where it has neither, or its parent is flat.
-std::optional<glm::dvec3> move_to_floor(const Stage& stage, const StageInstant& instant, uint32_t node);
+std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -46,4 +46,4 @@ void notices_panel(Viewer& viewer) {
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 #include "tools/options.h"
 #include "voctree/clip.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -35,27 +35,27 @@ std::filesystem::path opened_file(const std::filesystem::path& path) {
 }  // namespace
 
 std::filesystem::path stage_of_file(const std::filesystem::path& path) {
-    std::filesystem::path stage = absolute_path(opened_file(path));
-    if (!is_stage(stage.string())) stage.replace_extension(".gltf");
+    std::filesystem::path stage = stage::absolute_path(opened_file(path));
+    if (!tools::is_stage(stage.string())) stage.replace_extension(".gltf");
     return stage;
 }
 
-Document open_document(const std::filesystem::path& path) {
+edit::Document open_document(const std::filesystem::path& path) {
     const std::filesystem::path file = opened_file(path);
-    Document document;
-    if (is_stage(file.string())) {
-        document.file = read_stage_file(file);
-        expect_sound_document(document.file);
+    edit::Document document;
+    if (tools::is_stage(file.string())) {
+        document.file = stage::read_stage_file(file);
+        stage::expect_sound_document(document.file);
         return document;
     }
-    if (!has_clip_ending(file))
+    if (!voctree::has_clip_ending(file))
         throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv or .npz");
-    document.file = make_stage_file(stage_of_file(file),
-                                    R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
-    PerformerEdit performer;
+    document.file = stage::make_stage_file(
+        stage_of_file(file), R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
+    edit::PerformerEdit performer;
     performer.clip = file;
-    add_performer(document.file, file.stem().string(), performer, {});
+    edit::add_performer(document.file, file.stem().string(), performer, {});
     return document;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,7 +8,7 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -100,15 +100,15 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t nod
             if (i == node) return true;
         return false;
     };
-    for (const InstantPerformer& performer : viewer.instant.performers) {
+    for (const stage::InstantPerformer& performer : viewer.instant.performers) {
         if (!hangs_on(viewer.stage->performers[performer.performer].node)) continue;
         const auto& [from, to] = viewer.drawn.leaf_boxes[performer.clip];
         take_box(performer.world_from_performer, from, to);
     }
-    const GltfScene& scene = viewer.stage->scene;
+    const stage::GltfScene& scene = viewer.stage->scene;
     for (uint32_t i = 0; i < scene.nodes.size(); i++) {
         if (scene.nodes[i].mesh < 0 || !hangs_on(i)) continue;
-        for (const GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
+        for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)
                 take(viewer.instant.pose.world_from_node[i] * glm::dvec4(position, 1));
     }
@@ -121,9 +121,9 @@ void draw_overlay(Viewer& viewer) {
     Drawing drawing(viewer);
     if (viewer.grid) draw_grid(drawing);
     if (viewer.panels.all) {
-        for (const InstantLight& light : viewer.instant.lights)
+        for (const stage::InstantLight& light : viewer.instant.lights)
             drawing.sign(light.position, SIGN_LIGHT, colour_of(viewer, light.node));
-        for (const InstantCamera& camera : viewer.instant.cameras)
+        for (const stage::InstantCamera& camera : viewer.instant.cameras)
             drawing.sign(glm::dvec3(camera.world_from_camera[3]), SIGN_CAMERA, colour_of(viewer, camera.node));
     }
     if (viewer.editor.selected() && viewer.stage_of_document()) {
@@ -165,10 +165,10 @@ std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y) {
         const glm::dvec2 at = *pixel + glm::dvec2(viewer.picture_area.left, viewer.picture_area.top);
         if (glm::distance(at, glm::dvec2(x, y)) < viewer.ui(12)) found = node;
     };
-    for (const InstantLight& light : viewer.instant.lights) look(light.position, light.node);
-    for (const InstantCamera& camera : viewer.instant.cameras)
+    for (const stage::InstantLight& light : viewer.instant.lights) look(light.position, light.node);
+    for (const stage::InstantCamera& camera : viewer.instant.cameras)
         look(glm::dvec3(camera.world_from_camera[3]), camera.node);
     return found;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

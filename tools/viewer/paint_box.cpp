@@ -10,7 +10,7 @@
 #include "tools/viewer/pointer.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -54,7 +54,7 @@ void draw_edges(const Viewer& viewer, const Box& box, const glm::dmat4& world_fr
 void PaintTool::fit_box(const Viewer& viewer) {
     const auto performer = this->performer(viewer);
     if (!performer || !clip_ || clip_path_ != performer->clip) return;
-    std::tie(choice.box_low, choice.box_high) = occupied_box(clip_->tree);
+    std::tie(choice.box_low, choice.box_high) = tools::occupied_box(clip_->tree);
 }
 
 bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
@@ -108,4 +108,4 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
     return over || box_drag_;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,21 +10,22 @@
 #include "edit/project.h"
 #include "tools/viewer/paint_work.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // A field on the host, as tools ask it. Seconds to make of a large one.
 struct PaintClip {
-    explicit PaintClip(VOctree read) : tree(std::move(read)), field(painted_field(tree)), canvas(tree) {}
+    explicit PaintClip(voctree::VOctree read)
+        : tree(std::move(read)), field(voctree::painted_field(tree)), canvas(tree) {}
     PaintClip(const PaintClip&) = delete;
     PaintClip& operator=(const PaintClip&) = delete;
-    VOctree tree;
-    PaintedField field;
-    Canvas canvas;
+    voctree::VOctree tree;
+    voctree::PaintedField field;
+    edit::Canvas canvas;
 };
 
 struct WornLayer {
-    std::shared_ptr<const EditLayer> layer;
-    PaintBlend blend = PaintBlend::kNormal;
+    std::shared_ptr<const voctree::EditLayer> layer;
+    stage::PaintBlend blend = stage::PaintBlend::kNormal;
     float opacity = 1;
     bool operator==(const WornLayer&) const = default;
 };
@@ -32,7 +33,7 @@ struct WornLayer {
 // What is painted on.
 struct PaintSubject {
     std::shared_ptr<const PaintClip> clip;
-    std::shared_ptr<const Field> field;  // the same on the device
+    std::shared_ptr<const render::Field> field;  // the same on the device
     float frame = 0;
     std::vector<WornLayer> paint;  // that shows, the lowest first
     bool operator==(const PaintSubject&) const = default;
@@ -40,7 +41,7 @@ struct PaintSubject {
 
 class PaintDesk {
   public:
-    explicit PaintDesk(const Device& device) : device_(device) {}
+    explicit PaintDesk(const gpu::Device& device) : device_(device) {}
 
     // What it shows until it shows another; at once where that is the same. Throws RuntimeFailure where the device has
     // no room.
@@ -49,17 +50,17 @@ class PaintDesk {
     void clear();
 
     // Of what it shows; there must be something. The camera in the performer's space (in_performer).
-    const Canvas& canvas() const { return subject_.clip->canvas; }
+    const edit::Canvas& canvas() const { return subject_.clip->canvas; }
     std::span<const float> sigma() const { return sigma_; }  // densities
-    Picker& picker() { return *picker_; }
+    render::Picker& picker() { return *picker_; }
     // Where a place in the picture shows the surface: performer's space.
-    std::optional<glm::dvec3> surface_at(const Camera& camera, glm::dvec2 pixel);
+    std::optional<glm::dvec3> surface_at(const stage::Camera& camera, glm::dvec2 pixel);
 
   private:
-    const Device& device_;
+    const gpu::Device& device_;
     PaintSubject subject_;
     std::vector<float> sigma_;
-    std::unique_ptr<Picker> picker_;  // of subject_.field
+    std::unique_ptr<render::Picker> picker_;  // of subject_.field
 };
 
 // A stroke of a brush, as long as the hand goes on with it. It goes over what the subject shows: what it paints itself
@@ -67,20 +68,21 @@ class PaintDesk {
 class Stroke {
   public:
     // `before`: the layer that is painted.
-    Stroke(PaintSubject subject, std::shared_ptr<const EditLayer> before, const PaintWork& work, float radius_m,
-           float hardness)
+    Stroke(PaintSubject subject, std::shared_ptr<const voctree::EditLayer> before, const PaintWork& work,
+           float radius_m, float hardness)
         : subject_(std::move(subject)), before_(std::move(before)), work_(work), tip_{radius_m, hardness} {}
 
     // On to these places in the picture, along a straight line from each to the next; from another camera it begins
     // anew. The layer with the stroke as it is now, null as long as it met nothing: the same as if all places had come
     // at once.
-    std::shared_ptr<const EditLayer> add(PaintDesk& desk, const Camera& camera, std::span<const glm::dvec2> places);
+    std::shared_ptr<const voctree::EditLayer> add(PaintDesk& desk, const stage::Camera& camera,
+                                                  std::span<const glm::dvec2> places);
 
   private:
     PaintSubject subject_;
-    std::shared_ptr<const EditLayer> before_;
+    std::shared_ptr<const voctree::EditLayer> before_;
     PaintWork work_;
-    Brush tip_;  // of a whole alpha, so that an edit's alpha is what is covered
+    edit::Brush tip_;  // of a whole alpha, so that an edit's alpha is what is covered
     glm::dmat4 seen_from_{0};
     std::optional<glm::dvec2> last_;
     std::vector<ChosenLeaf> covered_;  // in order of leaves
@@ -91,28 +93,28 @@ class Stroke {
 class Projection {
   public:
     struct Settings {
-        Image image;
-        Camera camera;  // of the image's size, in the performer's space
+        media::Image image;
+        stage::Camera camera;  // of the image's size, in the performer's space
         float opacity = 1;
-        EditFrames frames;
+        edit::EditFrames frames;
         bool every_frame = false;
     };
-    Projection(PaintSubject subject, std::shared_ptr<const EditLayer> before, Settings settings);
+    Projection(PaintSubject subject, std::shared_ptr<const voctree::EditLayer> before, Settings settings);
 
     // A frame of it. False: it is done.
     bool step(PaintDesk& desk);
     // When it is done; null where it met nothing.
-    std::shared_ptr<const EditLayer> layer() const;
+    std::shared_ptr<const voctree::EditLayer> layer() const;
 
   private:
     PaintSubject subject_;
-    std::shared_ptr<const EditLayer> before_;
+    std::shared_ptr<const voctree::EditLayer> before_;
     Settings settings_;
     uint32_t next_ = 0, last_ = 0;  // frames, where each is painted
-    std::vector<LeafEdit> edits_;
+    std::vector<voctree::LeafEdit> edits_;
 };
 
 // A picture whose pixels are means of so many by so many of the other's; the last ones of fewer.
-Image reduced(const Image& image, uint32_t factor);
+media::Image reduced(const media::Image& image, uint32_t factor);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -12,7 +12,7 @@
 #include "tools/viewer/paint_tool.h"
 #include "tools/viewer/pointer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -30,13 +30,13 @@ void ring(ImDrawList* list, ImVec2 at, float radius, unsigned colour, float widt
     list->AddCircle(at, radius, colour, 0, width);
 }
 
-uint32_t factor_for(const Image& image, double most) {
+uint32_t factor_for(const media::Image& image, double most) {
     const double longest = std::max(image.width, image.height);
     return static_cast<uint32_t>(std::max(1.0, std::ceil(longest / std::max(most, 1.0))));
 }
 
 // What the camera sees in a part of its picture, as a picture of its own of this size.
-Camera part_of(Camera camera, const Area& part, uint32_t width, uint32_t height) {
+stage::Camera part_of(stage::Camera camera, const Area& part, uint32_t width, uint32_t height) {
     const double across = width / double{part.width}, down = height / double{part.height};
     camera.fx *= across;
     camera.fy *= down;
@@ -81,23 +81,23 @@ void PaintTool::take_colour(Viewer& viewer) {
         if (!picture) return;
         const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, picture->shape.width - 1.0)),
                             static_cast<int32_t>(std::min(pixel.y, picture->shape.height - 1.0))};
-        const Buffer taken(on.device, "taken colour", 4, MemoryKind::kReadback);
-        run_once(on.device, "take a colour", [&](Commands& commands) {
-            full_barrier(commands);
-            copy(commands, *picture, {at, {1, 1}}, taken);
-            host_barrier(commands);
+        const gpu::Buffer taken(on.device, "taken colour", 4, gpu::MemoryKind::kReadback);
+        gpu::run_once(on.device, "take a colour", [&](gpu::Commands& commands) {
+            gpu::full_barrier(commands);
+            gpu::copy(commands, *picture, {at, {1, 1}}, taken);
+            gpu::host_barrier(commands);
         });
         const uint8_t* rgba = taken.as<uint8_t>();
-        const glm::dvec3 linear(linear_from_srgb_byte(rgba[0]), linear_from_srgb_byte(rgba[1]),
-                                linear_from_srgb_byte(rgba[2]));
+        const glm::dvec3 linear(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
+                                media::linear_from_srgb_byte(rgba[2]));
         viewer.work.tell([this, linear] { choice.colour = linear; });
     });
 }
 
 void PaintTool::load_picture(Viewer& viewer) {
     viewer.work.start("Reading a picture", [this, &viewer, path = choice.picture]() -> Work::Then {
-        const auto image = std::make_shared<const Image>(read_png(path));
-        const auto preview = std::make_shared<const Image>(reduced(*image, factor_for(*image, kPreviewCells)));
+        const auto image = std::make_shared<const media::Image>(media::read_png(path));
+        const auto preview = std::make_shared<const media::Image>(reduced(*image, factor_for(*image, kPreviewCells)));
         return [this, &viewer, path, image, preview] {
             stamp_path_ = path;
             stamp_ = image;
@@ -120,7 +120,7 @@ Area PaintTool::stamp_area(const Viewer& viewer) const {
 
 void PaintTool::draw_stamp(Viewer& viewer) const {
     ImDrawList* list = ImGui::GetBackgroundDrawList();
-    const Image& cells = *stamp_preview_;
+    const media::Image& cells = *stamp_preview_;
     const Area area = stamp_area(viewer);
     if (!working_) {
         const float width = area.width / static_cast<float>(cells.width),
@@ -150,7 +150,7 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
     area.left -= viewer.picture_area.left;
     area.top -= viewer.picture_area.top;
-    const Camera camera = in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
+    const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
     Projection::Settings settings{{},
                                   {},
                                   static_cast<float>(choice.opacity),
@@ -160,7 +160,7 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     post_paint_task(
         viewer, desk_, performer.clip, clip_,
         [=, this, &viewer, image = stamp_, subject = subject_of(viewer, performer, false)](
-            PaintDesk& desk, const std::shared_ptr<const Field>& field) mutable -> Work::Then {
+            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) mutable -> Work::Then {
             if (!*projection) {
                 subject.field = field;
                 settings.image = reduced(*image, factor);
@@ -177,4 +177,4 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
         });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

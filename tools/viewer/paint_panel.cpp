@@ -11,7 +11,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -142,12 +142,14 @@ void frame_fields(Viewer& viewer, const PaintedPerformer& performer) {
     }
     if (choice.frames == Frames::kAll) return;
     auto follow = static_cast<size_t>(choice.follow);
-    if (fields.choice("Holds", follow, kFollows)) choice.follow = static_cast<Follow>(follow);
+    if (fields.choice("Holds", follow, kFollows)) choice.follow = static_cast<edit::Follow>(follow);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kFollowWords[static_cast<size_t>(choice.follow)]);
 }
 
-void set_layer(Viewer& viewer, uint32_t node, size_t layer, const PaintEdit& edit, bool held = false) {
-    const auto operation = [&](Document& document) { return set_paint_layer(document.file, node, layer, edit); };
+void set_layer(Viewer& viewer, uint32_t node, size_t layer, const edit::PaintEdit& edit, bool held = false) {
+    const auto operation = [&](edit::Document& document) {
+        return edit::set_paint_layer(document.file, node, layer, edit);
+    };
     held ? viewer.editor.drag(operation) : viewer.editor.edit(operation);
 }
 
@@ -159,7 +161,8 @@ void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t pai
         viewer.paint.add_layer(viewer);
     const auto move_to = [&](size_t to) {
         viewer.paint.choice.layer = performer.layers[painted].path;
-        viewer.editor.edit([&](Document& document) { return move_paint_layer(document.file, node, painted, to); });
+        viewer.editor.edit(
+            [&](edit::Document& document) { return edit::move_paint_layer(document.file, node, painted, to); });
     };
     ImGui::SameLine();
     if (sign_button(viewer, "paint/layer-up", SIGN_UP, "Over the next one", false, any && painted + 1 < count))
@@ -170,7 +173,8 @@ void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t pai
     ImGui::SameLine();
     if (sign_button(viewer, "paint/layer-delete", SIGN_TRASH, "Take the layer off this performer; its file stays",
                     false, any))
-        viewer.editor.edit([&](Document& document) { return remove_paint_layer(document.file, node, painted); });
+        viewer.editor.edit(
+            [&](edit::Document& document) { return edit::remove_paint_layer(document.file, node, painted); });
 }
 
 // The uppermost first.
@@ -208,7 +212,7 @@ void layer_fields(Viewer& viewer, const PaintedPerformer& performer, size_t pain
     if (fields.slider("Opacity", opacity, 0, 1)) set_layer(viewer, performer.node, painted, {.opacity = opacity}, true);
     auto blend = static_cast<size_t>(layer.entry.blend);
     if (fields.choice("Blend", blend, kBlends))
-        set_layer(viewer, performer.node, painted, {.blend = static_cast<PaintBlend>(blend)});
+        set_layer(viewer, performer.node, painted, {.blend = static_cast<stage::PaintBlend>(blend)});
 }
 
 }  // namespace
@@ -232,4 +236,4 @@ void paint_tab(Viewer& viewer) {
     layer_fields(viewer, *performer, painted);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -26,7 +26,7 @@ bool run(Viewer& viewer, OnDevice& on, PaintDesk& desk, const std::filesystem::p
 
 }  // namespace
 
-std::shared_ptr<const Field> field_of(OnDevice& on, const std::filesystem::path& path, const PaintClip& clip) {
+std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& path, const PaintClip& clip) {
     for (uint32_t i = 0; i < on.stage.clips.size(); i++) {
         if (on.stage.clips[i].path != path) continue;
         if (on.renderer.painted_field(i) == clip.field) return on.renderer.shared_field(i);
@@ -44,4 +44,4 @@ void post_paint_task(Viewer& viewer, std::shared_ptr<PaintDesk> desk, const std:
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

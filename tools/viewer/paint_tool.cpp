@@ -15,7 +15,7 @@
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -32,13 +32,13 @@ struct PaintTool::Active {
     std::string what;
     uint64_t document = 0;  // as it was left by the stroke; another one: somebody else edits
     glm::dmat4 world_from_performer{1};
-    std::vector<std::pair<Camera, std::vector<glm::dvec2>>> waiting;
+    std::vector<std::pair<stage::Camera, std::vector<glm::dvec2>>> waiting;
     std::optional<double> waiting_since_s, sent_since_s;  // the events of the first place that waits, that is laid
     glm::dvec2 last{-1e9};
     bool under_way = false, released = false;
     // Of the drawer's thread.
     PaintSubject subject;
-    std::shared_ptr<const EditLayer> before;
+    std::shared_ptr<const voctree::EditLayer> before;
     PaintWork work;
     float radius_m = 0, hardness = 0;
     std::optional<Stroke> stroke;
@@ -46,7 +46,7 @@ struct PaintTool::Active {
 
 std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
     if (!viewer.stage || !viewer.editor.is_open()) return {};
-    const std::vector<StagePerformer>& all = viewer.stage->performers;
+    const std::vector<stage::StagePerformer>& all = viewer.stage->performers;
     const auto selected = viewer.editor.selected();
     size_t index = all.size() == 1 ? 0 : all.size();
     for (size_t i = 0; i < all.size(); i++)
@@ -54,8 +54,8 @@ std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
     if (index >= all.size() || index >= viewer.instant.performers.size()) return {};
     auto layers = layers_of(viewer.editor.file(), all[index].node);
     if (!layers) return {};
-    const StageClip& clip = viewer.stage->clips[all[index].clip];
-    const InstantPerformer& stands = viewer.instant.performers[index];
+    const stage::StageClip& clip = viewer.stage->clips[all[index].clip];
+    const stage::InstantPerformer& stands = viewer.instant.performers[index];
     return PaintedPerformer{all[index].node, all[index].name,   clip.path,
                             clip.frames,     stands.frame,      stands.world_from_performer,
                             stands.visible,  std::move(*layers)};
@@ -67,15 +67,15 @@ size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
     return performer.layers.empty() ? 0 : performer.layers.size() - 1;
 }
 
-EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
+edit::EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
     const auto last = static_cast<float>(performer.frames - 1);
-    EditFrames frames{performer.frame, performer.frame, choice.follow};
+    edit::EditFrames frames{performer.frame, performer.frame, choice.follow};
     if (choice.frames == PaintChoice::Frames::kRange) {
         const auto [first, end] = std::minmax(choice.first, choice.last);
         frames.first = std::clamp(static_cast<float>(first), 0.0f, last);
         frames.last = std::clamp(static_cast<float>(end), 0.0f, last);
     }
-    if (choice.frames == PaintChoice::Frames::kAll) frames = {0, last, Follow::kNot};
+    if (choice.frames == PaintChoice::Frames::kAll) frames = {0, last, edit::Follow::kNot};
     return frames;
 }
 
@@ -90,7 +90,8 @@ PaintWork PaintTool::work_of(const PaintedPerformer& performer, bool inverted) c
     return work;
 }
 
-std::shared_ptr<const EditLayer> PaintTool::layer_at(const Viewer& viewer, const std::filesystem::path& path) const {
+std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Viewer& viewer,
+                                                              const std::filesystem::path& path) const {
     const auto& edited = viewer.editor.document().paint;
     if (const auto found = edited.find(path); found != edited.end()) return found->second;
     const auto found = read_.find(path);
@@ -112,28 +113,29 @@ bool PaintTool::prepare(Viewer& viewer) {
     if (has_clip && missing.empty()) return true;
     if (reading_ || failed_ == viewer.editor.id()) return false;
     reading_ = true;
-    viewer.work.start(fmt::format("Reading {}, to be painted", performer->name),
-                      [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
-                       id = viewer.editor.id()]() mutable -> Work::Then {
-                          std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read;
-                          try {
-                              if (!clip) clip = std::make_shared<const PaintClip>(read_nvv(path));
-                              for (const auto& layer : missing)
-                                  read[layer] = std::make_shared<const EditLayer>(read_paint(layer, clip->field));
-                          } catch (const std::exception& error) {
-                              return [this, &viewer, id, problem = std::string(error.what())] {
-                                  reading_ = false;
-                                  failed_ = id;
-                                  viewer.editor.tell(problem, true);
-                              };
-                          }
-                          return [this, path, clip, read] {
-                              reading_ = false;
-                              clip_path_ = path;
-                              clip_ = clip;
-                              for (const auto& [name, layer] : read) read_[name] = layer;
-                          };
-                      });
+    viewer.work.start(
+        fmt::format("Reading {}, to be painted", performer->name),
+        [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
+         id = viewer.editor.id()]() mutable -> Work::Then {
+            std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read;
+            try {
+                if (!clip) clip = std::make_shared<const PaintClip>(voctree::read_nvv(path));
+                for (const auto& layer : missing)
+                    read[layer] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(layer, clip->field));
+            } catch (const std::exception& error) {
+                return [this, &viewer, id, problem = std::string(error.what())] {
+                    reading_ = false;
+                    failed_ = id;
+                    viewer.editor.tell(problem, true);
+                };
+            }
+            return [this, path, clip, read] {
+                reading_ = false;
+                clip_path_ = path;
+                clip_ = clip;
+                for (const auto& [name, layer] : read) read_[name] = layer;
+            };
+        });
     return false;
 }
 
@@ -144,7 +146,7 @@ PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer&
     subject.frame = performer.frame;
     const size_t painted = painted_layer(performer);
     for (size_t i = 0; i < performer.layers.size(); i++) {
-        const PaintLayer& entry = performer.layers[i].entry;
+        const stage::PaintLayer& entry = performer.layers[i].entry;
         if (!entry.visible || entry.opacity <= 0 || (without_painted && i == painted)) continue;
         if (auto layer = layer_at(viewer, performer.layers[i].path))
             subject.paint.push_back({std::move(layer), entry.blend, static_cast<float>(entry.opacity)});
@@ -152,11 +154,11 @@ PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer&
     return subject;
 }
 
-std::shared_ptr<const EditLayer> PaintTool::open_target(Viewer& viewer, const PaintedPerformer& performer,
-                                                        std::filesystem::path& path) {
+std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Viewer& viewer, const PaintedPerformer& performer,
+                                                                 std::filesystem::path& path) {
     if (performer.layers.empty()) {
         path = free_paint_path(viewer.editor.document(), performer.node);
-        return std::make_shared<const EditLayer>(EditLayer{clip_->field, {}});
+        return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     }
     const ListedLayer& target = performer.layers[painted_layer(performer)];
     if (!target.entry.visible || target.entry.opacity <= 0) {
@@ -264,7 +266,7 @@ void PaintTool::go_on(Viewer& viewer) {
     stroke.released |= !ImGui::IsMouseDown(ImGuiMouseButton_Left);
     const glm::dvec2 at = pointer_of(viewer);
     if (!stroke.released && at != stroke.last) {
-        const Camera camera = in_performer(viewer.camera, glm::mat4(stroke.world_from_performer));
+        const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(stroke.world_from_performer));
         if (stroke.waiting.empty() || stroke.waiting.back().first.world_from_camera != camera.world_from_camera)
             stroke.waiting.emplace_back(camera, std::vector<glm::dvec2>{});
         stroke.waiting.back().second.push_back(at);
@@ -284,13 +286,13 @@ void PaintTool::go_on(Viewer& viewer) {
     post_paint_task(
         viewer, desk_, stroke.clip_path, stroke.subject.clip,
         [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
-            PaintDesk& desk, const std::shared_ptr<const Field>& field) -> Work::Then {
+            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) -> Work::Then {
             if (!active->stroke) {
                 active->subject.field = field;
                 active->stroke.emplace(active->subject, active->before, active->work, active->radius_m,
                                        active->hardness);
             }
-            std::shared_ptr<const EditLayer> layer;
+            std::shared_ptr<const voctree::EditLayer> layer;
             for (const auto& [camera, places] : waiting) layer = active->stroke->add(desk, camera, places);
             return [this, &viewer, active, layer] { took(viewer, active, layer); };
         },
@@ -301,7 +303,8 @@ void PaintTool::go_on(Viewer& viewer) {
         });
 }
 
-void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std::shared_ptr<const EditLayer> layer) {
+void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active,
+                     std::shared_ptr<const voctree::EditLayer> layer) {
     active->under_way = false;
     if (stroke_ != active) return;
     if (viewer.editor.id() != active->document) {  // undone, saved, opened: it ends here
@@ -312,7 +315,7 @@ void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active, std:
     if (!layer) return;
     if (active->sent_since_s) viewer.answers(*active->sent_since_s);
     viewer.editor.drag(
-        [&](Document& document) { return put_layer(document, active->node, active->path, layer, active->what); });
+        [&](edit::Document& document) { return put_layer(document, active->node, active->path, layer, active->what); });
     choice.layer = active->path;
     active->document = viewer.editor.id();
 }
@@ -332,10 +335,10 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
         viewer, desk_, performer.clip, clip_,
         [this, &viewer, subject = subject_of(viewer, performer, restores), pixel, camera = viewer.camera,
          world_from_performer = performer.world_from_performer](
-            PaintDesk& desk, const std::shared_ptr<const Field>& field) mutable -> Work::Then {
+            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) mutable -> Work::Then {
             subject.field = field;
             desk.show(subject);
-            const auto place = desk.surface_at(in_performer(camera, glm::mat4(world_from_performer)), pixel);
+            const auto place = desk.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
             return [this, &viewer, place, camera, world_from_performer] {
                 hover_.under_way = false;
                 hover_.world.reset();
@@ -358,8 +361,8 @@ void PaintTool::begin_work(const Viewer& viewer) {
 }
 
 void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
-                    const std::shared_ptr<const EditLayer>& before, const std::shared_ptr<const EditLayer>& layer,
-                    const std::string& what) {
+                    const std::shared_ptr<const voctree::EditLayer>& before,
+                    const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
     working_ = false;
     if (worked_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
         viewer.editor.tell("the stage is another now: nothing was painted", true);
@@ -374,14 +377,15 @@ void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std
         viewer.editor.tell("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
-    const bool done =
-        viewer.editor.edit([&](Document& document) { return put_layer(document, performer.node, path, layer, what); });
+    const bool done = viewer.editor.edit(
+        [&](edit::Document& document) { return put_layer(document, performer.node, path, layer, what); });
     if (done) choice.layer = path;
 }
 
 // In the place of the shared one that it is painted instead of, where there is one.
-std::string PaintTool::put_layer(Document& document, uint32_t node, const std::filesystem::path& path,
-                                 const std::shared_ptr<const EditLayer>& layer, const std::string& what) const {
+std::string PaintTool::put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
+                                 const std::shared_ptr<const voctree::EditLayer>& layer,
+                                 const std::string& what) const {
     const auto worn = layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
     const auto at = [&](const std::filesystem::path& of) {
         return std::find_if(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == of; });
@@ -400,7 +404,7 @@ void PaintTool::work_in_box(Viewer& viewer) {
     if (!before) return;
     begin_work(viewer);
     const PaintWork work = work_of(*performer, false);
-    const Region box = box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
+    const edit::Region box = edit::box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
     viewer.work.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> Work::Then {
         auto layer = worked_on(clip->canvas, *before, chosen_in(clip->canvas, *before, box, work), work);
         return [=, this, &viewer] {
@@ -413,12 +417,12 @@ void PaintTool::add_layer(Viewer& viewer) {
     const auto performer = this->performer(viewer);
     if (!performer || busy() || !prepare(viewer)) return;
     const auto path = free_paint_path(viewer.editor.document(), performer->node);
-    const auto empty = std::make_shared<const EditLayer>(EditLayer{clip_->field, {}});
+    const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
-    if (viewer.editor.edit([&](Document& document) {
+    if (viewer.editor.edit([&](edit::Document& document) {
             return put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
         }))
         choice.layer = path;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -13,7 +13,7 @@
 #include "tools/viewer/layer_list.h"
 #include "tools/viewer/paint_desk.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 struct Area;
@@ -27,7 +27,7 @@ struct PaintChoice {
     double hue_degrees = 120, saturation = 1;
     enum class Frames { kThis, kRange, kAll } frames = Frames::kThis;
     int first = 0, last = 0;  // of kRange
-    Follow follow = Follow::kRun;
+    edit::Follow follow = edit::Follow::kRun;
     bool every_frame = false;            // of the stamp: onto each frame as it is then
     glm::dvec3 box_low{0}, box_high{0};  // performer's space, metres; equal: not chosen yet
     std::string picture;                 // the stamp's file
@@ -56,7 +56,7 @@ struct PaintHands {
 
 class PaintTool {
   public:
-    explicit PaintTool(const Device& device) : desk_(std::make_shared<PaintDesk>(device)) {}
+    explicit PaintTool(const gpu::Device& device) : desk_(std::make_shared<PaintDesk>(device)) {}
 
     PaintChoice choice;
 
@@ -70,7 +70,7 @@ class PaintTool {
     // The painted layer, of performer.layers; its size: one that is to be made.
     size_t painted_layer(const PaintedPerformer& performer) const;
     // Of `frame` and the choice.
-    EditFrames frames_of(const PaintedPerformer& performer) const;
+    edit::EditFrames frames_of(const PaintedPerformer& performer) const;
 
     // Layers whose files another stage wears, too: they stay as they are, and what is painted is a copy. None: so far.
     void leave_alone(std::set<std::filesystem::path> layers) { others_ = std::move(layers); }
@@ -88,31 +88,31 @@ class PaintTool {
     struct Hover {
         bool under_way = false;
         glm::dvec2 pixel{-1e9};
-        Camera camera;
+        stage::Camera camera;
         float frame = -1;
         std::optional<glm::dvec3> world;
         double depth_m = 2;  // the last that was known
     };
     PaintWork work_of(const PaintedPerformer& performer, bool inverted) const;
     PaintSubject subject_of(const Viewer& viewer, const PaintedPerformer& performer, bool without_painted) const;
-    std::shared_ptr<const EditLayer> layer_at(const Viewer& viewer, const std::filesystem::path& path) const;
+    std::shared_ptr<const voctree::EditLayer> layer_at(const Viewer& viewer, const std::filesystem::path& path) const;
     // The layer to be painted, opened in the editor; null with a notice where it cannot be.
-    std::shared_ptr<const EditLayer> open_target(Viewer& viewer, const PaintedPerformer& performer,
-                                                 std::filesystem::path& path);
+    std::shared_ptr<const voctree::EditLayer> open_target(Viewer& viewer, const PaintedPerformer& performer,
+                                                          std::filesystem::path& path);
     void take_keys(Viewer& viewer);
     void begin_stroke(Viewer& viewer, const PaintedPerformer& performer);
     void go_on(Viewer& viewer);
-    void took(Viewer& viewer, const std::shared_ptr<Active>& active, std::shared_ptr<const EditLayer> layer);
+    void took(Viewer& viewer, const std::shared_ptr<Active>& active, std::shared_ptr<const voctree::EditLayer> layer);
     void look_under(Viewer& viewer, const PaintedPerformer& performer);
     void take_colour(Viewer& viewer);
     void project_stamp(Viewer& viewer, const PaintedPerformer& performer);
-    std::string put_layer(Document& document, uint32_t node, const std::filesystem::path& path,
-                          const std::shared_ptr<const EditLayer>& layer, const std::string& what) const;
+    std::string put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
+                          const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
     void begin_work(const Viewer& viewer);
     // The end of what was begun with `before`.
     void put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
-             const std::shared_ptr<const EditLayer>& before, const std::shared_ptr<const EditLayer>& layer,
-             const std::string& what);
+             const std::shared_ptr<const voctree::EditLayer>& before,
+             const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what);
     bool drag_box(Viewer& viewer, const PaintedPerformer& performer);
     // Of the window.
     Area stamp_area(const Viewer& viewer) const;
@@ -125,7 +125,7 @@ class PaintTool {
     bool reading_ = false;
     uint64_t failed_ = 0;  // the document for which reading did not do
     std::shared_ptr<const PaintClip> clip_;
-    std::map<std::filesystem::path, std::shared_ptr<const EditLayer>> read_;
+    std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read_;
     Hover hover_;
     std::shared_ptr<Active> stroke_;
     std::set<std::filesystem::path> others_;
@@ -134,7 +134,7 @@ class PaintTool {
     bool working_ = false;                   // in a box, or a projection
     std::pair<uint64_t, size_t> worked_on_;  // the document, and how many nodes it had: else numbers mean others
     std::string stamp_path_;
-    std::shared_ptr<const Image> stamp_, stamp_preview_;
+    std::shared_ptr<const media::Image> stamp_, stamp_preview_;
     struct BoxDrag {
         int axis = 0;
         bool high = false;
@@ -143,4 +143,4 @@ class PaintTool {
     std::optional<BoxDrag> box_drag_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -17,20 +17,22 @@ bool by_halves(PaintWork::Kind kind) {
 
 // The frames at which the work holds on each leaf, and the leaves that share them.
 using Spans = std::map<std::pair<float, float>, std::vector<uint32_t>>;
-Spans spans_of(const Canvas& canvas, std::span<const ChosenLeaf> leaves, const EditFrames& frames) {
-    std::vector<LeafEdit> edits;
+Spans spans_of(const edit::Canvas& canvas, std::span<const ChosenLeaf> leaves, const edit::EditFrames& frames) {
+    std::vector<voctree::LeafEdit> edits;
     for (const ChosenLeaf& chosen : leaves) edits.push_back({.leaf = chosen.leaf});
     Spans spans;
-    for (const LeafEdit& edit : at_frames(canvas, edits, frames)) spans[{edit.first, edit.last}].push_back(edit.leaf);
+    for (const voctree::LeafEdit& edit : edit::at_frames(canvas, edits, frames))
+        spans[{edit.first, edit.last}].push_back(edit.leaf);
     return spans;
 }
 
-std::vector<LeafEdit> shifted_edits(const Canvas& canvas, std::span<const ChosenLeaf> leaves, const PaintWork& work) {
+std::vector<voctree::LeafEdit> shifted_edits(const edit::Canvas& canvas, std::span<const ChosenLeaf> leaves,
+                                             const PaintWork& work) {
     std::unordered_map<uint32_t, float> shares;
     for (const ChosenLeaf& chosen : leaves) shares[chosen.leaf] = chosen.share;
-    std::vector<LeafEdit> edits;
+    std::vector<voctree::LeafEdit> edits;
     for (const auto& [span, of_span] : spans_of(canvas, leaves, work.frames))
-        for (LeafEdit edit : shift_colours(canvas, of_span, span.first, span.second, work.shift)) {
+        for (voctree::LeafEdit edit : edit::shift_colours(canvas, of_span, span.first, span.second, work.shift)) {
             edit.alpha *= work.opacity * shares[edit.leaf];
             edits.push_back(edit);
         }
@@ -38,58 +40,59 @@ std::vector<LeafEdit> shifted_edits(const Canvas& canvas, std::span<const Chosen
 }
 
 // Only the edits of these leaves are gone through once a span; they may be few of many.
-EditLayer restored(const Canvas& canvas, const EditLayer& before, std::span<const ChosenLeaf> leaves,
-                   const EditFrames& frames) {
+voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer& before,
+                            std::span<const ChosenLeaf> leaves, const edit::EditFrames& frames) {
     std::vector<uint8_t> chosen(canvas.tree.leaf_count);
     for (const ChosenLeaf& one : leaves) chosen[one.leaf] = 1;
-    EditLayer kept{before.field, {}}, cut{before.field, {}};
-    for (const LeafEdit& edit : before.edits) (chosen[edit.leaf] ? cut : kept).edits.push_back(edit);
+    voctree::EditLayer kept{before.field, {}}, cut{before.field, {}};
+    for (const voctree::LeafEdit& edit : before.edits) (chosen[edit.leaf] ? cut : kept).edits.push_back(edit);
     for (const auto& [span, of_span] : spans_of(canvas, leaves, frames))
-        remove_edits(cut, of_span, span.first, span.second);
-    EditLayer after{before.field, {}};
+        voctree::remove_edits(cut, of_span, span.first, span.second);
+    voctree::EditLayer after{before.field, {}};
     after.edits.reserve(kept.edits.size() + cut.edits.size());
     std::merge(kept.edits.begin(), kept.edits.end(), cut.edits.begin(), cut.edits.end(),
-               std::back_inserter(after.edits), [](const LeafEdit& a, const LeafEdit& b) { return a.leaf < b.leaf; });
+               std::back_inserter(after.edits),
+               [](const voctree::LeafEdit& a, const voctree::LeafEdit& b) { return a.leaf < b.leaf; });
     return after;
 }
 
 }  // namespace
 
-std::shared_ptr<const EditLayer> worked_on(const Canvas& canvas, const EditLayer& before,
-                                           std::span<const ChosenLeaf> leaves, const PaintWork& work) {
+std::shared_ptr<const voctree::EditLayer> worked_on(const edit::Canvas& canvas, const voctree::EditLayer& before,
+                                                    std::span<const ChosenLeaf> leaves, const PaintWork& work) {
     std::vector<ChosenLeaf> taken(leaves.begin(), leaves.end());
     if (!by_halves(work.kind)) std::erase_if(taken, [](const ChosenLeaf& one) { return one.share < kWhole; });
     if (taken.empty()) return nullptr;
     if (work.kind == PaintWork::Kind::kRestore)
-        return std::make_shared<const EditLayer>(restored(canvas, before, taken, work.frames));
-    auto after = std::make_shared<EditLayer>(before);
+        return std::make_shared<const voctree::EditLayer>(restored(canvas, before, taken, work.frames));
+    auto after = std::make_shared<voctree::EditLayer>(before);
     if (work.kind == PaintWork::Kind::kShift) {
-        add_edits(*after, shifted_edits(canvas, taken, work));
+        voctree::add_edits(*after, shifted_edits(canvas, taken, work));
         return after;
     }
     const bool erases = work.kind == PaintWork::Kind::kErase;
-    std::vector<LeafEdit> edits;
+    std::vector<voctree::LeafEdit> edits;
     for (const ChosenLeaf& one : taken)
         edits.push_back({.leaf = one.leaf,
                          .colour = erases ? glm::vec3(0) : work.colour,
                          .alpha = erases ? 0 : work.opacity * one.share,
-                         .sigma = erases ? 0 : kKeepSigma});
-    add_edits(*after, at_frames(canvas, edits, work.frames));
+                         .sigma = erases ? 0 : voctree::kKeepSigma});
+    voctree::add_edits(*after, edit::at_frames(canvas, edits, work.frames));
     return after;
 }
 
-std::vector<ChosenLeaf> chosen_in(const Canvas& canvas, const EditLayer& before, const Region& region,
-                                  const PaintWork& work) {
+std::vector<ChosenLeaf> chosen_in(const edit::Canvas& canvas, const voctree::EditLayer& before,
+                                  const edit::Region& region, const PaintWork& work) {
     std::vector<ChosenLeaf> chosen;
     if (work.kind != PaintWork::Kind::kRestore) {
-        for (const uint32_t leaf : leaves_in(canvas, region, work.frames.first, work.frames.last))
+        for (const uint32_t leaf : edit::leaves_in(canvas, region, work.frames.first, work.frames.last))
             chosen.push_back({leaf, 1});
         return chosen;
     }
-    for (const LeafEdit& edit : before.edits)
+    for (const voctree::LeafEdit& edit : before.edits)
         if ((chosen.empty() || chosen.back().leaf != edit.leaf) && region(canvas.middles[edit.leaf]))
             chosen.push_back({edit.leaf, 1});
     return chosen;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

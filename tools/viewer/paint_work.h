@@ -7,7 +7,7 @@
 
 #include "edit/brush.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct PaintWork {
     enum class Kind {
@@ -18,8 +18,8 @@ struct PaintWork {
     } kind = Kind::kColour;
     glm::vec3 colour{1, 0, 0};  // linear
     float opacity = 1;          // of kColour and kShift
-    ColourShift shift;
-    EditFrames frames;  // kShift and kRestore follow the surface as the others do
+    edit::ColourShift shift;
+    edit::EditFrames frames;  // kShift and kRestore follow the surface as the others do
 };
 
 struct ChosenLeaf {
@@ -28,12 +28,12 @@ struct ChosenLeaf {
 };
 
 // Each leaf at most once. Null where nothing is to be done.
-std::shared_ptr<const EditLayer> worked_on(const Canvas& canvas, const EditLayer& before,
-                                           std::span<const ChosenLeaf> leaves, const PaintWork& work);
+std::shared_ptr<const voctree::EditLayer> worked_on(const edit::Canvas& canvas, const voctree::EditLayer& before,
+                                                    std::span<const ChosenLeaf> leaves, const PaintWork& work);
 
 // Those of a region that the work is for, whole: what is there at some of the frames; where it restores, what the
 // layer has edits of.
-std::vector<ChosenLeaf> chosen_in(const Canvas& canvas, const EditLayer& before, const Region& region,
-                                  const PaintWork& work);
+std::vector<ChosenLeaf> chosen_in(const edit::Canvas& canvas, const voctree::EditLayer& before,
+                                  const edit::Region& region, const PaintWork& work);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

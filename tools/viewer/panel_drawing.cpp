@@ -8,17 +8,17 @@
 
 #include "tools/viewer/look.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
 void check_imgui(VkResult result) {
-    if (result < 0) check(result, "Vulkan", "panels");
+    if (result < 0) gpu::check(result, "Vulkan", "panels");
 }
 
 }  // namespace
 
-PanelDrawing::PanelDrawing(const Device& device, VkFormat format, uint32_t images, float scale)
+PanelDrawing::PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t images, float scale)
     : device_(device), format_(format), images_(images), scale_(scale) {
     make_render_pass();
     constexpr VkDescriptorPoolSize kSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
@@ -27,7 +27,8 @@ PanelDrawing::PanelDrawing(const Device& device, VkFormat format, uint32_t image
     pool.maxSets = 4;
     pool.poolSizeCount = 1;
     pool.pPoolSizes = &kSize;
-    check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &descriptors_), "vkCreateDescriptorPool", "panels");
+    gpu::check(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &descriptors_), "vkCreateDescriptorPool",
+               "panels");
     ImGui::CreateContext();
     ImGui::GetIO().ConfigDragClickToInputText = true;
     ImGui::GetIO().IniFilename = nullptr;  // preferences keep what is to be kept
@@ -62,7 +63,7 @@ void PanelDrawing::make_render_pass() {
     info.pAttachments = &colour;
     info.subpassCount = 1;
     info.pSubpasses = &subpass;
-    check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "vkCreateRenderPass", "panels");
+    gpu::check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "vkCreateRenderPass", "panels");
 }
 
 void PanelDrawing::start() {
@@ -84,7 +85,8 @@ void PanelDrawing::start() {
 
 void PanelDrawing::make_letters() {
     apply_look(scale_);
-    run_once(device_, "letters", [](Commands& commands) { ImGui_ImplVulkan_CreateFontsTexture(commands.handle()); });
+    gpu::run_once(device_, "letters",
+                  [](gpu::Commands& commands) { ImGui_ImplVulkan_CreateFontsTexture(commands.handle()); });
     ImGui_ImplVulkan_DestroyFontUploadObjects();
 }
 
@@ -101,7 +103,7 @@ void PanelDrawing::new_frame() {
     ImGui_ImplVulkan_NewFrame();
 }
 
-void PanelDrawing::record(Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent) {
+void PanelDrawing::record(gpu::Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent) {
     VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
     begin.renderPass = render_pass_;
     begin.framebuffer = framebuffer;
@@ -111,7 +113,8 @@ void PanelDrawing::record(Commands& commands, VkFramebuffer framebuffer, VkExten
     vkCmdEndRenderPass(commands.handle());
 }
 
-VkFramebuffer make_framebuffer(const Device& device, const PanelDrawing& drawing, VkImageView view, VkExtent2D extent) {
+VkFramebuffer make_framebuffer(const gpu::Device& device, const PanelDrawing& drawing, VkImageView view,
+                               VkExtent2D extent) {
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
     info.renderPass = drawing.render_pass();
     info.attachmentCount = 1;
@@ -120,8 +123,8 @@ VkFramebuffer make_framebuffer(const Device& device, const PanelDrawing& drawing
     info.height = extent.height;
     info.layers = 1;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    check(vkCreateFramebuffer(device.handle(), &info, nullptr, &framebuffer), "vkCreateFramebuffer", "panels");
+    gpu::check(vkCreateFramebuffer(device.handle(), &info, nullptr, &framebuffer), "vkCreateFramebuffer", "panels");
     return framebuffer;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

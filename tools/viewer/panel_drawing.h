@@ -3,13 +3,13 @@
 
 #include "gpu/image.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // ImGui has a context as long as this lives, which begins one.
 class PanelDrawing {
   public:
     // Into UNORM images, whose values are sRGB; so many may be in flight at once. `scale`: of letters and panels.
-    PanelDrawing(const Device& device, VkFormat format, uint32_t images, float scale);
+    PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t images, float scale);
     ~PanelDrawing();
     PanelDrawing(const PanelDrawing&) = delete;
     PanelDrawing& operator=(const PanelDrawing&) = delete;
@@ -21,13 +21,13 @@ class PanelDrawing {
     void set_scale(float scale);
     void new_frame();
     // What ImGui::Render() left, over what the image shows (layout COLOR_ATTACHMENT_OPTIMAL, and stays so).
-    void record(Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent);
+    void record(gpu::Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent);
 
   private:
     void make_render_pass();
     void start();
     void make_letters();
-    const Device& device_;
+    const gpu::Device& device_;
     VkFormat format_;
     uint32_t images_;
     float scale_;
@@ -36,6 +36,7 @@ class PanelDrawing {
 };
 
 // One image view of that render pass.
-VkFramebuffer make_framebuffer(const Device& device, const PanelDrawing& drawing, VkImageView view, VkExtent2D extent);
+VkFramebuffer make_framebuffer(const gpu::Device& device, const PanelDrawing& drawing, VkImageView view,
+                               VkExtent2D extent);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,7 +3,7 @@
 
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 void menu_bar(Viewer& viewer);
 // What is done in the picture: looking around, selecting, handles, brushes.
@@ -23,4 +23,4 @@ void notices_panel(Viewer& viewer);  // what was told, what is under way
 // A panel of the fixed layout: begins an ImGui window there, ImGui::End() ends it.
 bool begin_panel(const char* name, const Area& area);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,30 +10,30 @@
 #include "tools/viewer/property_fields.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
-void drag(Viewer& viewer, uint32_t node, const PerformerEdit& edit) {
-    viewer.editor.drag([=](Document& document) { return set_performer(document.file, node, edit); });
+void drag(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
+    viewer.editor.drag([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
-void set(Viewer& viewer, uint32_t node, const PerformerEdit& edit) {
-    viewer.editor.edit([=](Document& document) { return set_performer(document.file, node, edit); });
+void set(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
+    viewer.editor.edit([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
 // The clip as it was read; null while it is read.
-const StageClip* clip_on(const Viewer& viewer, uint32_t node) {
-    const Stage* stage = viewer.stage_of_document();
+const stage::StageClip* clip_on(const Viewer& viewer, uint32_t node) {
+    const stage::Stage* stage = viewer.stage_of_document();
     if (!stage) stage = viewer.stage.get();
     if (!stage) return nullptr;
-    for (const StagePerformer& performer : stage->performers)
+    for (const stage::StagePerformer& performer : stage->performers)
         if (performer.node == node) return &stage->clips[performer.clip];
     return nullptr;
 }
 
-void clip_lines(const StageClip* clip, FieldGroup& group, const PerformerSettings& settings) {
-    const std::string name = std::filesystem::path(decoded_uri(settings.uri)).filename().string();
+void clip_lines(const stage::StageClip* clip, FieldGroup& group, const stage::PerformerSettings& settings) {
+    const std::string name = std::filesystem::path(stage::decoded_uri(settings.uri)).filename().string();
     group.label("clip");
     ImGui::TextUnformatted(name.c_str());
     group.report_last("clip");
@@ -48,21 +48,21 @@ void clip_lines(const StageClip* clip, FieldGroup& group, const PerformerSetting
 }
 
 // The map, where the clip can be played so; else what is wrong with it.
-std::string error_of(const TimeMap& map, const StageClip* clip) {
+std::string error_of(const stage::TimeMap& map, const stage::StageClip* clip) {
     try {
-        if (clip) timeline_of(map, clip->frames, clip->fps, "", "");
+        if (clip) stage::timeline_of(map, clip->frames, clip->fps, "", "");
     } catch (const InputError& error) {
         return error.what();
     }
     return "";
 }
 
-void try_time(Viewer& viewer, uint32_t node, const StageClip* clip, const std::string& typed) {
+void try_time(Viewer& viewer, uint32_t node, const stage::StageClip* clip, const std::string& typed) {
     PropertyFields::Time& time = viewer.fields.time;
     time.node.reset();
     std::string error;
     try {
-        const TimeMap map = parse_time_map(typed, "", "");
+        const stage::TimeMap map = stage::parse_time_map(typed, "", "");
         error = error_of(map, clip);
         if (error.empty()) {
             set(viewer, node, {.time = map});
@@ -79,7 +79,8 @@ void try_time(Viewer& viewer, uint32_t node, const StageClip* clip, const std::s
 }
 
 // Each tries another map; what is wrong with it is shown as if it had been typed.
-void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const StageClip* clip, const TimeMap& map) {
+void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::StageClip* clip,
+                  const stage::TimeMap& map) {
     const auto button = [&](const char* name, const char* explained) {
         const bool pressed = ImGui::Button(name);
         group.report_last(name);
@@ -87,24 +88,24 @@ void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const StageC
         ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
         return pressed;
     };
-    const auto also = [&](TimeOperator added) {
-        TimeMap more = map;
+    const auto also = [&](stage::TimeOperator added) {
+        stage::TimeMap more = map;
         more.push_back(added);
-        try_time(viewer, node, clip, text_of(more));
+        try_time(viewer, node, clip, stage::text_of(more));
     };
     group.label("");
-    if (button("loop", "Again and again")) also({.verb = TimeVerb::kLoop, .has_part = false});
+    if (button("loop", "Again and again")) also({.verb = stage::TimeVerb::kLoop, .has_part = false});
     if (button("to and fro", "Forwards and backwards, again and again"))
-        also({.verb = TimeVerb::kPingPong, .has_part = false});
+        also({.verb = stage::TimeVerb::kPingPong, .has_part = false});
     if (button("plain", "As it was filmed, once")) try_time(viewer, node, clip, "");
     ImGui::NewLine();
 }
 
-void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const TimeMap& map) {
-    const StageClip* const clip = clip_on(viewer, node);
+void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::TimeMap& map) {
+    const stage::StageClip* const clip = clip_on(viewer, node);
     const PropertyFields::Time& time = viewer.fields.time;
     const bool wrong = time.node == node && time.id == viewer.editor.id();
-    std::string text = wrong ? time.typed : text_of(map);
+    std::string text = wrong ? time.typed : stage::text_of(map);
     if (group.text("time", text)) try_time(viewer, node, clip, text);
     explain("How stage time becomes the clip's, step by step: offset:2s, speed:0.5, clip:1s:3s, reverse, loop, …");
     if (wrong) {
@@ -119,8 +120,10 @@ void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const TimeMap
 }  // namespace
 
 void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
-    const nlohmann::ordered_json& json = viewer.editor.file().json["nodes"][node]["extensions"][kPerformerExtension];
-    const PerformerSettings settings = performer_settings_of(json, viewer.editor.file().path.string(), "performer");
+    const nlohmann::ordered_json& json =
+        viewer.editor.file().json["nodes"][node]["extensions"][stage::kPerformerExtension];
+    const stage::PerformerSettings settings =
+        stage::performer_settings_of(json, viewer.editor.file().path.string(), "performer");
     headline("Performer");
     clip_lines(clip_on(viewer, node), group, settings);
     time_fields(viewer, group, node, settings.time);
@@ -133,4 +136,4 @@ void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
     if (group.toggle("shadows on it", receives)) set(viewer, node, {.receives_shadow = receives});
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

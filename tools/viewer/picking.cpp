@@ -5,7 +5,7 @@
 #include "tools/viewer/pointer.h"
 #include "xr/ray_hit.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -23,7 +23,7 @@ double distance_to_triangle(const ViewRay& ray, glm::dvec3 a, glm::dvec3 b, glm:
 }
 
 // The view of one pixel.
-Camera pixel_of_camera(Camera camera, glm::dvec2 pixel) {
+stage::Camera pixel_of_camera(stage::Camera camera, glm::dvec2 pixel) {
     camera.cx -= std::floor(pixel.x);
     camera.cy -= std::floor(pixel.y);
     camera.width = camera.height = 1;
@@ -40,20 +40,20 @@ struct Nearest {
     }
 };
 
-void see_performers(OnDevice& on_device, const StageInstant& instant, const Camera& camera, glm::dvec2 pixel,
-                    Nearest& nearest) {
+void see_performers(OnDevice& on_device, const stage::StageInstant& instant, const stage::Camera& camera,
+                    glm::dvec2 pixel, Nearest& nearest) {
     const ViewRay ray = ray_through(camera, pixel);
-    const Camera one_pixel = pixel_of_camera(camera, pixel);
-    FrameSettings settings = on_device.renderer.settings_at(instant);
-    const std::vector<Instance> instances = settings.instances;
+    const stage::Camera one_pixel = pixel_of_camera(camera, pixel);
+    render::FrameSettings settings = on_device.renderer.settings_at(instant);
+    const std::vector<render::Instance> instances = settings.instances;
     settings.width = settings.height = settings.samples = 1;
     size_t shown = 0;
-    for (const InstantPerformer& performer : instant.performers) {
+    for (const stage::InstantPerformer& performer : instant.performers) {
         if (!performer.visible) continue;
-        const Instance& instance = instances[shown++];
-        const StageClip& clip = on_device.stage.clips[performer.clip];
-        if (!box_hit({ray.origin, ray.direction}, performer.world_from_performer, clip.box_min,
-                     clip.box_min + clip.box_size))
+        const render::Instance& instance = instances[shown++];
+        const stage::StageClip& clip = on_device.stage.clips[performer.clip];
+        if (!xr::box_hit({ray.origin, ray.direction}, performer.world_from_performer, clip.box_min,
+                         clip.box_min + clip.box_size))
             continue;
         settings.instances = {instance};
         on_device.renderer.frames().draw({&one_pixel, 1}, settings);
@@ -62,13 +62,13 @@ void see_performers(OnDevice& on_device, const StageInstant& instant, const Came
     }
 }
 
-void see_set(const Stage& stage, const StageInstant& instant, const ViewRay& ray, Nearest& nearest) {
-    PosedVertices vertices;
+void see_set(const stage::Stage& stage, const stage::StageInstant& instant, const ViewRay& ray, Nearest& nearest) {
+    stage::PosedVertices vertices;
     for (uint32_t node = 0; node < stage.scene.nodes.size(); node++) {
-        const GltfNode& one = stage.scene.nodes[node];
+        const stage::GltfNode& one = stage.scene.nodes[node];
         if (!one.draws_mesh()) continue;
-        for (const GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(one.mesh)].primitives) {
-            pose_vertices(stage.scene, instant.pose, node, primitive, vertices);
+        for (const stage::GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(one.mesh)].primitives) {
+            stage::pose_vertices(stage.scene, instant.pose, node, primitive, vertices);
             for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
                 nearest.take(distance_to_triangle(ray, vertices.positions[primitive.indices[i]],
                                                   vertices.positions[primitive.indices[i + 1]],
@@ -80,7 +80,7 @@ void see_set(const Stage& stage, const StageInstant& instant, const ViewRay& ray
 
 }  // namespace
 
-Seen seen_at(OnDevice& on_device, const StageInstant& instant, const Camera& camera, glm::dvec2 pixel) {
+Seen seen_at(OnDevice& on_device, const stage::StageInstant& instant, const stage::Camera& camera, glm::dvec2 pixel) {
     const ViewRay ray = ray_through(camera, pixel);
     Nearest nearest;
     on_device.renderer.show(instant);
@@ -90,4 +90,4 @@ Seen seen_at(OnDevice& on_device, const StageInstant& instant, const Camera& cam
     return {nearest.node, ray.origin + nearest.metres * ray.direction};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

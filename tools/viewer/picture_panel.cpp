@@ -4,7 +4,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/picking.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -47,7 +47,7 @@ void select_at(Viewer& viewer, float x, float y) {
     viewer.drawer.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.shown_s(),
                         id = viewer.editor.id(), drawn = viewer.stage](OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
-        const Seen seen = seen_at(on_device, stage_at(on_device.stage, time_s), camera, pixel);
+        const Seen seen = seen_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
         viewer.work.tell([&viewer, seen, id] {
             if (viewer.editor.id() == id) viewer.editor.select(seen.node);
             viewer.redraw();
@@ -82,7 +82,7 @@ void fly(Viewer& viewer) {
     if (keys.forward == 0 && keys.right == 0 && keys.up == 0) return;
     double scene_m = 2;
     if (viewer.stage) {
-        const auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
         scene_m = glm::length(high - low);
     }
     viewer.eye = flown(viewer.eye, keys, viewer.dt_s, scene_m);
@@ -114,4 +114,4 @@ void picture_panel(Viewer& viewer) {
     draw_overlay(viewer);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

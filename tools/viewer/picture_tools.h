@@ -6,7 +6,7 @@
 #include "tools/viewer/gizmo.h"
 #include "tools/viewer/light_gizmo.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 struct Area;
@@ -56,4 +56,4 @@ void toolbar(Viewer& viewer);
 // The box of a node and what hangs on it, world, low and high: its performers, its meshes; its place where it has none.
 std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t node);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -138,4 +138,4 @@ void StageClock::scrub(double time_s) {
     if (std::isfinite(time_s)) time_s_ = std::clamp(time_s, 0.0, duration_s_);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class StageClock {
   public:
@@ -62,4 +62,4 @@ class StageClock {
     double time_s_ = 0;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

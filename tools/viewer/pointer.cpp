@@ -3,22 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
 constexpr double kFarthest_px = 1e6;
 
-glm::dvec3 place(const Camera& camera) {
+glm::dvec3 place(const stage::Camera& camera) {
     return camera.world_from_camera[3];
 }
 
 // Axes of the camera; x, y in the picture's plane, z towards the viewer.
-glm::dvec3 in_camera(const Camera& camera, glm::dvec3 direction) {
+glm::dvec3 in_camera(const stage::Camera& camera, glm::dvec3 direction) {
     return glm::transpose(glm::dmat3(camera.world_from_camera)) * direction;
 }
 
-glm::dvec2 project_in_camera(const Camera& camera, glm::dvec3 p) {
+glm::dvec2 project_in_camera(const stage::Camera& camera, glm::dvec3 p) {
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
@@ -28,22 +28,22 @@ bool is_somewhere(glm::dvec2 pointer) {
     return std::abs(pointer.x) <= kFarthest_px && std::abs(pointer.y) <= kFarthest_px;
 }
 
-ViewRay ray_through(const Camera& camera, glm::dvec2 pixel) {
+ViewRay ray_through(const stage::Camera& camera, glm::dvec2 pixel) {
     const glm::dvec3 line((pixel.x - camera.cx) / camera.fx, -(pixel.y - camera.cy) / camera.fy, -1);
     return {place(camera), glm::normalize(glm::dmat3(camera.world_from_camera) * line)};
 }
 
-double depth_of(const Camera& camera, glm::dvec3 world) {
+double depth_of(const stage::Camera& camera, glm::dvec3 world) {
     return -in_camera(camera, world - place(camera)).z;
 }
 
-std::optional<glm::dvec2> pixel_of(const Camera& camera, glm::dvec3 world) {
+std::optional<glm::dvec2> pixel_of(const stage::Camera& camera, glm::dvec3 world) {
     const glm::dvec3 p = in_camera(camera, world - place(camera));
     if (!(p.z <= -kNearest_m)) return std::nullopt;
     return project_in_camera(camera, p);
 }
 
-std::optional<std::pair<glm::dvec2, glm::dvec2>> pixels_of(const Camera& camera, glm::dvec3 a, glm::dvec3 b) {
+std::optional<std::pair<glm::dvec2, glm::dvec2>> pixels_of(const stage::Camera& camera, glm::dvec3 a, glm::dvec3 b) {
     glm::dvec3 p = in_camera(camera, a - place(camera)), q = in_camera(camera, b - place(camera));
     if (!(std::min(p.z, q.z) <= -kNearest_m)) return std::nullopt;
     glm::dvec3& behind = p.z > q.z ? p : q;
@@ -53,11 +53,11 @@ std::optional<std::pair<glm::dvec2, glm::dvec2>> pixels_of(const Camera& camera,
     return std::pair{project_in_camera(camera, p), project_in_camera(camera, q)};
 }
 
-double metres_of_pixels(const Camera& camera, glm::dvec3 world, double pixels) {
+double metres_of_pixels(const stage::Camera& camera, glm::dvec3 world, double pixels) {
     return pixels * depth_of(camera, world) / camera.fy;
 }
 
-std::optional<double> line_drag(const Camera& camera, glm::dvec3 through, glm::dvec3 along, double shown,
+std::optional<double> line_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 along, double shown,
                                 glm::dvec2 pointer) {
     const glm::dvec3 p = in_camera(camera, through - place(camera)), a = in_camera(camera, along);
     const double depth = -p.z, recedes = -a.z;  // of the line's point: depth + s · recedes
@@ -73,7 +73,8 @@ std::optional<double> line_drag(const Camera& camera, glm::dvec3 through, glm::d
     return k * depth * depth / nearness;
 }
 
-std::optional<glm::dvec3> plane_drag(const Camera& camera, glm::dvec3 through, glm::dvec3 normal, glm::dvec2 pointer) {
+std::optional<glm::dvec3> plane_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 normal,
+                                     glm::dvec2 pointer) {
     const glm::dvec3 to_plane = through - place(camera);
     const double distance = glm::length(to_plane);
     double height = glm::dot(normal, to_plane);
@@ -93,7 +94,7 @@ glm::dvec3 perpendicular_to(glm::dvec3 v) {
     return glm::normalize(glm::cross(v, least));
 }
 
-glm::dvec3 facing_normal(const Camera& camera) {
+glm::dvec3 facing_normal(const stage::Camera& camera) {
     return glm::dvec3(camera.world_from_camera[2]);
 }
 
@@ -101,4 +102,4 @@ double snapped(double value, double step, bool snap) {
     return snap ? std::round(value / step) * step : value;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

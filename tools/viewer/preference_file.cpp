@@ -8,7 +8,7 @@
 #include "base/platform.h"
 #include "tools/report.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -104,7 +104,7 @@ std::string wrong_members(const std::filesystem::path& path, const std::vector<s
 void save_preference_file(const std::filesystem::path& path, const ordered_json& document) {
     std::error_code failed;
     std::filesystem::create_directories(path.parent_path(), failed);  // writing tells what is wrong
-    const std::string text = json_text(document);
+    const std::string text = tools::json_text(document);
     write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
@@ -114,4 +114,4 @@ ordered_json& object_in(ordered_json& parent, const std::string& name) {
     return member;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

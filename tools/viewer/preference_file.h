@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Reads members that may be missing or anything, and remembers which were wrong, by `place` and name.
 struct PreferenceReader {
@@ -51,4 +51,4 @@ void save_preference_file(const std::filesystem::path& path, const nlohmann::ord
 // The member as an object to write into, over what stood there.
 nlohmann::ordered_json& object_in(nlohmann::ordered_json& parent, const std::string& name);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 
 #include "tools/viewer/preference_file.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -137,4 +137,4 @@ std::vector<bool> recent_files_there(const Preferences& preferences) {
     return there;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 constexpr size_t kMaxRecentFiles = 10;
 
@@ -64,4 +64,4 @@ void remember_file(Preferences& preferences, const std::filesystem::path& file);
 // come back.
 std::vector<bool> recent_files_there(const Preferences& preferences);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -2,7 +2,7 @@
 
 #include "tools/viewer/panels.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -32,4 +32,4 @@ void properties_panel(Viewer& viewer, const Area& area) {
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,13 +8,13 @@
 #include "tools/viewer/property_fields.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
 void drag_place(Viewer& viewer, uint32_t node, const NodePlace& to) {
-    viewer.editor.drag([=](Document& document) {
-        return place_node(document.file, node, placement_to(place_of_node(document.file, node), to));
+    viewer.editor.drag([=](edit::Document& document) {
+        return edit::place_node(document.file, node, placement_to(place_of_node(document.file, node), to));
     });
 }
 
@@ -53,11 +53,11 @@ void scale_field(Viewer& viewer, FieldGroup& group, uint32_t node, NodePlace pla
 }
 
 void to_the_floor(Viewer& viewer, uint32_t node) {
-    const Stage* const stage = viewer.stage_of_document();
-    Placement placement;
+    const stage::Stage* const stage = viewer.stage_of_document();
+    edit::Placement placement;
     if (stage) placement.move = move_to_floor(*stage, viewer.instant, node);
     if (placement.move)
-        viewer.editor.edit([&](Document& d) { return place_node(d.file, node, placement); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::place_node(d.file, node, placement); });
     else
         viewer.editor.tell(stage ? "there is nothing of it to stand on the floor" : "still reading the stage", true);
 }
@@ -71,8 +71,8 @@ void place_buttons(Viewer& viewer, FieldGroup& group, const StageRow& row) {
         ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     }
     if (ImGui::Button("Reset"))
-        viewer.editor.edit([&](Document& d) {
-            return place_node(d.file, row.node, placement_to(place_of_node(d.file, row.node), NodePlace{}));
+        viewer.editor.edit([&](edit::Document& d) {
+            return edit::place_node(d.file, row.node, placement_to(place_of_node(d.file, row.node), NodePlace{}));
         });
     group.report_last("reset");
     explain("In the middle of the stage, not turned, as large as it is");
@@ -102,14 +102,14 @@ void camera_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
     }
     double angle_deg = glm::degrees(camera["perspective"].value("yfov", 0.0));
     if (group.number("angle of view", angle_deg, {1, 150, 0.1, "%.1f°"}))
-        viewer.editor.drag([=](Document& d) { return set_camera(d.file, node, glm::radians(angle_deg)); });
+        viewer.editor.drag([=](edit::Document& d) { return edit::set_camera(d.file, node, glm::radians(angle_deg)); });
     explain("From the lower to the upper edge of the picture");
-    const Stage* const stage = viewer.stage_of_document();
+    const stage::Stage* const stage = viewer.stage_of_document();
     group.label("");
     if (ImGui::Button("Look through") && stage)
-        for (const InstantCamera& at : viewer.instant.cameras)
+        for (const stage::InstantCamera& at : viewer.instant.cameras)
             if (at.node == node) {
-                const auto [low, high] = performers_box(*stage, viewer.instant);
+                const auto [low, high] = stage::performers_box(*stage, viewer.instant);
                 viewer.go_to(looking_through(at.world_from_camera, at.vertical_angle_rad,
                                              distance_to(at.world_from_camera, low, high)));
             }
@@ -124,7 +124,8 @@ void light_hint(FieldGroup& group) {
 
 void name_field(Viewer& viewer, FieldGroup& group, const StageRow& row) {
     std::string name = row.title;
-    if (group.text("name", name)) viewer.editor.edit([&](Document& d) { return rename_node(d.file, row.node, name); });
+    if (group.text("name", name))
+        viewer.editor.edit([&](edit::Document& d) { return edit::rename_node(d.file, row.node, name); });
 }
 
 }  // namespace
@@ -169,4 +170,4 @@ void properties_tab(Viewer& viewer) {
     ImGui::PopID();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 #include "tools/viewer/fields.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Explains the last field while the pointer rests on it.
 void explain(const char* text);
@@ -15,9 +15,9 @@ void headline(const char* text);
 void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node);
 
 // Of the stage as a whole; the document is open.
-StageSettings stage_settings(const StageFile& file);
+stage::StageSettings stage_settings(const stage::StageFile& file);
 void stage_fields(Viewer& viewer, FieldGroup& group);
 // Those of them that light it: ambient light, environment, shadows, falloff.
 void stage_light_fields(Viewer& viewer, FieldGroup& group);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

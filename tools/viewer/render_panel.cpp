@@ -13,7 +13,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -25,8 +25,8 @@ constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
 void look_fields(Viewer& viewer) {
     FieldGroup fields(viewer, "look");
     size_t layer = static_cast<size_t>(viewer.picture.show);
-    if (fields.choice("Layer", layer, kLayerNames)) viewer.picture.show = static_cast<Show>(layer);
-    if (viewer.picture.show == Show::kCost) {
+    if (fields.choice("Layer", layer, kLayerNames)) viewer.picture.show = static_cast<render::Show>(layer);
+    if (viewer.picture.show == render::Show::kCost) {
         double most = viewer.picture.cost_max;
         if (fields.number("Brightest", most, {1, 100000, 4, "%.0f steps"}))
             viewer.picture.cost_max = static_cast<float>(most);
@@ -43,10 +43,10 @@ void look_fields(Viewer& viewer) {
     }
     if (viewer.stage) {
         size_t blend = static_cast<size_t>(viewer.stage->settings.blend);
-        if (fields.choice("Performers", blend, kStageBlendNames)) {
-            StageEdit edit;
-            edit.blend = static_cast<StageBlend>(blend);
-            viewer.editor.edit([&](Document& d) { return set_stage(d.file, edit); });
+        if (fields.choice("Performers", blend, stage::kStageBlendNames)) {
+            edit::StageEdit edit;
+            edit.blend = static_cast<stage::StageBlend>(blend);
+            viewer.editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, edit); });
         }
     }
     fields.toggle("Speed", viewer.panels.speed);
@@ -56,7 +56,7 @@ void look_fields(Viewer& viewer) {
 std::vector<std::string> camera_names(const Viewer& viewer) {
     std::vector<std::string> names{"as seen here"};
     if (viewer.stage->settings.camera_path) names.emplace_back(kAlongPath);
-    for (const InstantCamera& camera : viewer.instant.cameras)
+    for (const stage::InstantCamera& camera : viewer.instant.cameras)
         if (!camera.orthographic) names.push_back(camera.name);
     return names;
 }
@@ -65,9 +65,9 @@ void size_fields(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
     double width = choice.size.width, height = choice.size.height;
     if (fields.number("Width", width, {16, 8192, 2, "%.0f px"})) choice.size.width = static_cast<uint32_t>(width);
     if (fields.number("Height", height, {16, 8192, 2, "%.0f px"})) choice.size.height = static_cast<uint32_t>(height);
-    for (const auto& [name, size] : {std::pair{"720p", PictureSize{1280, 720}},
-                                     {"1080p", PictureSize{1920, 1080}},
-                                     {"2160p", PictureSize{3840, 2160}}}) {
+    for (const auto& [name, size] : {std::pair{"720p", tools::PictureSize{1280, 720}},
+                                     {"1080p", tools::PictureSize{1920, 1080}},
+                                     {"2160p", tools::PictureSize{3840, 2160}}}) {
         if (ImGui::SmallButton(name)) choice.size = size;
         viewer.report.item(std::string("export/") + name);
         ImGui::SameLine();
@@ -90,18 +90,19 @@ ExportSettings chosen_export(Viewer& viewer) {
         settings.pictures =
             static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
     }
-    const std::optional<CameraPath>& path = viewer.stage->settings.camera_path;
+    const std::optional<stage::CameraPath>& path = viewer.stage->settings.camera_path;
     if (path && (choice.camera == kAlongPath || (choice.camera.empty() && viewer.along_path))) {
-        settings.camera = [path = *path, size = choice.size](const Stage&, const StageInstant& instant) {
-            return camera_at(path, instant.time_s, size.width, size.height);
+        settings.camera = [path = *path, size = choice.size](const stage::Stage&, const stage::StageInstant& instant) {
+            return stage::camera_at(path, instant.time_s, size.width, size.height);
         };
     } else if (choice.camera.empty()) {
-        settings.camera = [eye = viewer.eye, size = choice.size](const Stage&, const StageInstant&) {
+        settings.camera = [eye = viewer.eye, size = choice.size](const stage::Stage&, const stage::StageInstant&) {
             return camera_of(eye, size.width, size.height);
         };
     } else {
-        settings.camera = [name = choice.camera, size = choice.size](const Stage& stage, const StageInstant& instant) {
-            return camera_of(stage, name, instant, size.width, size.height);
+        settings.camera = [name = choice.camera, size = choice.size](const stage::Stage& stage,
+                                                                     const stage::StageInstant& instant) {
+            return stage::camera_of(stage, name, instant, size.width, size.height);
         };
     }
     return settings;
@@ -109,7 +110,7 @@ ExportSettings chosen_export(Viewer& viewer) {
 
 void begin_export(Viewer& viewer, ExportSettings settings, const std::filesystem::path& file) {
     try {
-        settings.output = parse_output(file.string());
+        settings.output = tools::parse_output(file.string());
         viewer.begin_export(std::make_shared<Export>(std::move(settings)));
     } catch (const InputError& problem) {
         viewer.editor.tell(problem.what(), true);
@@ -180,4 +181,4 @@ void render_tab(Viewer& viewer) {
         export_fields(viewer);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 constexpr auto kBetween = std::chrono::milliseconds(40);
@@ -44,4 +44,4 @@ bool Report::end_frame() {
     return true;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

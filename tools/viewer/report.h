@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Report {
   public:
@@ -30,4 +30,4 @@ class Report {
     std::chrono::steady_clock::time_point last_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,12 +7,12 @@
 
 #include "tools/viewer/look.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct Screen::Frame {
-    explicit Frame(const Device& device) : commands(device, "window", 4) {}
-    Commands commands;
-    std::shared_ptr<const DeviceImage> picture;  // lives until its copy is done
+    explicit Frame(const gpu::Device& device) : commands(device, "window", 4) {}
+    gpu::Commands commands;
+    std::shared_ptr<const gpu::DeviceImage> picture;  // lives until its copy is done
 };
 
 namespace {
@@ -39,7 +39,7 @@ uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
 
 }  // namespace
 
-Screen::Screen(const Device& device, Window& window, float scale)
+Screen::Screen(const gpu::Device& device, Window& window, float scale)
     : device_(device), window_(window), swapchain_(device, window.make_surface(device)) {
     for (auto& frame : frames_) frame = std::make_unique<Frame>(device);
     swapchain_.resize(window.framebuffer());
@@ -79,8 +79,8 @@ bool Screen::end(const ScreenPicture& picture) {
     }
     Frame& frame = *frames_[turn_];
     frame.commands.wait();
-    CommandSemaphores semaphores;
-    const std::optional<PresentTarget> target = swapchain_.acquire(semaphores);
+    gpu::CommandSemaphores semaphores;
+    const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);
     if (!target) return false;
     if (capture_) captured_in_ = turn_;
     turn_ = 1 - turn_;
@@ -93,13 +93,13 @@ bool Screen::end(const ScreenPicture& picture) {
 }
 
 // The picture, scaled to its place, on a plain ground; panels over it.
-void Screen::record(Commands& commands, const ScreenPicture& picture, const PresentTarget& target) {
-    move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+void Screen::record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target) {
+    gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue ground = ground_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
     if (is_shown(picture, target.extent)) {
-        full_barrier(commands);
+        gpu::full_barrier(commands);
         const VkExtent2D at = shown_part(picture, target.extent);
         VkImageBlit blit{};
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
@@ -112,34 +112,35 @@ void Screen::record(Commands& commands, const ScreenPicture& picture, const Pres
         vkCmdBlitImage(commands.handle(), picture.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     }
-    move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                     VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     drawing_->record(commands, framebuffers_[target.index], target.extent);
     VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     if (capture_) {
-        move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        gpu::move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         record_capture(commands, target);
         drawn = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
-    move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    gpu::move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
-void Screen::record_capture(Commands& commands, const PresentTarget& target) {
+void Screen::record_capture(gpu::Commands& commands, const gpu::PresentTarget& target) {
     capture_ = false;
     captured_size_ = target.extent;
-    captured_ = Buffer(device_, "window capture", uint64_t{4} * target.extent.width * target.extent.height,
-                       MemoryKind::kReadback);
+    captured_ = gpu::Buffer(device_, "window capture", uint64_t{4} * target.extent.width * target.extent.height,
+                            gpu::MemoryKind::kReadback);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     region.imageExtent = {target.extent.width, target.extent.height, 1};
     vkCmdCopyImageToBuffer(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, captured_.buffer, 1,
                            &region);
-    host_barrier(commands);
+    gpu::host_barrier(commands);
 }
 
-std::optional<Image> Screen::take_capture() {
+std::optional<media::Image> Screen::take_capture() {
     if (!captured_.mapped) return std::nullopt;
     frames_[captured_in_]->commands.wait();
-    Image image(captured_size_.width, captured_size_.height);
+    media::Image image(captured_size_.width, captured_size_.height);
     const uint8_t* from = captured_.as<uint8_t>();
     const bool swapped = swapchain_.format() == VK_FORMAT_B8G8R8A8_UNORM;
     for (size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -148,8 +149,8 @@ std::optional<Image> Screen::take_capture() {
         image.rgba[i + 2] = from[i + (swapped ? 0 : 2)];
         image.rgba[i + 3] = 255;
     }
-    captured_ = Buffer();
+    captured_ = gpu::Buffer();
     return image;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,11 +10,11 @@
 #include "tools/viewer/panel_drawing.h"
 #include "tools/viewer/window.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Part of an image (RGBA8, layout TRANSFER_SRC), and where it goes in the window, in the framebuffer's pixels.
 struct ScreenPicture {
-    std::shared_ptr<const DeviceImage> image;
+    std::shared_ptr<const gpu::DeviceImage> image;
     VkExtent2D size{};
     VkRect2D at{};
 };
@@ -22,7 +22,7 @@ struct ScreenPicture {
 class Screen {
   public:
     // `scale`: of letters and panels. Both must outlive it; ImGui has its context as long as it lives.
-    Screen(const Device& device, Window& window, float scale);
+    Screen(const gpu::Device& device, Window& window, float scale);
     ~Screen();
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
@@ -37,23 +37,23 @@ class Screen {
     bool end(const ScreenPicture& picture);
     // end() keeps what the window shows from now on, until it is taken once.
     void capture_next() { capture_ = true; }
-    std::optional<Image> take_capture();
+    std::optional<media::Image> take_capture();
 
   private:
     struct Frame;
     void make_framebuffers();
-    void record(Commands& commands, const ScreenPicture& picture, const PresentTarget& target);
-    void record_capture(Commands& commands, const PresentTarget& target);
-    const Device& device_;
+    void record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target);
+    void record_capture(gpu::Commands& commands, const gpu::PresentTarget& target);
+    const gpu::Device& device_;
     Window& window_;
-    Swapchain swapchain_;
+    gpu::Swapchain swapchain_;
     std::unique_ptr<PanelDrawing> drawing_;
     std::vector<VkFramebuffer> framebuffers_;
     std::unique_ptr<Frame> frames_[2];  // in flight in turn
     size_t turn_ = 0, captured_in_ = 0;
     bool capture_ = false;
-    Buffer captured_;
+    gpu::Buffer captured_;
     VkExtent2D captured_size_{};
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

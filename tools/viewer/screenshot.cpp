@@ -9,7 +9,7 @@
 #include "media/image.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -22,23 +22,23 @@ std::filesystem::path free_name(const std::filesystem::path& folder) {
 }
 
 // From any thread.
-void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<const Image> image) {
+void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
     viewer.work.start("Saving a screenshot", [&viewer, folder, image] {
         std::filesystem::create_directories(folder);
         const std::filesystem::path path = free_name(folder);
-        write_png(path, *image);
+        media::write_png(path, *image);
         return [&viewer, path] { viewer.editor.tell(fmt::format("saved {}", path.string())); };
     });
 }
 
 // The upper left of an image (RGBA8, layout TRANSFER_SRC), opaque.
-Image read_back(const Device& device, const DeviceImage& image, VkExtent2D size) {
-    const Buffer pixels(device, "screenshot", uint64_t{4} * size.width * size.height, MemoryKind::kReadback);
-    run_once(device, "screenshot", [&](Commands& commands) {
-        copy(commands, image, {{0, 0}, size}, pixels);
-        host_barrier(commands);
+media::Image read_back(const gpu::Device& device, const gpu::DeviceImage& image, VkExtent2D size) {
+    const gpu::Buffer pixels(device, "screenshot", uint64_t{4} * size.width * size.height, gpu::MemoryKind::kReadback);
+    gpu::run_once(device, "screenshot", [&](gpu::Commands& commands) {
+        gpu::copy(commands, image, {{0, 0}, size}, pixels);
+        gpu::host_barrier(commands);
     });
-    Image read(size.width, size.height);
+    media::Image read(size.width, size.height);
     std::copy_n(pixels.as<uint8_t>(), read.rgba.size(), read.rgba.begin());
     for (size_t i = 3; i < read.rgba.size(); i += 4) read.rgba[i] = 255;
     return read;
@@ -60,9 +60,9 @@ void Screenshots::take(Viewer& viewer) {
     if (!picture_ && !window_ && !window_asked_) return;
     if (folder_.empty()) folder_ = pictures_folder();
     if (window_asked_)
-        if (std::optional<Image> image = viewer.screen.take_capture()) {
+        if (std::optional<media::Image> image = viewer.screen.take_capture()) {
             window_asked_ = false;
-            write(viewer, folder_, std::make_shared<const Image>(std::move(*image)));
+            write(viewer, folder_, std::make_shared<const media::Image>(std::move(*image)));
         }
     if (window_ && !window_asked_) {
         window_ = false;
@@ -72,10 +72,10 @@ void Screenshots::take(Viewer& viewer) {
     if (picture_ && viewer.picture_is_sharp()) {
         picture_ = false;
         viewer.drawer.post([&viewer, folder = folder_, shown = viewer.drawn.shown](OnDevice& on) {
-            write(viewer, folder, std::make_shared<const Image>(read_back(on.device, *shown.image, shown.size)));
+            write(viewer, folder, std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
         });
     }
     viewer.redraw(1);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 
@@ -28,4 +28,4 @@ class Screenshots {
 // $XDG_PICTURES_DIR, or Pictures in the home folder where there is one, or the working folder.
 std::filesystem::path pictures_folder();
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -11,7 +11,7 @@
 #include "base/platform.h"
 #include "spirv/neuvv_render_shaders.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -110,7 +110,7 @@ ShaderSources::Change ShaderSources::look() {
         if (others.empty()) return change;
         seen_ = std::move(now);
         find_stale(others);
-        ShaderReplacements replacements = replacements_;
+        gpu::ShaderReplacements replacements = replacements_;
         for (const auto& [file, words] : neuvv_render_shaders) {
             if (!stale_.contains(file)) continue;
             replacements[{words.begin(), words.end()}] = compiled(file);
@@ -136,4 +136,4 @@ void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
     if (!shared_.empty()) throw InputError(shared_.string(), "", "C++ has it, too", "build the program anew");
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

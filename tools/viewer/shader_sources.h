@@ -10,7 +10,7 @@
 
 #include "gpu/shader_table.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class ShaderSources {
   public:
@@ -25,7 +25,7 @@ class ShaderSources {
     // Some of a second for each shader. Where one does not compile, none of the change counts until it does.
     Change look();
     // All that were compiled, as of the last call of look() without a problem.
-    const ShaderReplacements& replacements() const { return replacements_; }
+    const gpu::ShaderReplacements& replacements() const { return replacements_; }
 
   private:
     using Times = std::map<std::filesystem::path, std::filesystem::file_time_type>;
@@ -38,7 +38,7 @@ class ShaderSources {
     Times seen_;
     std::set<std::string> stale_;   // changed, and not compiled since
     std::filesystem::path shared_;  // of shared/, changed: the program has another one until it is built anew
-    ShaderReplacements replacements_;
+    gpu::ShaderReplacements replacements_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

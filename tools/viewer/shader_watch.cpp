@@ -8,7 +8,7 @@
 
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -59,4 +59,4 @@ void ShaderWatch::give(Viewer& viewer) {
     });
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -9,7 +9,7 @@
 
 #include "tools/viewer/shader_sources.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Viewer;
 
@@ -27,9 +27,9 @@ class ShaderWatch {
     std::shared_ptr<ShaderSources> sources_;  // used by jobs alone, one after the other
     double looked_s_ = 0;
     bool looking_ = false;
-    std::optional<ShaderReplacements> compiled_;  // that the drawer does not have yet
-    std::string names_;                           // of their sources
+    std::optional<gpu::ShaderReplacements> compiled_;  // that the drawer does not have yet
+    std::string names_;                                // of their sources
     void give(Viewer& viewer);
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 
 #include "tools/viewer/panels.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 void speed_panel(Viewer& viewer) {
     const Area& area = viewer.picture_area;
@@ -24,9 +24,9 @@ void speed_panel(Viewer& viewer) {
         static_cast<double>(viewer.device.buffer_bytes()) / 1048576);
     ImGui::TextUnformatted(text.c_str());
     ImGui::Separator();
-    for (const PassTime& pass : shown.passes)
+    for (const gpu::PassTime& pass : shown.passes)
         ImGui::TextUnformatted(fmt::format("{:8.2f} ms  {}", pass.milliseconds, pass.name).c_str());
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,30 +3,30 @@
 
 #include "tools/viewer/property_fields.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
-void drag(Viewer& viewer, const StageEdit& edit) {
-    viewer.editor.drag([edit](Document& document) { return set_stage(document.file, edit); });
+void drag(Viewer& viewer, const edit::StageEdit& edit) {
+    viewer.editor.drag([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
 }
 
-void set(Viewer& viewer, const StageEdit& edit) {
-    viewer.editor.edit([edit](Document& document) { return set_stage(document.file, edit); });
+void set(Viewer& viewer, const edit::StageEdit& edit) {
+    viewer.editor.edit([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
 }
 
-void time_fields(Viewer& viewer, FieldGroup& group, const StageSettings& settings) {
+void time_fields(Viewer& viewer, FieldGroup& group, const stage::StageSettings& settings) {
     double duration_s = settings.duration_s.value_or(viewer.clock.duration_s());
-    if (group.number("duration", duration_s, {1 / kMaxStageFps, kMaxStageSeconds, 0.02, "%.2f s"}))
+    if (group.number("duration", duration_s, {1 / stage::kMaxStageFps, stage::kMaxStageSeconds, 0.02, "%.2f s"}))
         drag(viewer, {.duration_s = duration_s});
     if (!settings.duration_s) explain("Until all performers are at their end, as long as you give no other");
     double fps = settings.fps.value_or(viewer.clock.fps());
     if (group.number("pictures", fps, {1, 240, 0.1, "%.3g a second"})) drag(viewer, {.fps = fps});
 }
 
-void environment_fields(Viewer& viewer, FieldGroup& group, const StageEnvironment& environment) {
+void environment_fields(Viewer& viewer, FieldGroup& group, const stage::StageEnvironment& environment) {
     group.label("environment");
-    ImGui::TextDisabled("%s", std::filesystem::path(decoded_uri(environment.uri)).filename().string().c_str());
+    ImGui::TextDisabled("%s", std::filesystem::path(stage::decoded_uri(environment.uri)).filename().string().c_str());
     group.report_last("environment");
     double intensity = environment.intensity;
     if (group.number("its light", intensity, {0, 1000, 0.01, "%.2f"}))
@@ -41,18 +41,18 @@ void environment_fields(Viewer& viewer, FieldGroup& group, const StageEnvironmen
 
 }  // namespace
 
-StageSettings stage_settings(const StageFile& file) {
+stage::StageSettings stage_settings(const stage::StageFile& file) {
     const nlohmann::ordered_json& json = file.json;
     const auto scenes = json.find("scenes");
     if (scenes == json.end() || scenes->empty()) return {};
     const nlohmann::ordered_json& scene = scenes->at(json.value("scene", size_t{0}));
     const auto extensions = scene.find("extensions");
-    if (extensions == scene.end() || !extensions->contains(kStageExtension)) return {};
-    return stage_settings_of((*extensions)[kStageExtension], file.path.string(), kStageExtension);
+    if (extensions == scene.end() || !extensions->contains(stage::kStageExtension)) return {};
+    return stage::stage_settings_of((*extensions)[stage::kStageExtension], file.path.string(), stage::kStageExtension);
 }
 
 void stage_light_fields(Viewer& viewer, FieldGroup& group) {
-    const StageSettings settings = stage_settings(viewer.editor.file());
+    const stage::StageSettings settings = stage_settings(viewer.editor.file());
     glm::dvec3 ambient = settings.ambient.value_or(viewer.stage ? viewer.stage->ambient : glm::dvec3(0));
     if (group.colour("ambient", ambient)) drag(viewer, {.ambient = ambient});
     explain("Light that comes from everywhere");
@@ -65,17 +65,17 @@ void stage_light_fields(Viewer& viewer, FieldGroup& group) {
 }
 
 void stage_fields(Viewer& viewer, FieldGroup& group) {
-    const StageSettings settings = stage_settings(viewer.editor.file());
+    const stage::StageSettings settings = stage_settings(viewer.editor.file());
     headline("Stage");
     time_fields(viewer, group, settings);
     glm::dvec3 background = settings.background;
     if (group.colour("background", background)) drag(viewer, {.background = background});
     auto blend = static_cast<size_t>(settings.blend);
     constexpr const char* kBlends[] = {"exact", "layer over layer"};  // by StageBlend
-    if (group.choice("blend", blend, kBlends)) set(viewer, {.blend = static_cast<StageBlend>(blend)});
+    if (group.choice("blend", blend, kBlends)) set(viewer, {.blend = static_cast<stage::StageBlend>(blend)});
     explain("How performers who are in each other's way mix");
     headline("Its light");
     stage_light_fields(viewer, group);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

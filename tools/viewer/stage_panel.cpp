@@ -9,7 +9,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/signs.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -39,9 +39,9 @@ void light_menu(Viewer& viewer) {
         viewer.report.item(report);
         return chosen;
     };
-    if (item(SIGN_LIGHT "  Spotlight", "stage/add/spot")) add_light_in_view(viewer, GltfLightKind::kSpot);
-    if (item(SIGN_BULLET "  Lamp", "stage/add/point")) add_light_in_view(viewer, GltfLightKind::kPoint);
-    if (item(SIGN_SUN "  Sun", "stage/add/sun")) add_light_in_view(viewer, GltfLightKind::kDirectional);
+    if (item(SIGN_LIGHT "  Spotlight", "stage/add/spot")) add_light_in_view(viewer, stage::GltfLightKind::kSpot);
+    if (item(SIGN_BULLET "  Lamp", "stage/add/point")) add_light_in_view(viewer, stage::GltfLightKind::kPoint);
+    if (item(SIGN_SUN "  Sun", "stage/add/sun")) add_light_in_view(viewer, stage::GltfLightKind::kDirectional);
 }
 
 void buttons(Viewer& viewer) {
@@ -75,9 +75,9 @@ void menu_of(Viewer& viewer, const StageRow& row) {
     if (item("Duplicate", "Ctrl+D")) duplicate_once(viewer, row.node);
     if (item("Duplicate…", "")) ask_duplicate(viewer, row.node);
     if (item(row.shown ? "Hide" : "Show", ""))
-        viewer.editor.edit([&](Document& d) { return show_node(d.file, row.node, !row.shown); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
     if (item(row.locked ? "Unlock" : "Lock", ""))
-        viewer.editor.edit([&](Document& d) { return lock_node(d.file, row.node, !row.locked); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::Separator();
     if (item("Delete", "Del")) delete_node(viewer, row.node);
 }
@@ -126,7 +126,7 @@ void name_field(Viewer& viewer, const StageRow& row, float width) {
     const std::string typed = tree.typed;
     tree.renaming.reset();
     if (typed != row.title && !typed.empty())
-        viewer.editor.edit([&](Document& d) { return rename_node(d.file, row.node, typed); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::rename_node(d.file, row.node, typed); });
 }
 
 // Where a row's parts are.
@@ -194,11 +194,11 @@ void draw_marks(Viewer& viewer, const StageRow& row, const RowPlace& place, bool
     ImGui::SetCursorScreenPos({place.right - 2 * place.side, place.at.y});
     if (mark(viewer, "lock", report + "/lock", row.locked ? SIGN_LOCK : SIGN_UNLOCK, row.locked, under,
              row.locked ? "Locked: is not moved or deleted by mistake" : "Lock, so that it is not moved by mistake"))
-        viewer.editor.edit([&](Document& d) { return lock_node(d.file, row.node, !row.locked); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::SetCursorScreenPos({place.right - place.side, place.at.y});
     if (mark(viewer, "eye", report + "/eye", row.shown ? SIGN_EYE : SIGN_EYE_OFF, !row.shown, true,
              row.shown ? "Hide, with all that hangs on it" : "Show"))
-        viewer.editor.edit([&](Document& d) { return show_node(d.file, row.node, !row.shown); });
+        viewer.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
 }
 
 void draw_row(Viewer& viewer, const StageRow& row) {
@@ -283,4 +283,4 @@ void stage_panel(Viewer& viewer, const Area& area) {
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -16,7 +16,7 @@ bool has_extension(const ordered_json& node, const char* name) {
 }
 
 NodeKind kind_of(const ordered_json& node) {
-    if (has_extension(node, kPerformerExtension)) return NodeKind::kPerformer;
+    if (has_extension(node, stage::kPerformerExtension)) return NodeKind::kPerformer;
     if (has_extension(node, "KHR_lights_punctual")) return NodeKind::kLight;
     if (node.contains("camera")) return NodeKind::kCamera;
     if (node.contains("mesh")) return NodeKind::kMesh;
@@ -55,7 +55,7 @@ void count_below(std::vector<StageRow>& rows) {
 
 }  // namespace
 
-std::vector<StageRow> stage_rows(const StageFile& file) {
+std::vector<StageRow> stage_rows(const stage::StageFile& file) {
     const size_t count = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
     struct Next {
         uint32_t node, depth;
@@ -77,9 +77,9 @@ std::vector<StageRow> stage_rows(const StageFile& file) {
         row.kind = kind_of(node);
         if (const auto name = node.find("name"); name != node.end() && name->is_string()) row.title = *name;
         if (row.title.empty()) row.title = fmt::format("node {}", at.node);
-        row.shown = is_shown(file, at.node);
+        row.shown = edit::is_shown(file, at.node);
         row.shown_above = at.shown_above;
-        row.locked = is_locked(file, at.node);
+        row.locked = edit::is_locked(file, at.node);
         push(indices_in(node, "children"), at.depth + 1, at.shown_above && row.shown);
     }
     count_below(rows);
@@ -112,4 +112,4 @@ std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint
     return {};
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

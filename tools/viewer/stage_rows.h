@@ -9,7 +9,7 @@
 
 #include "stage/stage_file.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // What a node is to those who look for it; of several, the first of these.
 enum class NodeKind { kPerformer, kLight, kCamera, kMesh, kGroup };
@@ -26,7 +26,7 @@ struct StageRow {
 };
 
 // The nodes of the scene that is shown, parents before what hangs on them. The document is sound.
-std::vector<StageRow> stage_rows(const StageFile& file);
+std::vector<StageRow> stage_rows(const stage::StageFile& file);
 
 // The rows, by index, that are seen where these are closed, by title.
 std::vector<uint32_t> open_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed);
@@ -40,4 +40,4 @@ void open_above(const std::vector<StageRow>& rows, uint32_t row, std::set<std::s
 // The title of what keeps a row's node from being removed: itself, or the first below it, where that is locked.
 std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint32_t row);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -2,10 +2,11 @@
 
 #include <utility>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
-void StoredEdits::opened(std::optional<RecoveryEntry> from) {
-    writer_ = recovery_folder().empty() ? nullptr : std::make_shared<RecoveryWriter>(recovery_folder());
+void StoredEdits::opened(std::optional<edit::RecoveryEntry> from) {
+    writer_ =
+        edit::recovery_folder().empty() ? nullptr : std::make_shared<edit::RecoveryWriter>(edit::recovery_folder());
     stored_id_ = 0;
     from_ = std::move(from);
 }
@@ -18,7 +19,7 @@ void StoredEdits::tick(double now_s) {
     storing_ = true;
     const bool modified = editor_.modified() || editor_.dragging();
     work_.start("",
-                [this, modified, id = editor_.id(), document = std::make_shared<Document>(editor_.document()),
+                [this, modified, id = editor_.id(), document = std::make_shared<edit::Document>(editor_.document()),
                  writer = writer_, from = from_]() -> Work::Then {
                     std::string problem;
                     try {
@@ -26,7 +27,7 @@ void StoredEdits::tick(double now_s) {
                             writer->store(*document);
                         else
                             writer->discard();
-                        if (from) discard(*from);
+                        if (from) edit::discard(*from);
                     } catch (const std::exception& error) {
                         problem = error.what();
                     }
@@ -45,7 +46,7 @@ void StoredEdits::forget() {
     if (!writer_) return;
     work_.start("", [writer = writer_, from = std::exchange(from_, std::nullopt)]() -> Work::Then {
         writer->discard();
-        if (from) discard(*from);
+        if (from) edit::discard(*from);
         return {};
     });
 }
@@ -57,8 +58,8 @@ bool StoredEdits::store_now() {
         writer_->store(editor_.document());
     else
         writer_->discard();
-    if (from_) discard(*from_);
+    if (from_) edit::discard(*from_);
     return editor_.modified();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

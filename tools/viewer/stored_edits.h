@@ -8,7 +8,7 @@
 #include "tools/viewer/editor.h"
 #include "tools/viewer/work.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 constexpr double kStoreEvery_s = 2;
 
@@ -19,7 +19,7 @@ class StoredEdits {
     StoredEdits(Editor& editor, Work& work) : editor_(editor), work_(work) {}
 
     // Another document was opened, `from` these edits, which are kept until its own are stored.
-    void opened(std::optional<RecoveryEntry> from = {});
+    void opened(std::optional<edit::RecoveryEntry> from = {});
     // Each frame.
     void tick(double now_s);
     // Saved or given up: nothing is kept, once what is being stored has been.
@@ -30,11 +30,11 @@ class StoredEdits {
   private:
     Editor& editor_;
     Work& work_;
-    std::shared_ptr<RecoveryWriter> writer_;  // used by jobs alone, one after the other, until the last has gone
-    std::optional<RecoveryEntry> from_;
+    std::shared_ptr<edit::RecoveryWriter> writer_;  // used by jobs alone, one after the other, until the last has gone
+    std::optional<edit::RecoveryEntry> from_;
     bool storing_ = false;
     uint64_t stored_id_ = 0;
     double stored_s_ = 0;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -77,4 +77,4 @@ double at_picture(double time_s, double fps) {
     return std::round(time_s * fps) / fps;
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

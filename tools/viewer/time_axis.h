@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 struct TimeAxis {
     double left = 0, width = 1;  // pixels
@@ -45,4 +45,4 @@ std::string label_of(const TimeMarks& marks, int64_t number, double fps);
 // The nearest instant at which a picture begins.
 double at_picture(double time_s, double fps);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

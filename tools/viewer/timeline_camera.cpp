@@ -9,7 +9,7 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -20,8 +20,8 @@ double frame_s(const Viewer& viewer) {
     return 1 / viewer.clock.fps();
 }
 
-void edit_path(Viewer& viewer, const CameraPath& path) {
-    viewer.editor.edit([path](Document& d) { return set_camera_path(d.file, path); });
+void edit_path(Viewer& viewer, const stage::CameraPath& path) {
+    viewer.editor.edit([path](edit::Document& d) { return edit::set_camera_path(d.file, path); });
 }
 
 void name_cell(Viewer& viewer, const TimelineView& view, bool has_path) {
@@ -44,7 +44,7 @@ void name_cell(Viewer& viewer, const TimelineView& view, bool has_path) {
         viewer.along_path = !viewer.along_path;
 }
 
-void key_items(Viewer& viewer, const CameraPath& path, size_t key) {
+void key_items(Viewer& viewer, const stage::CameraPath& path, size_t key) {
     const auto item = [&](const char* name, const char* text) {
         const bool chosen = ImGui::MenuItem(text);
         viewer.report.item(fmt::format("timeline/key/{}/{}", key, name));
@@ -55,14 +55,14 @@ void key_items(Viewer& viewer, const CameraPath& path, size_t key) {
         viewer.go_to(eye_at(path, path.keys[key].time_s, viewer));
     }
     if (item("replace", "Take the present view"))
-        viewer.editor.edit([now = key_of(viewer.eye, path.keys[key].time_s), step_s = frame_s(viewer)](Document& d) {
-            return add_path_key(d.file, now, step_s);
-        });
-    if (item("remove", "Remove")) viewer.editor.edit([key](Document& d) { return remove_path_key(d.file, key); });
+        viewer.editor.edit([now = key_of(viewer.eye, path.keys[key].time_s), step_s = frame_s(viewer)](
+                               edit::Document& d) { return edit::add_path_key(d.file, now, step_s); });
+    if (item("remove", "Remove"))
+        viewer.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
     ImGui::Separator();
 }
 
-void path_items(Viewer& viewer, CameraPath path) {
+void path_items(Viewer& viewer, stage::CameraPath path) {
     constexpr std::pair<const char*, const char*> kWays[] = {
         {"smooth", "Smooth"}, {"linear", "Straight from key to key"}, {"cut", "Cut from key to key"}};
     const auto item = [&](const char* name, const char* text, bool on) {
@@ -70,7 +70,8 @@ void path_items(Viewer& viewer, CameraPath path) {
         viewer.report.item(fmt::format("timeline/path/{}", name));
         return chosen;
     };
-    for (const Interpolation way : {Interpolation::kSmooth, Interpolation::kLinear, Interpolation::kCut})
+    for (const stage::Interpolation way :
+         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut})
         if (item(kWays[static_cast<size_t>(way)].first, kWays[static_cast<size_t>(way)].second,
                  path.interpolation == way)) {
             path.interpolation = way;
@@ -80,7 +81,7 @@ void path_items(Viewer& viewer, CameraPath path) {
     if (item("cyclic", "Round and round, back to the first key", path.cyclic))
         edit_path(viewer, made_cyclic(path, !path.cyclic));
     if (item("remove", "Remove the path", false))
-        viewer.editor.edit([](Document& d) { return set_camera_path(d.file, std::nullopt); });
+        viewer.editor.edit([](edit::Document& d) { return edit::set_camera_path(d.file, std::nullopt); });
 }
 
 void move_held(Viewer& viewer, const TimelineView& view) {
@@ -96,13 +97,13 @@ void move_held(Viewer& viewer, const TimelineView& view) {
     const double to_s = std::max(0.0, snapped_time(viewer, view, from_s + pointer_s - drag.grabbed_s));
     if (to_s == drag.to_s) return;
     drag.to_s = to_s;
-    viewer.editor.drag([key = drag.key, to_s, step_s = frame_s(viewer)](Document& d) {
-        return move_path_key(d.file, key, to_s, step_s);
+    viewer.editor.drag([key = drag.key, to_s, step_s = frame_s(viewer)](edit::Document& d) {
+        return edit::move_path_key(d.file, key, to_s, step_s);
     });
 }
 
 // Whether the pointer is over it.
-bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path, size_t key, double time_s,
+bool key_button(Viewer& viewer, const TimelineView& view, const stage::CameraPath& path, size_t key, double time_s,
                 float middle) {
     std::optional<HeldKey>& drag = viewer.timeline.key;
     const float x = std::round(view.x_at(time_s)), half = viewer.ui(kKey);
@@ -134,15 +135,15 @@ bool key_button(Viewer& viewer, const TimelineView& view, const CameraPath& path
 }
 
 // The way, from its first key to its end, and its keys; whether the pointer is over one.
-bool draw_keys(Viewer& viewer, const TimelineView& view, const CameraPath& now, float middle) {
+bool draw_keys(Viewer& viewer, const TimelineView& view, const stage::CameraPath& now, float middle) {
     const bool let_go = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
     if (let_go) viewer.timeline.key.reset();  // where nobody saw it: the panel was away
     const std::optional<HeldKey> drag = viewer.timeline.key;
-    const CameraPath path = drag ? drag->before : now;
+    const stage::CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
-    if (now.interpolation != Interpolation::kCut)
+    if (now.interpolation != stage::Interpolation::kCut)
         ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kWay, viewer.ui(2));
     ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
     bool over_key = false;
@@ -163,7 +164,7 @@ void draw_hint(const Viewer& viewer, const TimelineView& view, float top) {
 
 }  // namespace
 
-void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<CameraPath>& path) {
+void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<stage::CameraPath>& path) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float bottom = at.y + view.row_height, inset = viewer.ui(2);
     ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -186,4 +187,4 @@ void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<Ca
     ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -5,7 +5,7 @@
 #include "tools/viewer/panels.h"
 #include "tools/viewer/timeline_view.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -157,4 +157,4 @@ void timeline_panel(Viewer& viewer, const Area& area) {
     ImGui::End();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

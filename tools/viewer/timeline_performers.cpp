@@ -8,7 +8,7 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -30,16 +30,16 @@ BarPlace place_of(const Viewer& viewer, const TimelineView& view, const Performe
 }
 
 void edit_now(Viewer& viewer, uint32_t node, TimeEdit edit) {
-    viewer.editor.edit([node, edit = std::move(edit)](Document& d) { return edit_time(d.file, node, edit); });
+    viewer.editor.edit([node, edit = std::move(edit)](edit::Document& d) { return edit_time(d.file, node, edit); });
 }
 
 // The clip's frame over stage time: the first at the bottom, the last at the top.
-void draw_curve(const Viewer& viewer, const TimelineView& view, const Timeline& timeline, const BarPlace& bar) {
+void draw_curve(const Viewer& viewer, const TimelineView& view, const stage::Timeline& timeline, const BarPlace& bar) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float inset = viewer.ui(3), height = bar.bottom - bar.top - 2 * inset;
     const double frames = std::max(1.0, timeline.frames - 1.0);
     const auto y_at = [&](float x) {
-        return bar.bottom - inset - height * static_cast<float>(frame_at(timeline, view.axis.s_at(x)) / frames);
+        return bar.bottom - inset - height * static_cast<float>(stage::frame_at(timeline, view.axis.s_at(x)) / frames);
     };
     const auto draw = [&](float from, float to, unsigned colour) {
         if (to <= from) return;
@@ -65,7 +65,7 @@ void draw_bar(const Viewer& viewer, const TimelineView& view, const PerformerTra
 
 void tell_times(const Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
     const double at_s = view.axis.s_at(ImGui::GetIO().MousePos.x);
-    const double frame = frame_at(track.timeline, at_s);
+    const double frame = stage::frame_at(track.timeline, at_s);
     const std::string end = std::isfinite(track.bar.end_s) ? "to " + text_of_time(track.bar.end_s) : "without end";
     ImGui::SetTooltip(
         "%s", fmt::format("{}: from {} {}\nat {} picture {:.0f} of {}{}", track.name, text_of_time(track.bar.start_s),
@@ -87,15 +87,15 @@ void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& trac
     drag.moved_s = by_s;
     const uint32_t node = track.node;
     if (drag.part == BarPart::kBody && drag.stagger) {
-        viewer.editor.drag([node, by_s, stage = viewer.stage](Document& d) {
+        viewer.editor.drag([node, by_s, stage = viewer.stage](edit::Document& d) {
             return stagger_together(d.file, stage->clips, node, by_s);
         });
         return;
     }
-    viewer.editor.drag([node, by_s, to_s, rate = track.rate, part = drag.part](Document& d) {
-        return edit_time(d.file, node, [&](const TimeMap& map) {
-            if (part == BarPart::kStart) return trimmed_start(map, rate, to_s);
-            return part == BarPart::kEnd ? trimmed_end(map, rate, to_s) : moved(map, rate, by_s);
+    viewer.editor.drag([node, by_s, to_s, rate = track.rate, part = drag.part](edit::Document& d) {
+        return edit_time(d.file, node, [&](const stage::TimeMap& map) {
+            if (part == BarPart::kStart) return edit::trimmed_start(map, rate, to_s);
+            return part == BarPart::kEnd ? edit::trimmed_end(map, rate, to_s) : edit::moved(map, rate, by_s);
         });
     });
 }
@@ -130,8 +130,9 @@ void speed_field(Viewer& viewer, const PerformerTrack& track) {
     auto speed = static_cast<float>(speed_of(track.map));
     ImGui::SetNextItemWidth(viewer.ui(90));
     if (ImGui::DragFloat("speed", &speed, 0.01f, 0.05f, 20, "%.2f×", kFlags))
-        viewer.editor.drag([node = track.node, rate = track.rate, speed](Document& d) {
-            return edit_time(d.file, node, [&](const TimeMap& map) { return sped(map, rate, speed / speed_of(map)); });
+        viewer.editor.drag([node = track.node, rate = track.rate, speed](edit::Document& d) {
+            return edit_time(d.file, node,
+                             [&](const stage::TimeMap& map) { return edit::sped(map, rate, speed / speed_of(map)); });
         });
     viewer.report.item(fmt::format("timeline/{}/speed", track.name));
 }
@@ -142,41 +143,42 @@ void repeat_items(Viewer& viewer, const PerformerTrack& track) {
     for (const Repeat repeat : {Repeat::kOnce, Repeat::kLoop, Repeat::kPingPong}) {
         const auto [name, text] = kItems[static_cast<size_t>(repeat)];
         if (menu_item(viewer, track, name, text, repeat_of(track.map) == repeat))
-            edit_now(viewer, track.node, [repeat](const TimeMap& map) { return repeated(map, repeat); });
+            edit_now(viewer, track.node, [repeat](const stage::TimeMap& map) { return repeated(map, repeat); });
     }
 }
 
 void here_items(Viewer& viewer, const PerformerTrack& track) {
     const double now_s = viewer.clock.shown_s();
-    const ClipRate rate = track.rate;
+    const edit::ClipRate rate = track.rate;
     const auto now = [&](TimeEdit edit) { edit_now(viewer, track.node, std::move(edit)); };
     if (menu_item(viewer, track, "start_here", "Begin here"))
-        now([=, by_s = now_s - track.bar.start_s](const TimeMap& map) { return moved(map, rate, by_s); });
+        now([=, by_s = now_s - track.bar.start_s](const stage::TimeMap& map) { return edit::moved(map, rate, by_s); });
     if (menu_item(viewer, track, "trim_start", "Cut off what is before"))
-        now([=](const TimeMap& map) { return trimmed_start(map, rate, now_s); });
+        now([=](const stage::TimeMap& map) { return edit::trimmed_start(map, rate, now_s); });
     if (menu_item(viewer, track, "trim_end", "Cut off what is after"))
-        now([=](const TimeMap& map) { return trimmed_end(map, rate, now_s); });
+        now([=](const stage::TimeMap& map) { return edit::trimmed_end(map, rate, now_s); });
     if (menu_item(viewer, track, "hold", "Hold this picture for a second"))
-        now([=](const TimeMap& map) { return held_at(map, rate, now_s, 1); });
+        now([=](const stage::TimeMap& map) { return held_at(map, rate, now_s, 1); });
     if (menu_item(viewer, track, "freeze", "Freeze this picture"))
-        now([=](const TimeMap& map) { return frozen_at(map, rate, now_s); });
+        now([=](const stage::TimeMap& map) { return frozen_at(map, rate, now_s); });
 }
 
 void time_menu(Viewer& viewer, const PerformerTrack& track) {
     if (!ImGui::BeginPopup("time")) return;
     ImGui::TextDisabled("%s: %s", track.name.c_str(),
-                        track.map.empty() ? "as the clip is" : text_of(track.map).c_str());
+                        track.map.empty() ? "as the clip is" : stage::text_of(track.map).c_str());
     ImGui::Separator();
     speed_field(viewer, track);
     if (menu_item(viewer, track, "reverse", "Backwards", is_reversed(track.map)))
-        edit_now(viewer, track.node, [rate = track.rate](const TimeMap& map) { return reversed(map, rate); });
+        edit_now(viewer, track.node,
+                 [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
     ImGui::Separator();
     repeat_items(viewer, track);
     ImGui::Separator();
     here_items(viewer, track);
     ImGui::Separator();
     if (menu_item(viewer, track, "reset", "As the clip is"))
-        edit_now(viewer, track.node, [](const TimeMap&) { return TimeMap(); });
+        edit_now(viewer, track.node, [](const stage::TimeMap&) { return stage::TimeMap(); });
     ImGui::EndPopup();
 }
 
@@ -227,4 +229,4 @@ void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrac
     ImGui::PopID();
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

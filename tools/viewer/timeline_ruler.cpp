@@ -6,7 +6,7 @@
 #include "tools/viewer/look.h"
 #include "tools/viewer/timeline_view.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -110,4 +110,4 @@ void ruler_row(Viewer& viewer, const TimelineView& view) {
     ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

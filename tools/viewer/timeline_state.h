@@ -10,7 +10,7 @@
 #include "tools/viewer/time_axis.h"
 #include "tools/viewer/timeline_tracks.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // Names left, time right; pixels of the framebuffer.
 struct TimelineView {
@@ -30,7 +30,7 @@ struct HeldBar {
     BarPart part = BarPart::kBody;
     bool stagger = false, cancelled = false;
     double grabbed_s = 0, moved_s = 0;  // of the pointer; of the edge, so far
-    TimeBar before;
+    edit::TimeBar before;
 };
 
 // A key of the camera path. Its number is that of before, as operations of a drag count.
@@ -38,7 +38,7 @@ struct HeldKey {
     size_t key = 0;
     bool cancelled = false;
     double grabbed_s = 0, to_s = 0;
-    CameraPath before;
+    stage::CameraPath before;
 };
 
 struct TimelineState {
@@ -51,10 +51,10 @@ struct TimelineState {
     std::vector<PerformerTrack> tracks;
     uint64_t tracks_of = 0;                 // the document's id
     std::optional<uint32_t> seen_selected;  // already scrolled to
-    std::shared_ptr<const Stage> clips_of;
-    std::optional<CameraPath> path;
+    std::shared_ptr<const stage::Stage> clips_of;
+    std::optional<stage::CameraPath> path;
     std::vector<glm::dvec3> path_line;
     uint64_t path_of = 0;  // likewise
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

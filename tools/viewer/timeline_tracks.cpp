@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -42,43 +42,45 @@ std::vector<bool> in_default_scene(const ordered_json& json) {
     return reached;
 }
 
-std::optional<PerformerTrack> track_of(const StageFile& file, uint32_t node, const ordered_json& performer,
-                                       const std::vector<StageClip>& clips) {
-    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, kPerformerExtension);
-    const PerformerSettings settings = performer_settings_of(performer, file.path.string(), place);
+std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t node, const ordered_json& performer,
+                                       const std::vector<stage::StageClip>& clips) {
+    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
+    const stage::PerformerSettings settings = stage::performer_settings_of(performer, file.path.string(), place);
     PerformerTrack track;
     track.node = node;
     track.name = file.json["nodes"][node].value("name", std::string());
     if (track.name.empty()) track.name = fmt::format("node {}", node);
-    track.clip = absolute_path(file_of_uri(file, settings.uri, place + "/uri"));
-    const auto clip =
-        std::find_if(clips.begin(), clips.end(), [&](const StageClip& other) { return other.path == track.clip; });
+    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, place + "/uri"));
+    const auto clip = std::find_if(clips.begin(), clips.end(),
+                                   [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;
     track.map = settings.time;
     track.rate = {clip->frames, clip->fps};
-    track.timeline = timeline_of(track.map, clip->frames, clip->fps, file.path.string(), place + "/time");
-    track.bar = bar_of(track.map, track.rate);
+    track.timeline = stage::timeline_of(track.map, clip->frames, clip->fps, file.path.string(), place + "/time");
+    track.bar = edit::bar_of(track.map, track.rate);
     return track;
 }
 
-bool repeats(const TimeOperator& op) {
-    return op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong;
+bool repeats(const stage::TimeOperator& op) {
+    return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
 }
 
 // Where an operator goes that shall not care for when the performer begins: before the last offsets.
-size_t before_start(const TimeMap& map) {
+size_t before_start(const stage::TimeMap& map) {
     size_t at = map.size();
-    while (at > 0 && (map[at - 1].verb == TimeVerb::kOffset || map[at - 1].verb == TimeVerb::kHold)) at--;
+    while (at > 0 && (map[at - 1].verb == stage::TimeVerb::kOffset || map[at - 1].verb == stage::TimeVerb::kHold)) at--;
     return at;
 }
 
 // With an operator that says what is shown from a stage time on.
-TimeMap with_stop(TimeMap map, const ClipRate& clip, TimeVerb verb, double stage_s, double seconds) {
+stage::TimeMap with_stop(stage::TimeMap map, const edit::ClipRate& clip, stage::TimeVerb verb, double stage_s,
+                         double seconds) {
     const size_t at = before_start(map);
     double start_s = 0;
     for (size_t i = at; i < map.size(); i++)
-        if (map[i].verb == TimeVerb::kOffset) start_s += map[i].a.frames ? map[i].a.value / clip.fps : map[i].a.value;
-    TimeOperator op;
+        if (map[i].verb == stage::TimeVerb::kOffset)
+            start_s += map[i].a.frames ? map[i].a.value / clip.fps : map[i].a.value;
+    stage::TimeOperator op;
     op.verb = verb;
     op.a.value = std::max(0.0, stage_s - start_s);
     op.b.value = seconds;
@@ -88,30 +90,31 @@ TimeMap with_stop(TimeMap map, const ClipRate& clip, TimeVerb verb, double stage
 
 }  // namespace
 
-std::vector<PerformerTrack> performer_tracks(const StageFile& file, const std::vector<StageClip>& clips) {
+std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips) {
     std::vector<PerformerTrack> tracks;
     const ordered_json* nodes = member(file.json, "nodes");
     if (!nodes) return tracks;
     const std::vector<bool> shown = in_default_scene(file.json);
     for (uint32_t i = 0; i < nodes->size(); i++) {
         const ordered_json* extensions = member((*nodes)[i], "extensions");
-        const ordered_json* performer = extensions ? member(*extensions, kPerformerExtension) : nullptr;
+        const ordered_json* performer = extensions ? member(*extensions, stage::kPerformerExtension) : nullptr;
         if (!performer || !shown[i]) continue;
         if (auto track = track_of(file, i, *performer, clips)) tracks.push_back(std::move(*track));
     }
     return tracks;
 }
 
-std::string edit_time(StageFile& file, uint32_t node, const TimeEdit& edit) {
-    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, kPerformerExtension);
+std::string edit_time(stage::StageFile& file, uint32_t node, const TimeEdit& edit) {
+    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
     const ordered_json::json_pointer pointer(place);
     if (!file.json.contains(pointer)) throw InputError(file.path.string(), place, "is no performer");
-    PerformerEdit change;
-    change.time = edit(performer_settings_of(file.json.at(pointer), file.path.string(), place).time);
-    return set_performer(file, node, change);
+    edit::PerformerEdit change;
+    change.time = edit(stage::performer_settings_of(file.json.at(pointer), file.path.string(), place).time);
+    return edit::set_performer(file, node, change);
 }
 
-std::string stagger_together(StageFile& file, const std::vector<StageClip>& clips, uint32_t node, double by_s) {
+std::string stagger_together(stage::StageFile& file, const std::vector<stage::StageClip>& clips, uint32_t node,
+                             double by_s) {
     std::vector<PerformerTrack> same = performer_tracks(file, clips);
     const auto own =
         std::find_if(same.begin(), same.end(), [&](const PerformerTrack& track) { return track.node == node; });
@@ -123,55 +126,57 @@ std::string stagger_together(StageFile& file, const std::vector<StageClip>& clip
     const size_t first = order == 0 ? 1 : 0;
     const double step_s = by_s / static_cast<double>(order + first);
     for (size_t i = 0; i < same.size(); i++) {
-        PerformerEdit change;
-        change.time = moved(same[i].map, same[i].rate, static_cast<double>(i + first) * step_s);
-        set_performer(file, same[i].node, change);
+        edit::PerformerEdit change;
+        change.time = edit::moved(same[i].map, same[i].rate, static_cast<double>(i + first) * step_s);
+        edit::set_performer(file, same[i].node, change);
     }
     return fmt::format("{} performers, each {:.6g} s later than the one before", same.size(), step_s);
 }
 
-double speed_of(const TimeMap& map) {
+double speed_of(const stage::TimeMap& map) {
     double speed = 1;
-    for (const TimeOperator& op : map)
-        if (op.verb == TimeVerb::kSpeed) speed *= op.factor;
+    for (const stage::TimeOperator& op : map)
+        if (op.verb == stage::TimeVerb::kSpeed) speed *= op.factor;
     return speed;
 }
 
-bool is_reversed(const TimeMap& map) {
-    return std::count_if(map.begin(), map.end(), [](const auto& op) { return op.verb == TimeVerb::kReverse; }) % 2 == 1;
+bool is_reversed(const stage::TimeMap& map) {
+    return std::count_if(map.begin(), map.end(), [](const auto& op) { return op.verb == stage::TimeVerb::kReverse; }) %
+               2 ==
+           1;
 }
 
-Repeat repeat_of(const TimeMap& map) {
+Repeat repeat_of(const stage::TimeMap& map) {
     const auto last = std::find_if(map.rbegin(), map.rend(), repeats);
     if (last == map.rend()) return Repeat::kOnce;
-    return last->verb == TimeVerb::kLoop ? Repeat::kLoop : Repeat::kPingPong;
+    return last->verb == stage::TimeVerb::kLoop ? Repeat::kLoop : Repeat::kPingPong;
 }
 
-TimeMap repeated(TimeMap map, Repeat repeat) {
-    const TimeVerb verb = repeat == Repeat::kLoop ? TimeVerb::kLoop : TimeVerb::kPingPong;
+stage::TimeMap repeated(stage::TimeMap map, Repeat repeat) {
+    const stage::TimeVerb verb = repeat == Repeat::kLoop ? stage::TimeVerb::kLoop : stage::TimeVerb::kPingPong;
     const auto last = std::find_if(map.rbegin(), map.rend(), repeats);
     if (last == map.rend()) {
         if (repeat == Repeat::kOnce) return map;
-        TimeOperator op;
+        stage::TimeOperator op;
         op.verb = verb;
         op.has_part = false;
         map.insert(map.begin() + static_cast<std::ptrdiff_t>(before_start(map)), op);
     } else if (repeat != Repeat::kOnce) {
         last->verb = verb;
     } else if (last->has_part) {
-        last->verb = TimeVerb::kClip;
+        last->verb = stage::TimeVerb::kClip;
     } else {
         map.erase(std::next(last).base());
     }
     return map;
 }
 
-TimeMap held_at(TimeMap map, const ClipRate& clip, double stage_s, double seconds) {
-    return with_stop(std::move(map), clip, TimeVerb::kPause, stage_s, seconds);
+stage::TimeMap held_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s, double seconds) {
+    return with_stop(std::move(map), clip, stage::TimeVerb::kPause, stage_s, seconds);
 }
 
-TimeMap frozen_at(TimeMap map, const ClipRate& clip, double stage_s) {
-    return with_stop(std::move(map), clip, TimeVerb::kFreeze, stage_s, 0);
+stage::TimeMap frozen_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s) {
+    return with_stop(std::move(map), clip, stage::TimeVerb::kFreeze, stage_s, 0);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,7 +7,7 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -80,4 +80,4 @@ void transport_row(Viewer& viewer) {
     time_text(clock);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -8,7 +8,7 @@
 #include "tools/viewer/timeline_state.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // The instant under a pointer there: at a picture's beginning, or the clock's where that is near.
 double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s);
@@ -22,7 +22,7 @@ bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& nam
 
 void transport_row(Viewer& viewer);
 void ruler_row(Viewer& viewer, const TimelineView& view);
-void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<CameraPath>& path);
+void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<stage::CameraPath>& path);
 void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrack& track);
 
 // What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's instant is a line.
@@ -31,4 +31,4 @@ void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top,
 // "1.25 s".
 std::string text_of_time(double seconds);
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -7,12 +7,12 @@
 #include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 void focus(Viewer& viewer) {
     if (!viewer.stage) return;
     const bool selected = viewer.editor.selected() && viewer.stage_of_document();
-    auto [low, high] = performers_box(*viewer.stage, viewer.instant);
+    auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
     if (selected) {
         const auto [node_low, node_high] = box_of_node(viewer, *viewer.editor.selected());
         const bool is_point = node_low == node_high;  // a light, a camera: with those whom it lights or sees
@@ -24,8 +24,9 @@ void focus(Viewer& viewer) {
 
 void remember_view(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
-    viewer.editor.edit(
-        [&](Document& d) { return add_camera(d.file, "view", viewer.eye.angle_y, world_from_eye(viewer.eye)); });
+    viewer.editor.edit([&](edit::Document& d) {
+        return edit::add_camera(d.file, "view", viewer.eye.angle_y, world_from_eye(viewer.eye));
+    });
 }
 
 void take_picture_key(Viewer& viewer, const KeyPress& press) {
@@ -78,4 +79,4 @@ void toolbar(Viewer& viewer) {
     ImGui::PopStyleVar(2);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -15,7 +15,7 @@
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -32,9 +32,9 @@ double aspect_of(const Area& area) {
 }
 
 // The eye at the first sight of a stage: through its first camera, else from the front, all in view.
-Eye first_eye(const Stage& stage, const StageInstant& instant, double aspect) {
-    const auto [low, high] = performers_box(stage, instant);
-    for (const InstantCamera& camera : instant.cameras)
+Eye first_eye(const stage::Stage& stage, const stage::StageInstant& instant, double aspect) {
+    const auto [low, high] = stage::performers_box(stage, instant);
+    for (const stage::InstantCamera& camera : instant.cameras)
         if (!camera.orthographic)
             return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
                                    distance_to(camera.world_from_camera, low, high));
@@ -78,7 +78,7 @@ void close_popup_by_escape(const Viewer& viewer) {
 Viewer::Viewer(const Options& options, const std::string& device_choice)
     : preferences(preferences_for(options, preferences_message_)),
       window("NeuVV", preferences.window),
-      device(device_choice, options.validate ? Validation::kOn : Validation::kOff, window.extensions()),
+      device(device_choice, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window.extensions()),
       screen(device, window,
              options.ui_scale.value_or(static_cast<float>(preferences.ui_scale) * window.content_scale())),
       work([this](const std::string& problem) { editor.tell(problem, true); }, Window::wake),
@@ -96,7 +96,7 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
         panels.side_width = static_cast<float>(side->second.width);
     }
     for (size_t i = 0; i < std::size(kLayerNames); i++)
-        if (preferences.layer == kLayerNames[i]) picture.show = static_cast<Show>(i);
+        if (preferences.layer == kLayerNames[i]) picture.show = static_cast<render::Show>(i);
     if (!preferences_message_.empty()) editor.tell(preferences_message_, true);
     if (options.file.empty())
         files.offer_lost();
@@ -205,8 +205,8 @@ void Viewer::frame() {
         const bool first = !stage || stage->file.path != drawn.stage->file.path;
         stage = drawn.stage;
         clock.set_stage(stage->duration_s, stage->fps);
-        instant = stage_at(*stage, clock.shown_s());
-        if (first) eye = first_eye(*stage, stage_at(*stage, 0), aspect_of(picture_area));
+        instant = stage::stage_at(*stage, clock.shown_s());
+        if (first) eye = first_eye(*stage, stage::stage_at(*stage, 0), aspect_of(picture_area));
     }
     const bool can_be_taken_back = editor.dragging() || editor.history().next_undo();
     if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
@@ -231,14 +231,14 @@ void Viewer::frame() {
         if (now_s - flight_->begin_s > kEyeMove_s) flight_.reset();
         moves();
     }
-    if (stage) instant = stage_at(*stage, clock.shown_s());
+    if (stage) instant = stage::stage_at(*stage, clock.shown_s());
     const uint64_t view_before = looked_ ? looked_->id : 0, stage_before = shown_document_;
     go_along_path();
     place_panels();
     if (editor.dragging() && !ImGui::IsAnyItemActive() && !holds_handle) editor.end_drag();
     if (editor.is_open() && editor.id() != shown_document_) {
         shown_document_ = editor.id();
-        drawer.show(std::make_shared<const Document>(editor.document()), shown_document_);
+        drawer.show(std::make_shared<const edit::Document>(editor.document()), shown_document_);
         if (editor.dragging()) moves();
     }
     look();
@@ -294,7 +294,7 @@ void Viewer::look() {
     view.moving = clock.playing || something_goes_on() || editor.dragging();
     view.most_scale = picture.most_scale;
     view.samples = static_cast<uint32_t>(picture.samples);
-    const auto [low, high] = performers_box(*stage, instant);
+    const auto [low, high] = stage::performers_box(*stage, instant);
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
@@ -326,7 +326,7 @@ void Viewer::note_latency() {
     }
 }
 
-const Stage* Viewer::stage_of_document() const {
+const stage::Stage* Viewer::stage_of_document() const {
     if (!stage || !editor.is_open()) return nullptr;
     return stage->scene.nodes.size() == editor.node_count() ? stage.get() : nullptr;
 }
@@ -450,4 +450,4 @@ void Viewer::tell_report() {
     if (!report.end_frame()) redraw(1);
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -31,7 +31,7 @@
 #include "tools/viewer/timeline_state.h"
 #include "tools/viewer/work.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // A part of the window, in pixels of its framebuffer.
 struct Area {
@@ -54,7 +54,7 @@ constexpr const char* kLayerNames[] = {"colour", "alpha", "depth", "leaf level",
 
 // How the picture is drawn; nothing of it is saved with the stage.
 struct PictureSettings {
-    Show show = Show::kColour;
+    render::Show show = render::Show::kColour;
     float cost_max = 256;  // steps shown brightest
     bool own_background = false;
     glm::vec3 background{0.2f};  // sRGB, where it is the viewer's own
@@ -67,7 +67,7 @@ constexpr const char* kAlongPath = "along the camera path";
 // What is exported, as chosen in the panel.
 struct ExportChoice {
     size_t kind = 0;  // video, numbered pictures, one picture
-    PictureSize size{1920, 1080};
+    tools::PictureSize size{1920, 1080};
     std::string camera;  // of the stage, or kAlongPath; empty: the window's view
     size_t range = 0;    // the whole stage, the clock's range
     double fps = 0;      // 0: the stage's
@@ -117,7 +117,7 @@ struct CopyQuestion {
     bool ask = false;
     uint32_t node = 0;
     uint64_t id = 0;  // of the document
-    CopySettings settings{3, CopyPattern::kRow, 1.5, 90, {0, true}, 0};
+    edit::CopySettings settings{3, edit::CopyPattern::kRow, 1.5, 90, {0, true}, 0};
 };
 
 class Viewer {
@@ -146,7 +146,7 @@ class Viewer {
     // --- the parts
     Preferences preferences;
     Window window;
-    Device device;
+    gpu::Device device;
     Screen screen;
     Work work;
     Drawer drawer;
@@ -172,16 +172,16 @@ class Viewer {
     bool along_path = false, show_path = true;  // the eye goes along the stage's camera path; it is drawn
 
     // --- this frame
-    double now_s = 0, dt_s = 0;          // of the window's clock
-    DrawerState drawn;                   // as of the frame's beginning
-    std::shared_ptr<const Stage> stage;  // drawn.stage; null: none yet
-    StageInstant instant;                // of it, as the clock shows it
-    Area picture_area;                   // where the picture is, panels aside
-    Camera camera;                       // that it is seen by
-    bool pointer_in_picture = false;     // and over no panel, handle or popup
-    bool escape = false;                 // was pressed
-    std::vector<HandleShape> shapes;     // handles in the picture, to be drawn over it, in its pixels
-    std::optional<HeldGizmo> gizmo;      // while one is held
+    double now_s = 0, dt_s = 0;                 // of the window's clock
+    DrawerState drawn;                          // as of the frame's beginning
+    std::shared_ptr<const stage::Stage> stage;  // drawn.stage; null: none yet
+    stage::StageInstant instant;                // of it, as the clock shows it
+    Area picture_area;                          // where the picture is, panels aside
+    stage::Camera camera;                       // that it is seen by
+    bool pointer_in_picture = false;            // and over no panel, handle or popup
+    bool escape = false;                        // was pressed
+    std::vector<HandleShape> shapes;            // handles in the picture, to be drawn over it, in its pixels
+    std::optional<HeldGizmo> gizmo;             // while one is held
     std::optional<HeldLight> held_light;
     Grip grip;
     bool holds_handle = false;  // one in the picture, which drags the editor's document
@@ -196,7 +196,7 @@ class Viewer {
     // Moves the eye there, smoothly.
     void go_to(const Eye& target);
     // The stage that is drawn, where its nodes have the document's numbers: it may be some edits behind.
-    const Stage* stage_of_document() const;
+    const stage::Stage* stage_of_document() const;
 
     // Letters of another size, from the next frame on.
     std::optional<float> wanted_scale;
@@ -262,4 +262,4 @@ class Viewer {
     std::vector<std::string> validation_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 namespace {
 
@@ -105,19 +105,20 @@ void Window::listen() {
     });
 }
 
-DeviceExtensions Window::extensions() const {
+gpu::DeviceExtensions Window::extensions() const {
     uint32_t count = 0;
     const char** names = glfwGetRequiredInstanceExtensions(&count);
     if (!names)
         throw RuntimeFailure(
             "Vulkan cannot draw into windows here; `neuvv render` makes pictures without one, `neuvv xr` needs none "
             "without --mirror");
-    return {std::vector<const char*>(names, names + count), kPresentExtensions};
+    return {std::vector<const char*>(names, names + count), gpu::kPresentExtensions};
 }
 
-VkSurfaceKHR Window::make_surface(const Device& device) const {
+VkSurfaceKHR Window::make_surface(const gpu::Device& device) const {
     VkSurfaceKHR surface = VK_NULL_HANDLE;
-    check(glfwCreateWindowSurface(device.instance(), window_, nullptr, &surface), "glfwCreateWindowSurface", "window");
+    gpu::check(glfwCreateWindowSurface(device.instance(), window_, nullptr, &surface), "glfwCreateWindowSurface",
+               "window");
     return surface;
 }
 
@@ -257,4 +258,4 @@ void Window::feed_imgui() const {
     for (const char32_t letter : typed_) io.AddInputCharacter(static_cast<unsigned>(letter));
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -14,7 +14,7 @@
 
 struct GLFWwindow;
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 // A key that went down, or repeats; `key` is GLFW's by what is printed on it where that is a letter, `place` by where
 // it lies on a keyboard.
@@ -37,8 +37,8 @@ class Window {
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    DeviceExtensions extensions() const;  // for a device that can present to it
-    VkSurfaceKHR make_surface(const Device& device) const;
+    gpu::DeviceExtensions extensions() const;  // for a device that can present to it
+    VkSurfaceKHR make_surface(const gpu::Device& device) const;
 
     GLFWwindow* handle() const { return window_; }
     VkExtent2D framebuffer() const;  // pixels; 0 while minimised
@@ -95,4 +95,4 @@ class Window {
     WindowPlace windowed_;      // where it was before it filled the screen
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 Work::Work(std::function<void(const std::string&)> failed, std::function<void()> wake)
     : failed_(std::move(failed)), wake_(std::move(wake)), thread_([this] { run(); }) {}
@@ -86,4 +86,4 @@ void Work::run() {
     }
 }
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace neuvv {
+namespace neuvv::viewer {
 
 class Work {
   public:
@@ -48,4 +48,4 @@ class Work {
     std::thread thread_;
 };
 
-}  // namespace neuvv
+}  // namespace neuvv::viewer
