@@ -11,16 +11,17 @@
 #include <mutex>
 #include <utility>
 
-#include "base/error.h"
 #include "base/platform.h"
 #include "gpu/features.h"
 #include "gpu/result_name.h"
 
 namespace neuvv::gpu {
 
+VulkanError::VulkanError(VkResult failed, const char* call, const std::string& object)
+    : RuntimeFailure(fmt::format("{} failed for \"{}\": {}", call, object, result_name(failed))), result(failed) {}
+
 void check(VkResult result, const char* call, const std::string& object) {
-    if (result != VK_SUCCESS)
-        throw RuntimeFailure(fmt::format("{} failed for \"{}\": {}", call, object, result_name(result)));
+    if (result != VK_SUCCESS) throw VulkanError(result, call, object);
 }
 
 struct Device::Messages {

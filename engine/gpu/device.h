@@ -11,11 +11,19 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "gpu/shader_table.h"
 
 namespace neuvv::gpu {
 
-// Throws RuntimeFailure naming the call, its object and the result unless it is VK_SUCCESS.
+// A Vulkan call failed. The result tells a lost device, of which nothing can be used any more, from a lack of room.
+struct VulkanError : RuntimeFailure {
+    VulkanError(VkResult result, const char* call, const std::string& object);
+    bool device_lost() const { return result == VK_ERROR_DEVICE_LOST; }
+    VkResult result;
+};
+
+// Throws VulkanError naming the call, its object and the result unless it is VK_SUCCESS.
 void check(VkResult result, const char* call, const std::string& object);
 
 enum class Validation { kOff, kOn };

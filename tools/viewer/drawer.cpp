@@ -173,7 +173,8 @@ void Drawer::run() {
             tell_problem(error.what(), 0);
         } catch (const RuntimeFailure& error) {
             refinement_.reset();
-            if (std::string_view(error.what()).find("DEVICE_LOST") != std::string_view::npos) throw;
+            const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
+            if (vulkan && vulkan->device_lost()) throw;
             tell_problem(error.what(), 0);
         }
     }
