@@ -1,4 +1,4 @@
-// Emission and absorption along a ray (paper eq. volume-rendering; errata 10, 12), front to back.
+// Emission and absorption along a ray (the volume rendering equation; errata 10, 12), front to back.
 #ifndef NEUVV_COMPOSITE_GLSL
 #define NEUVV_COMPOSITE_GLSL
 

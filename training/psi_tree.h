@@ -1,4 +1,4 @@
-// A run's first tree by way of the network Ψ (paper "Training", "Initialization"; errata 18).
+// A run's first tree by way of the network Ψ (errata 18).
 #pragma once
 
 #include <functional>

@@ -1,10 +1,10 @@
 // The Video Octree: a dynamic radiance field as leaves of a sparse octree over an axis-aligned box.
 //
 // At world position x inside leaf k, frame t (continuous, 0..frames-1) and unit direction d of the ray:
-//   σ = relu(A_t·w^σ_k)                               [1/m]            (paper eq. project-sigma)
-//   γ = π·sigmoid(B_t·w^γ_k)                          hyper angle      (paper eq. project-gamma)
-//   c = sigmoid(Σ_nlm w^HH_k,nlm H_nlm(d, γ))         linear RGB       (paper eq. HH-color-2, errata 8)
-// Rows A_t, B_t of fractional t are interpolated linearly (errata 9).
+//   σ = relu(A_t·w^σ_k)                               [1/m]            (errata 9)
+//   γ = π·sigmoid(B_t·w^γ_k)                          hyper angle      (errata 9)
+//   c = sigmoid(Σ_nlm w^HH_k,nlm H_nlm(d, γ))         linear RGB       (errata 7, 8)
+// Rows A_t, B_t of fractional t are interpolated linearly (errata 9). Errata are listed in engine/ERRATA.md.
 #pragma once
 
 #include <cstdint>

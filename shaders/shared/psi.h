@@ -1,4 +1,4 @@
-// The neural mapping module Ψ (paper eq. Ψ(x,y,z) = w^σ, w^γ, w^HH) as the passes of training and conversion bind it.
+// The neural mapping module Ψ(x, y, z) = (w^σ, w^γ, w^HH) as the passes of training and conversion bind it.
 //
 // Samples come in blocks of 64: block tile·n + i holds the i-th of the n samples of the 64 rays of a tile, in lanes.
 // What a network knows of a block is rows of 64 floats, 16 texels each; a layer's rows follow those of the layer before

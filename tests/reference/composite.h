@@ -1,5 +1,5 @@
-// Composite: samples of one ray, near to far → premultiplied colour, alpha and depth (paper eq. volume-rendering,
-// errata 10, 12), and the adjoint.
+// Composite: samples of one ray, near to far → premultiplied colour, alpha and depth (the volume rendering
+// equation; errata 10, 12), and the adjoint.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// The training loss on one patch of pixels (paper eq. rgb-loss and L_grad, errata 10, 16), and the adjoint.
+// The training loss on one patch of pixels (L_rgb and L_grad, errata 10, 16), and the adjoint.
 //
 // Errors are taken between display values: P = srgb(C + (1−α) B) against I = srgb(C* + (1−α*) B), B the linear
 // background.
