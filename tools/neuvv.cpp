@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
+#include "gpu/debug_buffer.h"
 #include "tools/commands.h"
 
 namespace {
@@ -49,6 +50,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 }
 
 int run(int argc, char** argv) {
+    neuvv::gpu::set_shader_message_sink([](const std::string& line) { fmt::print(stderr, "shader: {}\n", line); });
     CLI::App app{"Neural volumetric video: capture, train, measure, render.", "neuvv"};
     app.require_subcommand(1);
     app.failure_message(usage_error);

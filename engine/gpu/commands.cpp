@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "gpu/debug_buffer.h"
 
 namespace neuvv::gpu {
 
@@ -46,6 +47,7 @@ void Commands::begin() {
 }
 
 void Commands::submit(const CommandSemaphores& semaphores) {
+    if (device_.used_debug_buffer()) host_barrier(*this);
     check(vkEndCommandBuffer(buffer_), "vkEndCommandBuffer", name_);
     VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     buffer.commandBuffer = buffer_;
@@ -79,6 +81,7 @@ void Commands::wait() {
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - submitted_).count();
     check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
     in_flight_ = false;
+    if (DebugBuffer* debug = device_.used_debug_buffer()) debug->report();
 }
 
 std::vector<PassTime> Commands::pass_times() const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "gpu/debug_buffer.h"
 
 namespace neuvv::gpu {
 
@@ -156,9 +157,10 @@ BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers) : Bindi
         const BindingSlot& slot = pass.interface().bindings[i];
         const auto found =
             std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });
-        if (found == buffers.end() || !found->second->buffer)
+        const bool debug = slot.binding == kDebugBinding;
+        if (!debug && (found == buffers.end() || !found->second->buffer))
             throw RuntimeFailure(fmt::format("pass \"{}\": no buffer for binding {}", pass.name(), slot.binding));
-        const Buffer& buffer = *found->second;
+        const Buffer& buffer = debug ? device_->debug_buffer().buffer() : *found->second;
         require_fits(pass, slot, buffer);
         infos[i] = {buffer.buffer, 0, VK_WHOLE_SIZE};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};

@@ -58,7 +58,8 @@ inline Bindings joined(Bindings first, const Bindings& second) {
 }
 
 // The buffers of one pass, written once at set-up; nothing is written inside a frame. Every binding that the shader has
-// must be given (RuntimeFailure), of several for it the first counts, others are ignored; buffers must outlive the set.
+// must be given (RuntimeFailure) but that of the debug buffer (debug_buffer.h), of several for it the first counts,
+// others are ignored; buffers must outlive the set.
 class BindingSet {
   public:
     BindingSet() = default;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "gpu/debug_buffer.h"
 #include "gpu/features.h"
 #include "gpu/result_name.h"
 
@@ -189,6 +190,7 @@ Device::Device(const std::string& choice, Validation validation, const DeviceExt
 Device::~Device() {
     if (device_) {
         vkDeviceWaitIdle(device_);
+        debug_buffer_.reset();
         if (pipeline_cache_) save_pipeline_cache();
         vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
         vkDestroyDevice(device_, nullptr);
@@ -343,6 +345,11 @@ void Device::name_object(VkObjectType type, uint64_t object, const std::string& 
 std::vector<std::string> Device::drain_validation_messages() const {
     const std::lock_guard lock(messages_->mutex);
     return std::exchange(messages_->texts, {});
+}
+
+DebugBuffer& Device::debug_buffer() const {
+    std::call_once(debug_buffer_made_, [this] { debug_buffer_ = std::make_unique<DebugBuffer>(*this); });
+    return *debug_buffer_;
 }
 
 void Device::wait_idle() const {

@@ -16,6 +16,8 @@
 
 namespace neuvv::gpu {
 
+class DebugBuffer;
+
 // A Vulkan call failed. The result tells a lost device, of which nothing can be used any more, from a lack of room.
 struct VulkanError : RuntimeFailure {
     VulkanError(VkResult result, const char* call, const std::string& object);
@@ -96,6 +98,10 @@ class Device {
     // Warnings and errors of the validation layers since the last call.
     std::vector<std::string> drain_validation_messages() const;
 
+    // What shaders print and assert, made at the first call; and the same, where a pass has asked for it, else null.
+    DebugBuffer& debug_buffer() const;
+    DebugBuffer* used_debug_buffer() const { return debug_buffer_.get(); }
+
     // Seconds-scale operations end with this; throws RuntimeFailure on device loss.
     void wait_idle() const;
 
@@ -124,6 +130,8 @@ class Device {
     bool debug_utils_ = false;
     mutable std::atomic<uint64_t> buffer_bytes_ = 0;
     std::unique_ptr<Messages> messages_;
+    mutable std::once_flag debug_buffer_made_;
+    mutable std::unique_ptr<DebugBuffer> debug_buffer_;
 };
 
 }  // namespace neuvv::gpu

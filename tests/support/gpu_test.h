@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gpu/debug_buffer.h"
 #include "gpu/device.h"
 
 namespace neuvv::test {
@@ -15,6 +16,11 @@ class GpuTest : public ::testing::Test {
     }
     void TearDown() override {
         for (const std::string& message : device().drain_validation_messages()) ADD_FAILURE() << message;
+        if (gpu::DebugBuffer* debug = device().used_debug_buffer()) {
+            uint64_t lost = 0;
+            for (const DebugRecord& record : debug->drain(lost)) ADD_FAILURE() << "a shader: " << gpu::text_of(record);
+            EXPECT_EQ(lost, 0u) << "more that shaders said had no room";
+        }
     }
 };
 
