@@ -110,6 +110,9 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                   "Go on with a render that was interrupted. Numbered pictures always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its pictures beside it "
                   "until it is whole");
+    verb.add_flag(
+        "--capture", options.capture,
+        "Capture the first picture with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
     verb.add_flag("--json", options.json,
                   "Print JSON: output, pictures, rendered, width, height, fps, seconds (from submission until the "
                   "pictures were there), ...");

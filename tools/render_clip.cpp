@@ -111,7 +111,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
     const uint32_t paint = plan.paint.uses.empty() ? 0 : renderer.paints().add(plan.paint.uses);
-    return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, renderer,
+    return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, device, renderer,
                            [&](uint32_t i) { render_picture(renderer, options, plan, paint, i, sink); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "gpu/frame_capture.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 
@@ -72,8 +73,8 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
 }
 
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
-                             uint32_t pictures, PictureSink& sink, const render::FrameRenderer& renderer,
-                             const std::function<void(uint32_t)>& render) {
+                             uint32_t pictures, PictureSink& sink, const gpu::Device& device,
+                             const render::FrameRenderer& renderer, const std::function<void(uint32_t)>& render) {
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
     const PictureSize encoded{media::video_side(size.width), media::video_side(size.height)};
@@ -86,7 +87,10 @@ RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& 
                                              : video ? "begin a video with --resume to be able to go on with it"
                                                      : "begin it anew"));
         if (!sink.has(i)) {
+            std::optional<gpu::FrameCapture> capture;
+            if (options.capture && totals.rendered == 0) capture.emplace(device);
             render(i);
+            if (capture) fmt::print(stderr, "captured picture {}: {}\n", i, capture->finish());
             ++totals.rendered;
             totals.seconds += renderer.milliseconds() / 1000;
             if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));

@@ -20,6 +20,7 @@ struct RenderOptions {
     bool orbit = false, depth = false, alpha = false, level = false, cost = false;
     double cost_max = double{render::ResolveSettings{}.cost_max};
     bool direct = false, resume = false, json = false;
+    bool capture = false;  // the first picture, by RenderDoc
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
     std::optional<std::string> blend;
@@ -52,7 +53,7 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
 // The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
 // the user stops it.
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
-                             uint32_t pictures, PictureSink& sink, const render::FrameRenderer& renderer,
-                             const std::function<void(uint32_t)>& render);
+                             uint32_t pictures, PictureSink& sink, const gpu::Device& device,
+                             const render::FrameRenderer& renderer, const std::function<void(uint32_t)>& render);
 
 }  // namespace neuvv::tools

@@ -224,7 +224,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     Progress reading("read", plan.stage.clips.size());
     render::StageRenderer renderer(device, plan.stage, capacity, [&](size_t done, size_t) { reading.update(done); });
     reading.finish();
-    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, renderer.frames(),
+    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, device, renderer.frames(),
                            [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
 }
 

@@ -1,5 +1,6 @@
 #include "base/platform.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -203,6 +204,14 @@ bool stop_requested() {
 
 bool stderr_is_terminal() {
     return isatty(STDERR_FILENO) != 0;
+}
+
+void* function_of_loaded_library(const char* library, const char* function) {
+    void* handle = dlopen(library, RTLD_NOW | RTLD_NOLOAD);
+    if (!handle) return nullptr;
+    void* address = dlsym(handle, function);
+    dlclose(handle);  // whoever loaded it keeps it
+    return address;
 }
 
 ProgramEnd run_program(std::vector<std::string> words) {

@@ -47,6 +47,10 @@ bool stop_requested();
 
 bool stderr_is_terminal();
 
+// A function of a library that is loaded already, by whoever started this program for instance; null where there is
+// none. The library is not loaded for that.
+void* function_of_loaded_library(const char* library, const char* function);
+
 // Runs a program of PATH to its end; no shell reads the words. Throws RuntimeFailure where it cannot be started.
 struct ProgramEnd {
     int code = 0;      // 128 and the signal's number where one ended it
