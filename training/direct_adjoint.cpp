@@ -5,31 +5,31 @@
 
 namespace neuvv::training {
 
-DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& field, const render::LiveLeaves& live,
-                             const render::RayBatch& rays, const LossBatch& batch, const gpu::Buffer& gradients,
-                             AtomicAdd atomics)
-    : field_(field),
-      pass_(device, "direct adjoint",
-            atomics == AtomicAdd::kNative ? std::span<const uint32_t>(direct_adjoint_comp)
-                                          : std::span<const uint32_t>(direct_adjoint_cas_comp),
-            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceWeights, &field.weights},
-                   {kTraceRows, &live.rows},
-                   {kTraceCameras, &rays.cameras},
-                   {kTraceTiles, &rays.tiles},
-                   {kTraceRadiance, &rays.radiance},
-                   {kTraceAdjoint, &batch.adjoint},
-                   {kTraceTarget, &batch.target},
-                   {kTraceGradients, &gradients}}) {}
+DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& given_field,
+                             const render::LiveLeaves& live, const render::RayBatch& rays, const LossBatch& batch,
+                             const gpu::Buffer& gradients, AtomicAdd atomics)
+    : field(given_field),
+      pass(device, "direct adjoint",
+           atomics == AtomicAdd::kNative ? std::span<const uint32_t>(direct_adjoint_comp)
+                                         : std::span<const uint32_t>(direct_adjoint_cas_comp),
+           {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
+      set(pass, {{kTraceTop, &field.top},
+                 {kTraceNodes, &field.nodes},
+                 {kTraceChildren, &field.children},
+                 {kTraceWeights, &field.weights},
+                 {kTraceRows, &live.rows},
+                 {kTraceCameras, &rays.cameras},
+                 {kTraceTiles, &rays.tiles},
+                 {kTraceRadiance, &rays.radiance},
+                 {kTraceAdjoint, &batch.adjoint},
+                 {kTraceTarget, &batch.target},
+                 {kTraceGradients, &gradients}}) {}
 
 void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
                            float lambda_point) {
     const gpu::PassScope scope(commands, "direct adjoint");
-    const TracePush trace = render::trace_push(adjoint.field_, stop);
-    gpu::dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
+    const TracePush trace = render::trace_push(adjoint.field, stop);
+    gpu::dispatch(commands, adjoint.pass, adjoint.set, tiles,
                   TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
     gpu::compute_barrier(commands);
 }

@@ -8,18 +8,15 @@
 
 namespace neuvv::training {
 
-class DirectAdjoint {
-  public:
+struct DirectAdjoint {
     // `gradients`: as many bytes as field.weights, laid out as they are.
     DirectAdjoint(const gpu::Device& device, const render::Field& field, const render::LiveLeaves& live,
                   const render::RayBatch& rays, const LossBatch& batch, const gpu::Buffer& gradients,
                   AtomicAdd atomics);
 
-  private:
-    friend void record_direct_adjoint(gpu::Commands&, const DirectAdjoint&, uint32_t, float, float);
-    const render::Field& field_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const render::Field& field;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // As record_trace_adjoint, after record_direct. Adds to the gradients. Needs only the rows of a slice.

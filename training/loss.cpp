@@ -26,17 +26,17 @@ void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBat
 }
 
 Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch)
-    : pass_(device, "loss", loss_comp),
-      set_(pass_, {{kLossRadiance, &rays.radiance},
-                   {kLossTarget, &batch.target},
-                   {kLossBackground, &batch.background},
-                   {kLossAdjoint, &batch.adjoint},
-                   {kLossSums, &batch.sums}}) {}
+    : pass(device, "loss", loss_comp),
+      set(pass, {{kLossRadiance, &rays.radiance},
+                 {kLossTarget, &batch.target},
+                 {kLossBackground, &batch.background},
+                 {kLossAdjoint, &batch.adjoint},
+                 {kLossSums, &batch.sums}}) {}
 
 void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples) {
     assert(samples >= 1 && kTile % samples == 0 && "whole pixels in a tile");
     const gpu::PassScope scope(commands, "loss");
-    gpu::dispatch(commands, loss.pass_, loss.set_, tiles, LossPush{lambda_grad, samples});
+    gpu::dispatch(commands, loss.pass, loss.set, tiles, LossPush{lambda_grad, samples});
     gpu::compute_barrier(commands);
 }
 

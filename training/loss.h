@@ -21,14 +21,11 @@ struct LossBatch {
 // Puts a batch of this data set's pictures where the next step reads it; none may be under way.
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch);
 
-class Loss {
-  public:
+struct Loss {
     Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch);
 
-  private:
-    friend void record_loss(gpu::Commands&, const Loss&, uint32_t, float, uint32_t);
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // `lambda_grad`: weight of L_grad (errata 16). A pixel is the mean of samples² neighbouring rays, which have its target

@@ -187,14 +187,14 @@ PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
 }  // namespace
 
 // From activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
-void record_psi_weights(gpu::Commands& commands, PsiStep& s, uint32_t blocks) {
-    const PsiShape& shape = s.network_.shape;
+void PsiStep::record_psi_weights(uint32_t blocks) {
+    const PsiShape& shape = network_.shape;
     {
-        const gpu::PassScope scope(commands, s.weights_.name());
+        const gpu::PassScope scope(commands_, weights_.name());
         for (uint32_t layer = 0; layer <= shape.layers; layer++) {
             PsiWeightsPush push{};
             push.blocks = blocks;
-            push.splits = s.splits_;
+            push.splits = splits_;
             push.inputs = layer == 0 ? shape.inputs() : shape.width;
             push.outputs = layer == shape.layers ? shape.heads() : shape.width;
             push.input_row = layer == 0 ? 0 : shape.inputs() + (layer - 1) * shape.width;
@@ -202,51 +202,49 @@ void record_psi_weights(gpu::Commands& commands, PsiStep& s, uint32_t blocks) {
             push.first = psi_layer_first(layer, shape.inputs(), shape.width);
             push.stride = shape.output_first();
             const uint32_t matrix_tiles = (push.inputs + 63) / 64 * (push.outputs / 32);
-            gpu::dispatch(commands, s.weights_, s.weights_set_, s.splits_ * matrix_tiles, push);
+            gpu::dispatch(commands_, weights_, weights_set_, splits_ * matrix_tiles, push);
         }
-        gpu::compute_barrier(commands);
+        gpu::compute_barrier(commands_);
     }
-    record_pass(commands, s.reduce_, s.reduce_set_, groups_of(shape.output_first()),
-                PsiReducePush{shape.output_first(), s.splits_});
+    record_pass(commands_, reduce_, reduce_set_, groups_of(shape.output_first()),
+                PsiReducePush{shape.output_first(), splits_});
 }
 
-void record_psi_step(gpu::Commands& commands, PsiStep& s, const PsiStepSettings& settings) {
-    const PsiNetwork& network = s.network_;
-    const PsiShape& shape = network.shape;
-    const uint32_t coarse = settings.tiles * s.sampling_.coarse, fine = settings.tiles * s.sampling_.fine;
-    const PsiBlockPush coarse_push{coarse, s.sampling_.coarse, kPsiKeepNothing, 0};
-    const PsiBlockPush fine_push{fine, s.sampling_.fine, kPsiKeepAll, settings.revival * network.density};
-    const PsiRayPush ray_push{glm::vec4(network.box_min, 0),
-                              glm::vec4(network.box_size, 0),
-                              glm::vec4(network.centre(), network.scale()),
+void PsiStep::record_psi_step(const PsiStepSettings& settings) {
+    const PsiShape& shape = network_.shape;
+    const uint32_t coarse = settings.tiles * sampling_.coarse, fine = settings.tiles * sampling_.fine;
+    const PsiBlockPush coarse_push{coarse, sampling_.coarse, kPsiKeepNothing, 0};
+    const PsiBlockPush fine_push{fine, sampling_.fine, kPsiKeepAll, settings.revival * network_.density};
+    const PsiRayPush ray_push{glm::vec4(network_.box_min, 0),
+                              glm::vec4(network_.box_size, 0),
+                              glm::vec4(network_.centre(), network_.scale()),
                               settings.tiles,
-                              s.sampling_.coarse,
-                              s.sampling_.fine,
+                              sampling_.coarse,
+                              sampling_.fine,
                               settings.seed};
-    const PsiFoldPush fold_push = s.fold_push(settings.frame);
+    const PsiFoldPush fold = fold_push(settings.frame);
 
-    record_pass(commands, s.fold_, s.fold_set_, groups_of((shape.width + 1) * shape.heads()), fold_push);
-    record_pass(commands, s.sample_, s.sample_set_, settings.tiles, ray_push);
-    record_pass(commands, s.forward_, s.forward_set_, coarse, coarse_push);
-    record_pass(commands, s.resample_, s.resample_set_, settings.tiles, ray_push);
-    record_pass(commands, s.forward_, s.forward_set_, fine, fine_push);
-    record_pass(commands, s.composite_, s.composite_set_, settings.tiles, fine_push);
-    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad);
-    record_pass(commands, s.composite_adjoint_, s.composite_adjoint_set_, settings.tiles, fine_push);
-    record_pass(commands, s.adjoint_, s.adjoint_set_, fine, fine_push);
-    record_psi_weights(commands, s, fine);
-    record_pass(commands, s.fold_adjoint_, s.fold_adjoint_set_, groups_of(shape.count() - shape.output_first()),
-                fold_push);
-    record_pass(commands, s.adam_, s.adam_set_, groups_of(shape.count()), adam_push(shape, settings));
-    gpu::copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
-    gpu::host_barrier(commands);
+    record_pass(commands_, fold_, fold_set_, groups_of((shape.width + 1) * shape.heads()), fold);
+    record_pass(commands_, sample_, sample_set_, settings.tiles, ray_push);
+    record_pass(commands_, forward_, forward_set_, coarse, coarse_push);
+    record_pass(commands_, resample_, resample_set_, settings.tiles, ray_push);
+    record_pass(commands_, forward_, forward_set_, fine, fine_push);
+    record_pass(commands_, composite_, composite_set_, settings.tiles, fine_push);
+    record_loss(commands_, loss_, settings.tiles, settings.lambda_grad);
+    record_pass(commands_, composite_adjoint_, composite_adjoint_set_, settings.tiles, fine_push);
+    record_pass(commands_, adjoint_, adjoint_set_, fine, fine_push);
+    record_psi_weights(fine);
+    record_pass(commands_, fold_adjoint_, fold_adjoint_set_, groups_of(shape.count() - shape.output_first()), fold);
+    record_pass(commands_, adam_, adam_set_, groups_of(shape.count()), adam_push(shape, settings));
+    gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
+    gpu::host_barrier(commands_);
 }
 
 void PsiStep::submit(const PsiStepSettings& settings) {
     assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
     tiles_ = settings.tiles;
     commands_.begin();
-    record_psi_step(commands_, *this, settings);
+    record_psi_step(settings);
     commands_.submit();
 }
 

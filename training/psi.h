@@ -88,8 +88,9 @@ class PsiStep {
     std::vector<float> hidden_at(const std::vector<glm::vec3>& places_world);
 
   private:
-    friend void record_psi_step(gpu::Commands& commands, PsiStep& step, const PsiStepSettings& settings);
-    friend void record_psi_weights(gpu::Commands& commands, PsiStep& step, uint32_t blocks);
+    // The whole step, pass by pass.
+    void record_psi_step(const PsiStepSettings& settings);
+    void record_psi_weights(uint32_t blocks);
     uint32_t samples() const { return kPsiBlock * rays_.tile_capacity * std::max(sampling_.coarse, sampling_.fine); }
     PsiFoldPush fold_push(float frame) const;
 
@@ -110,8 +111,5 @@ class PsiStep {
     gpu::Commands commands_;
     uint32_t tiles_ = 0;
 };
-
-// The whole step, pass by pass.
-void record_psi_step(gpu::Commands& commands, PsiStep& step, const PsiStepSettings& settings);
 
 }  // namespace neuvv::training

@@ -88,28 +88,28 @@ void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse&
     gpu::upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
 }
 
-SliceAdjoint::SliceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
-                           const SliceGradients& gradients, const Moments& moments, const LeafTally& tally)
-    : field_(field),
-      gradients_(gradients),
-      leaves_(device, "slice adjoint", slice_adjoint_comp,
-              {field.hh_degree, field.basis_planes(), 0, field.busy_planes}),
-      leaves_and_rows_(device, "slice adjoint with rows", slice_adjoint_comp,
-                       {field.hh_degree, field.basis_planes(), 1, field.busy_planes}),
-      rows_(device, "rows adjoint", rows_adjoint_comp),
-      leaves_set_(leaf_bindings(leaves_, field, slice, gradients, moments, tally)),
-      leaves_and_rows_set_(leaf_bindings(leaves_and_rows_, field, slice, gradients, moments, tally)),
-      rows_set_(rows_, {{kRowsAdjointPartials, &gradients.partials},
-                        {kRowsAdjointCount, &gradients.touched_count},
-                        {kRowsAdjointSigma, &field.sigma_basis},
-                        {kRowsAdjointGamma, &field.gamma_basis},
-                        {kRowsAdjointFirst, &moments.rows_first},
-                        {kRowsAdjointSecond, &moments.rows_second}}) {}
+SliceAdjoint::SliceAdjoint(const gpu::Device& device, const render::Field& given_field, const render::Slice& slice,
+                           const SliceGradients& given_gradients, const Moments& moments, const LeafTally& tally)
+    : field(given_field),
+      gradients(given_gradients),
+      leaves(device, "slice adjoint", slice_adjoint_comp,
+             {field.hh_degree, field.basis_planes(), 0, field.busy_planes}),
+      leaves_and_rows(device, "slice adjoint with rows", slice_adjoint_comp,
+                      {field.hh_degree, field.basis_planes(), 1, field.busy_planes}),
+      rows(device, "rows adjoint", rows_adjoint_comp),
+      leaves_set(leaf_bindings(leaves, field, slice, gradients, moments, tally)),
+      leaves_and_rows_set(leaf_bindings(leaves_and_rows, field, slice, gradients, moments, tally)),
+      rows_set(rows, {{kRowsAdjointPartials, &gradients.partials},
+                      {kRowsAdjointCount, &gradients.touched_count},
+                      {kRowsAdjointSigma, &field.sigma_basis},
+                      {kRowsAdjointGamma, &field.gamma_basis},
+                      {kRowsAdjointFirst, &moments.rows_first},
+                      {kRowsAdjointSecond, &moments.rows_second}}) {}
 
 void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows) {
     const gpu::PassScope scope(commands, "slice adjoint");
-    const render::Field& field = adjoint.field_;
+    const render::Field& field = adjoint.field;
     const float last = static_cast<float>(field.frames - 1);
     const SliceAdjointPush push{adam_push(adam),
                                 field.leaf_count,
@@ -121,13 +121,13 @@ void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, 
                                 rates.colour,
                                 rates.detail,
                                 field.box_size.x};
-    gpu::dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows_ : adjoint.leaves_,
-                           learn_rows ? adjoint.leaves_and_rows_set_ : adjoint.leaves_set_,
-                           adjoint.gradients_.touched_count, 0, push);
+    gpu::dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows : adjoint.leaves,
+                           learn_rows ? adjoint.leaves_and_rows_set : adjoint.leaves_set,
+                           adjoint.gradients.touched_count, 0, push);
     gpu::compute_barrier(commands);
     if (!learn_rows) return;
     gpu::dispatch(
-        commands, adjoint.rows_, adjoint.rows_set_, 1,
+        commands, adjoint.rows, adjoint.rows_set, 1,
         RowsAdjointPush{adam_push(adam), frame, field.frames, field.bases, rates.sigma_rows, rates.gamma_rows});
     gpu::compute_barrier(commands);
 }

@@ -48,18 +48,14 @@ struct AdamSettings {
     float used_from = 0;     // blending weight from which a frame counts as using a leaf
 };
 
-class SliceAdjoint {
-  public:
+struct SliceAdjoint {
     SliceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
                  const SliceGradients& gradients, const Moments& moments, const LeafTally& tally);
 
-  private:
-    friend void record_slice_adjoint(gpu::Commands&, const SliceAdjoint&, float, const LearningRates&,
-                                     const AdamSettings&, bool);
-    const render::Field& field_;
-    const SliceGradients& gradients_;
-    gpu::ComputePass leaves_, leaves_and_rows_, rows_;
-    gpu::BindingSet leaves_set_, leaves_and_rows_set_, rows_set_;
+    const render::Field& field;
+    const SliceGradients& gradients;
+    gpu::ComputePass leaves, leaves_and_rows, rows;
+    gpu::BindingSet leaves_set, leaves_and_rows_set, rows_set;
 };
 
 // After record_touched. `frame` is that of the slice. Rows move too where `learn_rows`; where they do not, the slice is

@@ -4,27 +4,27 @@
 
 namespace neuvv::training {
 
-Smoother::Smoother(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
-                   const SliceGradients& gradients)
-    : field_(field),
-      gradients_(gradients),
-      pass_(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels, field.top_levels}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceNodeLive, &slice.node_live},
-                   {kTraceHead, &slice.head},
-                   {kTraceSh, &slice.sh},
-                   {kSmoothLeaves, &slice.slot_leaf},
-                   {kSmoothPlaces, &field.leaf_places},
-                   {kSmoothTouched, &gradients.touched},
-                   {kSmoothCount, &gradients.touched_count},
-                   {kSmoothGradients, &gradients.gradients}}) {}
+Smoother::Smoother(const gpu::Device& device, const render::Field& given_field, const render::Slice& slice,
+                   const SliceGradients& given_gradients)
+    : field(given_field),
+      gradients(given_gradients),
+      pass(device, "smooth", smooth_comp, {field.hh_degree, field.node_levels, field.top_levels}),
+      set(pass, {{kTraceTop, &field.top},
+                 {kTraceNodes, &field.nodes},
+                 {kTraceChildren, &field.children},
+                 {kTraceNodeLive, &slice.node_live},
+                 {kTraceHead, &slice.head},
+                 {kTraceSh, &slice.sh},
+                 {kSmoothLeaves, &slice.slot_leaf},
+                 {kSmoothPlaces, &field.leaf_places},
+                 {kSmoothTouched, &gradients.touched},
+                 {kSmoothCount, &gradients.touched_count},
+                 {kSmoothGradients, &gradients.gradients}}) {}
 
 void record_smooth(gpu::Commands& commands, const Smoother& smoother, float lambda) {
     const gpu::PassScope scope(commands, "smooth");
-    gpu::dispatch_indirect(commands, smoother.pass_, smoother.set_, smoother.gradients_.touched_count, 0,
-                           SmoothPush{smoother.field_.top_box, smoother.field_.box_size.x, lambda});
+    gpu::dispatch_indirect(commands, smoother.pass, smoother.set, smoother.gradients.touched_count, 0,
+                           SmoothPush{smoother.field.top_box, smoother.field.box_size.x, lambda});
     gpu::compute_barrier(commands);
 }
 

@@ -5,17 +5,14 @@
 
 namespace neuvv::training {
 
-class Smoother {
-  public:
+struct Smoother {
     Smoother(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
              const SliceGradients& gradients);
 
-  private:
-    friend void record_smooth(gpu::Commands&, const Smoother&, float);
-    const render::Field& field_;
-    const SliceGradients& gradients_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const render::Field& field;
+    const SliceGradients& gradients;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Adds λ ∂L/∂σ to the gradients of the slots that record_touched listed.

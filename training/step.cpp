@@ -5,22 +5,21 @@
 
 namespace neuvv::training {
 
-void record_step(gpu::Commands& commands, TrainingStep& s, const StepSettings& settings) {
-    if (s.sliced_ != settings.frame) render::record_slice(commands, s.slicer_, settings.frame);
-    s.sliced_ = settings.frame;
-    if (settings.learn_rows) s.sliced_.reset();
-    render::record_trace(commands, s.tracer_, settings.tiles, settings.stop);
-    record_loss(commands, s.loss_, settings.tiles, settings.lambda_grad, settings.samples);
-    record_trace_adjoint(commands, s.trace_adjoint_, settings.tiles, settings.stop,
+void TrainingStep::record_step(const StepSettings& settings) {
+    if (sliced_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
+    sliced_ = settings.frame;
+    if (settings.learn_rows) sliced_.reset();
+    render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
+    record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
+    record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop,
                          settings.share() * settings.lambda_point);
-    record_touched(commands, s.touched_list_);
-    if (settings.lambda_smooth > 0) record_smooth(commands, s.smoother_, settings.share() * settings.lambda_smooth);
-    record_slice_adjoint(commands, s.slice_adjoint_, settings.frame, settings.rates, settings.adam,
-                         settings.learn_rows);
-    gpu::copy(commands, s.batch_.sums, s.sums_, uint64_t{16} * settings.tiles);
-    gpu::copy(commands, s.slice_.live, s.live_, sizeof(LiveCount));
-    gpu::copy(commands, s.gradients_.touched_count, s.touched_, sizeof(LiveCount));
-    gpu::host_barrier(commands);
+    record_touched(commands_, touched_list_);
+    if (settings.lambda_smooth > 0) record_smooth(commands_, smoother_, settings.share() * settings.lambda_smooth);
+    record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
+    gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
+    gpu::copy(commands_, slice_.live, live_, sizeof(LiveCount));
+    gpu::copy(commands_, gradients_.touched_count, touched_, sizeof(LiveCount));
+    gpu::host_barrier(commands_);
 }
 
 render::Field training_field(const gpu::Device& device, const voctree::VOctree& tree) {
@@ -55,7 +54,7 @@ void TrainingStep::submit(const StepSettings& settings) {
     assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
     tiles_ = settings.tiles;
     commands_.begin();
-    record_step(commands_, *this, settings);
+    record_step(settings);
     commands_.submit();
 }
 

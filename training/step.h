@@ -64,7 +64,8 @@ class TrainingStep {
     const LeafTally& tally() const { return tally_; }
 
   private:
-    friend void record_step(gpu::Commands& commands, TrainingStep& step, const StepSettings& settings);
+    // The whole step, pass by pass. Slices only where the step before was not at the same frame.
+    void record_step(const StepSettings& settings);
     const gpu::Device& device_;
     render::Field field_;
     render::Slice slice_;
@@ -85,8 +86,5 @@ class TrainingStep {
     uint32_t tiles_ = 0;
     std::optional<float> sliced_;  // the frame that slice_ is of, where it is that of the weights as they are
 };
-
-// The whole step, pass by pass. Slices only where the step before was not at the same frame.
-void record_step(gpu::Commands& commands, TrainingStep& step, const StepSettings& settings);
 
 }  // namespace neuvv::training

@@ -6,16 +6,13 @@
 
 namespace neuvv::training {
 
-class TouchedList {
-  public:
+struct TouchedList {
     TouchedList(const gpu::Device& device, const render::Slice& slice, const SliceGradients& gradients);
 
-  private:
-    friend void record_touched(gpu::Commands&, const TouchedList&);
-    const render::Slice& slice_;
-    const SliceGradients& gradients_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const render::Slice& slice;
+    const SliceGradients& gradients;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // After record_trace_adjoint. Fills SliceGradients::touched and touched_count.

@@ -38,33 +38,33 @@ AtomicAdd best_atomic_add(const gpu::Device& device) {
     return device.float_atomics() ? AtomicAdd::kNative : AtomicAdd::kCompareAndSwap;
 }
 
-TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given_field, const render::Slice& slice,
                            const render::RayBatch& rays, const LossBatch& batch, const SliceGradients& gradients,
                            AtomicAdd atomics)
-    : field_(field),
-      pass_(device, "trace adjoint",
-            atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
-                                          : std::span<const uint32_t>(trace_adjoint_cas_comp),
-            {field.hh_degree, field.node_levels, field.top_levels}),
-      set_(pass_, {{kTraceTop, &field.top},
-                   {kTraceNodes, &field.nodes},
-                   {kTraceChildren, &field.children},
-                   {kTraceNodeLive, &slice.node_live},
-                   {kTraceHead, &slice.head},
-                   {kTraceSh, &slice.sh},
-                   {kTraceCameras, &rays.cameras},
-                   {kTraceTiles, &rays.tiles},
-                   {kTraceRadiance, &rays.radiance},
-                   {kTraceAdjoint, &batch.adjoint},
-                   {kTraceTarget, &batch.target},
-                   {kTraceGradients, &gradients.gradients},
-                   {kTraceReach, &gradients.reach}}) {}
+    : field(given_field),
+      pass(device, "trace adjoint",
+           atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
+                                         : std::span<const uint32_t>(trace_adjoint_cas_comp),
+           {field.hh_degree, field.node_levels, field.top_levels}),
+      set(pass, {{kTraceTop, &field.top},
+                 {kTraceNodes, &field.nodes},
+                 {kTraceChildren, &field.children},
+                 {kTraceNodeLive, &slice.node_live},
+                 {kTraceHead, &slice.head},
+                 {kTraceSh, &slice.sh},
+                 {kTraceCameras, &rays.cameras},
+                 {kTraceTiles, &rays.tiles},
+                 {kTraceRadiance, &rays.radiance},
+                 {kTraceAdjoint, &batch.adjoint},
+                 {kTraceTarget, &batch.target},
+                 {kTraceGradients, &gradients.gradients},
+                 {kTraceReach, &gradients.reach}}) {}
 
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
                           float lambda_point) {
     const gpu::PassScope scope(commands, "trace adjoint");
-    const TracePush trace = render::trace_push(adjoint.field_, stop);
-    gpu::dispatch(commands, adjoint.pass_, adjoint.set_, tiles,
+    const TracePush trace = render::trace_push(adjoint.field, stop);
+    gpu::dispatch(commands, adjoint.pass, adjoint.set, tiles,
                   TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
     gpu::compute_barrier(commands);
 }

@@ -25,17 +25,14 @@ uint32_t max_training_slots(const gpu::Device& device, uint32_t hh_degree);
 enum class AtomicAdd { kNative, kCompareAndSwap };
 AtomicAdd best_atomic_add(const gpu::Device& device);
 
-class TraceAdjoint {
-  public:
+struct TraceAdjoint {
     TraceAdjoint(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
                  const render::RayBatch& rays, const LossBatch& batch, const SliceGradients& gradients,
                  AtomicAdd atomics);
 
-  private:
-    friend void record_trace_adjoint(gpu::Commands&, const TraceAdjoint&, uint32_t, float, float);
-    const render::Field& field_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const render::Field& field;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`:

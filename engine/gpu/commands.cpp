@@ -98,22 +98,23 @@ std::vector<PassTime> Commands::pass_times() const {
     return times;
 }
 
-PassScope::PassScope(Commands& commands, const std::string& name)
-    : commands_(commands), index_(static_cast<uint32_t>(commands.scopes_.size())) {
-    if (timed()) commands.scopes_.push_back(name);
+uint32_t Commands::begin_pass(const std::string& pass) {
+    const auto number = static_cast<uint32_t>(scopes_.size());
     if (vkCmdBeginDebugUtilsLabelEXT) {
-        const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, name.c_str(), {}};
-        vkCmdBeginDebugUtilsLabelEXT(commands.buffer_, &label);
+        const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, pass.c_str(), {}};
+        vkCmdBeginDebugUtilsLabelEXT(buffer_, &label);
     }
-    if (timed())
-        vkCmdWriteTimestamp2(commands.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.timestamps_, 2 * index_);
+    if (number < max_scopes_) {
+        scopes_.push_back(pass);
+        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * number);
+    }
+    return number;
 }
 
-PassScope::~PassScope() {
-    if (timed())
-        vkCmdWriteTimestamp2(commands_.buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.timestamps_,
-                             2 * index_ + 1);
-    if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(commands_.buffer_);
+void Commands::end_pass(uint32_t number) {
+    if (number < max_scopes_)
+        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * number + 1);
+    if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(buffer_);
 }
 
 namespace {

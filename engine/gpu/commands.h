@@ -40,6 +40,10 @@ class Commands {
     VkCommandBuffer handle() const { return buffer_; }
     const Device& device() const { return device_; }
 
+    // A pass begins, and ends by the number that begin_pass gave it: what a PassScope calls.
+    uint32_t begin_pass(const std::string& pass);
+    void end_pass(uint32_t number);
+
     // GPU time of each PassScope of the last finished submission, in recording order.
     std::vector<PassTime> pass_times() const;
     // From submit() until wait() knew that the work was done, by the host's clock. Software devices that draw, too,
@@ -47,7 +51,6 @@ class Commands {
     double milliseconds() const { return milliseconds_; }
 
   private:
-    friend class PassScope;
     const Device& device_;
     std::string name_;
     uint32_t max_scopes_;
@@ -64,15 +67,14 @@ class Commands {
 // Names a pass in captures and times it on the GPU, for as long as the scope lives.
 class PassScope {
   public:
-    PassScope(Commands& commands, const std::string& name);
-    ~PassScope();
+    PassScope(Commands& commands, const std::string& name) : commands_(commands), number_(commands.begin_pass(name)) {}
+    ~PassScope() { commands_.end_pass(number_); }
     PassScope(const PassScope&) = delete;
     PassScope& operator=(const PassScope&) = delete;
 
   private:
-    bool timed() const { return index_ < commands_.max_scopes_; }
     Commands& commands_;
-    uint32_t index_;
+    uint32_t number_;
 };
 
 // Push constants must be exactly what the shader declares (assert).

@@ -139,15 +139,15 @@ class FrameRenderer {
     double milliseconds() const { return commands_.milliseconds(); }
 
   private:
-    friend void record_frame(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_playing(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_inspected(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_blank(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_listed(gpu::Commands& commands, FrameRenderer& renderer);
-    friend void record_rays(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-    friend void record_merged(gpu::Commands& commands, FrameRenderer& renderer, std::span<const DrawnInstance> group,
-                              const FrameSettings& settings);
-    friend void record_readback(gpu::Commands& commands, FrameRenderer& renderer);
+    // The frame, pass by pass (frame.cpp), and its pictures to the host.
+    void record_frame(const FrameSettings& settings);
+    void record_readback();
+    void record_playing(const FrameSettings& settings);
+    void record_inspected(const FrameSettings& settings);
+    void record_blank(const FrameSettings& settings);
+    void record_listed();
+    void record_rays(const FrameSettings& settings);
+    void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
     enum class To { kDevice, kHost };
     void draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
@@ -185,10 +185,5 @@ class FrameRenderer {
     std::vector<std::vector<DrawnInstance>> drawn_;  // of the last picture: those that may be seen, near to far
     gpu::Commands commands_;
 };
-
-// The frame, pass by pass.
-void record_frame(gpu::Commands& commands, FrameRenderer& renderer, const FrameSettings& settings);
-// Its pictures to the host.
-void record_readback(gpu::Commands& commands, FrameRenderer& renderer);
 
 }  // namespace neuvv::render

@@ -273,18 +273,18 @@ void FrameRenderer::prepare_performers(const FrameSettings& settings) {
         performers_[i] = std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
                                                      slice_share(capacity_.slice_budget, fields_.size()));
         performers_[i]->add_target(target_, capacity_.views);
-        if (shadows_) performers_[i]->add_target(shadows_->target(), kMaxShadows);
+        if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);
     }
     std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
     for (const auto& group : drawn_)
         for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
     if (shadows_)  // these last: a slice shows more where the eye sees it
-        for (const DrawnInstance& instance : shadows_->drawn()) slices[instance.field].push_back(instance.slice());
+        for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const NextSlice& one : settings.next_slices)
         if (one.field < fields_.size()) next[one.field].push_back(one.slice);
     for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(slices[i], next[i]);
     if (shadows_)
-        for (const DrawnInstance& instance : shadows_->drawn())
+        for (const DrawnInstance& instance : shadows_->drawn)
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
     for (const auto& group : drawn_) {
         if (group.size() > 1 && !segments_)
@@ -326,8 +326,8 @@ void FrameRenderer::draw_to(To to, std::span<const stage::Camera> cameras, const
         prepare(settings);
         if (segments_) segments_->begin_frame();
         commands_.begin();
-        record_frame(commands_, *this, settings);
-        if (to == To::kHost) record_readback(commands_, *this);
+        record_frame(settings);
+        if (to == To::kHost) record_readback();
         commands_.submit();
         commands_.wait();
     } while (!is_reference(settings.mode) && enlarge());

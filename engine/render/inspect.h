@@ -9,17 +9,14 @@
 
 namespace neuvv::render {
 
-class Inspector {
-  public:
+struct Inspector {
     // `picture`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
     Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& picture,
               std::span<const Field* const> fields);
 
-  private:
-    friend void record_inspect(gpu::Commands&, const Inspector&, const ViewLayout&, const ResolveSettings&);
-    float coarsest_, finest_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    float coarsest, finest;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Rays that instances were traced into as Into::kInspect, laid out as record_resolve's; is_inspection(settings.show).

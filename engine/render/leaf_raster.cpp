@@ -36,67 +36,67 @@ LeafRasterPush raster_push(const Field& field, const SliceTrees& trees, uint32_t
 
 }  // namespace
 
-LeafRasterizer::LeafRasterizer(const gpu::Device& device, const Field& field, const SliceTrees& trees,
-                               const gpu::Buffer& shaded, const RayBatch& rays, uint32_t pair_capacity)
-    : field_(field),
-      trees_(trees),
-      rays_(rays),
-      key_bits_(bits_of_key(field, rays)),
-      pairs_(device, pair_capacity),
-      tile_pairs_(device, "pairs of tiles", uint64_t{8} * rays.tile_capacity, gpu::MemoryKind::kDevice,
-                  VK_FORMAT_R32G32_UINT),
-      tile_list_(device, "tiles with pairs", uint64_t{4} * (rays.tile_capacity + kListRow), gpu::MemoryKind::kDevice,
-                 VK_FORMAT_R32_UINT),
-      tiles_listed_(device, "count of tiles with pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
-      sorter_(device, pairs_),
-      project_(device, "leaf pairs", leaf_pairs_comp, {field.node_levels}),
-      tiles_(device, "leaf tiles", leaf_tiles_comp, {field.node_levels}),
-      composite_(device, "leaf composite", leaf_composite_comp, {field.node_levels}),
-      project_set_(project_, {{kPairsLeaves, &trees.entry_leaf},
-                              {kPairsPlaces, &field.leaf_places},
-                              {kPairsEntries, &trees.counts},
-                              {kPairsKeys, &pairs_.keys[0]},
-                              {kPairsValues, &pairs_.values[0]},
-                              {kPairsCount, &pairs_.count}}),
-      tiles_set_(tiles_, {{kLeafTilesKeys, &pairs_.keys[sorted_buffer(key_bits_)]},
-                          {kLeafTilesCount, &pairs_.count},
-                          {kLeafTilesOut, &tile_pairs_},
-                          {kLeafTilesList, &tile_list_},
-                          {kLeafTilesListed, &tiles_listed_}}),
-      composite_set_(composite_, {{kCompositePairs, &tile_pairs_},
-                                  {kCompositeValues, &pairs_.values[sorted_buffer(key_bits_)]},
-                                  {kCompositeEntries, &shaded},
-                                  {kCompositeLeaves, &trees.entry_leaf},
-                                  {kCompositePlaces, &field.leaf_places},
-                                  {kTraceCameras, &rays.cameras},
-                                  {kTraceTiles, &rays.tiles},
-                                  {kTraceTileList, &tile_list_},
-                                  {kTraceRadiance, &rays.radiance},
-                                  {kTraceDepth, &rays.depth}}) {}
+LeafRasterizer::LeafRasterizer(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
+                               const gpu::Buffer& shaded, const RayBatch& given_rays, uint32_t pair_capacity)
+    : field(given_field),
+      trees(given_trees),
+      rays(given_rays),
+      key_bits(bits_of_key(field, rays)),
+      pairs(device, pair_capacity),
+      tile_pairs(device, "pairs of tiles", uint64_t{8} * rays.tile_capacity, gpu::MemoryKind::kDevice,
+                 VK_FORMAT_R32G32_UINT),
+      tile_list(device, "tiles with pairs", uint64_t{4} * (rays.tile_capacity + kListRow), gpu::MemoryKind::kDevice,
+                VK_FORMAT_R32_UINT),
+      tiles_listed(device, "count of tiles with pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
+      sorter(device, pairs),
+      project(device, "leaf pairs", leaf_pairs_comp, {field.node_levels}),
+      tiles(device, "leaf tiles", leaf_tiles_comp, {field.node_levels}),
+      composite(device, "leaf composite", leaf_composite_comp, {field.node_levels}),
+      project_set(project, {{kPairsLeaves, &trees.entry_leaf},
+                            {kPairsPlaces, &field.leaf_places},
+                            {kPairsEntries, &trees.counts},
+                            {kPairsKeys, &pairs.keys[0]},
+                            {kPairsValues, &pairs.values[0]},
+                            {kPairsCount, &pairs.count}}),
+      tiles_set(tiles, {{kLeafTilesKeys, &pairs.keys[sorted_buffer(key_bits)]},
+                        {kLeafTilesCount, &pairs.count},
+                        {kLeafTilesOut, &tile_pairs},
+                        {kLeafTilesList, &tile_list},
+                        {kLeafTilesListed, &tiles_listed}}),
+      composite_set(composite, {{kCompositePairs, &tile_pairs},
+                                {kCompositeValues, &pairs.values[sorted_buffer(key_bits)]},
+                                {kCompositeEntries, &shaded},
+                                {kCompositeLeaves, &trees.entry_leaf},
+                                {kCompositePlaces, &field.leaf_places},
+                                {kTraceCameras, &rays.cameras},
+                                {kTraceTiles, &rays.tiles},
+                                {kTraceTileList, &tile_list},
+                                {kTraceRadiance, &rays.radiance},
+                                {kTraceDepth, &rays.depth}}) {}
 
 void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32_t slice, const ShaderCamera& camera,
                         float stop) {
-    const LeafRasterPush push = raster_push(r.field_, r.trees_, slice, camera, r.pairs_.capacity, stop);
+    const LeafRasterPush push = raster_push(r.field, r.trees, slice, camera, r.pairs.capacity, stop);
     {
         const gpu::PassScope scope(commands, "project");
-        gpu::update(commands, r.pairs_.count, LiveCount{0, 1, 1, 0, 0});
+        gpu::update(commands, r.pairs.count, LiveCount{0, 1, 1, 0, 0});
         gpu::compute_barrier(commands);
-        gpu::dispatch_indirect(commands, r.project_, r.project_set_, r.trees_.counts, slice * sizeof(LiveCount), push);
+        gpu::dispatch_indirect(commands, r.project, r.project_set, r.trees.counts, slice * sizeof(LiveCount), push);
         gpu::compute_barrier(commands);
     }
     {
         const gpu::PassScope scope(commands, "sort");
-        record_pair_sort(commands, r.sorter_, r.key_bits_);
+        record_pair_sort(commands, r.sorter, r.key_bits);
     }
     const gpu::PassScope scope(commands, "composite");
-    record_clear(commands, r.rays_, r.rays_.tile_capacity);
-    gpu::fill(commands, r.tile_pairs_, 0);
-    gpu::fill(commands, r.tile_list_, kNoTile);
-    gpu::update(commands, r.tiles_listed_, LiveCount{0, 1, 1, 0, 0});
+    record_clear(commands, r.rays, r.rays.tile_capacity);
+    gpu::fill(commands, r.tile_pairs, 0);
+    gpu::fill(commands, r.tile_list, kNoTile);
+    gpu::update(commands, r.tiles_listed, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
-    gpu::dispatch_indirect(commands, r.tiles_, r.tiles_set_, r.pairs_.count, 0, LeafTilesPush{r.pairs_.capacity});
+    gpu::dispatch_indirect(commands, r.tiles, r.tiles_set, r.pairs.count, 0, LeafTilesPush{r.pairs.capacity});
     gpu::compute_barrier(commands);
-    gpu::dispatch_indirect(commands, r.composite_, r.composite_set_, r.tiles_listed_, 0, push);
+    gpu::dispatch_indirect(commands, r.composite, r.composite_set, r.tiles_listed, 0, push);
     gpu::compute_barrier(commands);
 }
 

@@ -8,29 +8,25 @@
 
 namespace neuvv::render {
 
-class LeafRasterizer {
-  public:
+struct LeafRasterizer {
     // Room for so many pairs of a tile and a leaf. `shaded`: as the Shader has it. All must outlive it.
     LeafRasterizer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded,
                    const RayBatch& rays, uint32_t pair_capacity);
 
-    const SortPairs& pairs() const { return pairs_; }
+    const SortPairs& pairs() const { return pairs; }
     // Per tile (its first pair, the first after its last) of those that sorted_buffer(key_bits) names; (0, 0) of none.
-    const gpu::Buffer& tile_pairs() const { return tile_pairs_; }
-    uint32_t key_bits() const { return key_bits_; }
+    const gpu::Buffer& tile_pairs() const { return tile_pairs; }
+    uint32_t key_bits() const { return key_bits; }
 
-  private:
-    friend void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
-                                   const ShaderCamera& camera, float stop);
-    const Field& field_;
-    const SliceTrees& trees_;
-    const RayBatch& rays_;
-    uint32_t key_bits_;
-    SortPairs pairs_;
-    gpu::Buffer tile_pairs_, tile_list_, tiles_listed_;
-    PairSorter sorter_;
-    gpu::ComputePass project_, tiles_, composite_;
-    gpu::BindingSet project_set_, tiles_set_, composite_set_;
+    const Field& field;
+    const SliceTrees& trees;
+    const RayBatch& rays;
+    uint32_t key_bits;
+    SortPairs pairs;
+    gpu::Buffer tile_pairs, tile_list, tiles_listed;
+    PairSorter sorter;
+    gpu::ComputePass project, tiles, composite;
+    gpu::BindingSet project_set, tiles_set, composite_set;
 };
 
 // All rays of a picture through one of the slices, shaded from the camera's eye. `camera` is that of the batch's tiles,

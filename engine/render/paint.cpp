@@ -100,39 +100,40 @@ const Paint* Paints::find(uint32_t paint) const {
     return found == paints_.end() ? nullptr : &found->second;
 }
 
-Painter::Painter(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
-    : field_(field),
-      live_(live),
-      trees_(trees),
-      density_(device, "paint density", paint_density_comp),
-      colour_(device, "paint colour", paint_colour_comp, {field.hh_degree}) {}
+Painter::Painter(const gpu::Device& device, const Field& given_field, const LiveLeaves& given_live,
+                 const SliceTrees& given_trees)
+    : field(given_field),
+      live(given_live),
+      trees(given_trees),
+      density(device, "paint density", paint_density_comp),
+      colour(device, "paint colour", paint_colour_comp, {field.hh_degree}) {}
 
 SlicePaint::SlicePaint(const Painter& passes, const Paint& layers)
     : painter(passes),
       paint(layers),
-      density_set(passes.density_, {{kPaintLeaves, &layers.leaves},
-                                    {kPaintEdits, &layers.edits},
-                                    {kPaintSigmas, &layers.sigmas},
-                                    {kPaintLayers, &layers.layers},
-                                    {kPaintHead, &passes.live_.head},
-                                    {kPaintSlots, &passes.live_.slot_leaf},
-                                    {kPaintLive, &passes.live_.live},
-                                    {kPaintCells, &passes.field_.leaf_cells},
-                                    {kPaintNodeLive, &passes.live_.node_live}}),
-      colour_set(passes.colour_, {{kPaintLeaves, &layers.leaves},
-                                  {kPaintEdits, &layers.edits},
-                                  {kPaintSigmas, &layers.sigmas},
-                                  {kPaintLayers, &layers.layers},
-                                  {kPaintCells, &passes.field_.leaf_cells},
-                                  {kPaintNodes, &passes.trees_.nodes},
-                                  {kPaintEntries, &passes.trees_.entries}}) {}
+      density_set(passes.density, {{kPaintLeaves, &layers.leaves},
+                                   {kPaintEdits, &layers.edits},
+                                   {kPaintSigmas, &layers.sigmas},
+                                   {kPaintLayers, &layers.layers},
+                                   {kPaintHead, &passes.live.head},
+                                   {kPaintSlots, &passes.live.slot_leaf},
+                                   {kPaintLive, &passes.live.live},
+                                   {kPaintCells, &passes.field.leaf_cells},
+                                   {kPaintNodeLive, &passes.live.node_live}}),
+      colour_set(passes.colour, {{kPaintLeaves, &layers.leaves},
+                                 {kPaintEdits, &layers.edits},
+                                 {kPaintSigmas, &layers.sigmas},
+                                 {kPaintLayers, &layers.layers},
+                                 {kPaintCells, &passes.field.leaf_cells},
+                                 {kPaintNodes, &passes.trees.nodes},
+                                 {kPaintEntries, &passes.trees.entries}}) {}
 
 void record_paint_density(gpu::Commands& commands, const SlicePaint& paint, float frame) {
     if (paint.paint.leaf_count == 0) return;
     const gpu::PassScope scope(commands, "paint density");
     PaintPush push = paint_push(paint.paint, frame);
-    push.capacity = paint.painter.live_.capacity;
-    gpu::dispatch(commands, paint.painter.density_, paint.density_set, groups(paint.paint), push);
+    push.capacity = paint.painter.live.capacity;
+    gpu::dispatch(commands, paint.painter.density, paint.density_set, groups(paint.paint), push);
     gpu::compute_barrier(commands);
 }
 
@@ -140,8 +141,8 @@ void record_paint_colour(gpu::Commands& commands, const SlicePaint& paint, uint3
     if (paint.paint.leaf_count == 0) return;
     const gpu::PassScope scope(commands, "paint colour");
     PaintPush push = paint_push(paint.paint, frame);
-    push.node_base = paint.painter.trees_.node_base(slice);
-    gpu::dispatch(commands, paint.painter.colour_, paint.colour_set, groups(paint.paint), push);
+    push.node_base = paint.painter.trees.node_base(slice);
+    gpu::dispatch(commands, paint.painter.colour, paint.colour_set, groups(paint.paint), push);
     gpu::compute_barrier(commands);
 }
 

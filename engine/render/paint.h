@@ -58,20 +58,14 @@ class Paints {
 };
 
 // The passes for the slices of one field.
-class Painter {
-  public:
+struct Painter {
     // Field, live leaves and trees must outlive it.
     Painter(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
 
-  private:
-    friend struct SlicePaint;
-    friend void record_paint_density(gpu::Commands& commands, const struct SlicePaint& paint, float frame);
-    friend void record_paint_colour(gpu::Commands& commands, const struct SlicePaint& paint, uint32_t slice,
-                                    float frame);
-    const Field& field_;
-    const LiveLeaves& live_;
-    const SliceTrees& trees_;
-    gpu::ComputePass density_, colour_;
+    const Field& field;
+    const LiveLeaves& live;
+    const SliceTrees& trees;
+    gpu::ComputePass density, colour;
 };
 
 // A paint, bound to the passes. Both must outlive it.

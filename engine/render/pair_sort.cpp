@@ -43,40 +43,40 @@ SortPairs::SortPairs(const gpu::Device& device, uint32_t pair_capacity)
     check_limits(device, capacity);
 }
 
-PairSorter::PairSorter(const gpu::Device& device, const SortPairs& pairs)
-    : pairs_(pairs),
-      count_(device, "pair sort count", pair_sort_count_comp),
-      scan_(device, "pair sort scan", pair_sort_scan_comp),
-      scatter_(device, "pair sort scatter", pair_sort_scatter_comp),
-      scan_set_(scan_, {{kSortCount, &pairs.count},
-                        {kSortBlockCounts, &pairs.block_counts},
-                        {kSortDigitCounts, &pairs.digit_counts}}) {
+PairSorter::PairSorter(const gpu::Device& device, const SortPairs& given_pairs)
+    : pairs(given_pairs),
+      count(device, "pair sort count", pair_sort_count_comp),
+      scan(device, "pair sort scan", pair_sort_scan_comp),
+      scatter(device, "pair sort scatter", pair_sort_scatter_comp),
+      scan_set(scan, {{kSortCount, &pairs.count},
+                      {kSortBlockCounts, &pairs.block_counts},
+                      {kSortDigitCounts, &pairs.digit_counts}}) {
     for (uint32_t from = 0; from < 2; from++) {
-        count_sets_[from] = gpu::BindingSet(count_, {{kSortKeys, &pairs.keys[from]},
-                                                     {kSortCount, &pairs.count},
-                                                     {kSortBlockCounts, &pairs.block_counts},
-                                                     {kSortDigitCounts, &pairs.digit_counts}});
-        scatter_sets_[from] = gpu::BindingSet(scatter_, {{kSortKeys, &pairs.keys[from]},
-                                                         {kSortValues, &pairs.values[from]},
-                                                         {kSortCount, &pairs.count},
-                                                         {kSortBlockCounts, &pairs.block_counts},
-                                                         {kSortKeysOut, &pairs.keys[1 - from]},
-                                                         {kSortValuesOut, &pairs.values[1 - from]}});
+        count_sets[from] = gpu::BindingSet(count, {{kSortKeys, &pairs.keys[from]},
+                                                   {kSortCount, &pairs.count},
+                                                   {kSortBlockCounts, &pairs.block_counts},
+                                                   {kSortDigitCounts, &pairs.digit_counts}});
+        scatter_sets[from] = gpu::BindingSet(scatter, {{kSortKeys, &pairs.keys[from]},
+                                                       {kSortValues, &pairs.values[from]},
+                                                       {kSortCount, &pairs.count},
+                                                       {kSortBlockCounts, &pairs.block_counts},
+                                                       {kSortKeysOut, &pairs.keys[1 - from]},
+                                                       {kSortValuesOut, &pairs.values[1 - from]}});
     }
 }
 
 void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_t key_bits) {
-    const SortPairs& pairs = sorter.pairs_;
+    const SortPairs& pairs = sorter.pairs;
     gpu::fill(commands, pairs.digit_counts, 0);
     gpu::compute_barrier(commands);
     for (uint32_t place = 0; place * kSortDigitBits < key_bits; place++) {
         const uint32_t from = place % 2;
         const PairSortPush push{place, pairs.capacity, blocks_of(pairs.capacity)};
-        gpu::dispatch_indirect(commands, sorter.count_, sorter.count_sets_[from], pairs.count, 0, push);
+        gpu::dispatch_indirect(commands, sorter.count, sorter.count_sets[from], pairs.count, 0, push);
         gpu::compute_barrier(commands);
-        gpu::dispatch(commands, sorter.scan_, sorter.scan_set_, kSortDigits, push);
+        gpu::dispatch(commands, sorter.scan, sorter.scan_set, kSortDigits, push);
         gpu::compute_barrier(commands);
-        gpu::dispatch_indirect(commands, sorter.scatter_, sorter.scatter_sets_[from], pairs.count, 0, push);
+        gpu::dispatch_indirect(commands, sorter.scatter, sorter.scatter_sets[from], pairs.count, 0, push);
         gpu::compute_barrier(commands);
     }
 }

@@ -21,16 +21,13 @@ struct SortPairs {
     gpu::Buffer block_counts, digit_counts;
 };
 
-class PairSorter {
-  public:
+struct PairSorter {
     PairSorter(const gpu::Device& device, const SortPairs& pairs);
 
-  private:
-    friend void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_t key_bits);
-    const SortPairs& pairs_;
-    gpu::ComputePass count_, scan_, scatter_;
-    std::array<gpu::BindingSet, 2> count_sets_, scatter_sets_;  // from the first buffers, from the second
-    gpu::BindingSet scan_set_;
+    const SortPairs& pairs;
+    gpu::ComputePass count, scan, scatter;
+    std::array<gpu::BindingSet, 2> count_sets, scatter_sets;  // from the first buffers, from the second
+    gpu::BindingSet scan_set;
 };
 
 // Sorts by the lowest `key_bits` bits. Pairs of equal keys stay in their order.

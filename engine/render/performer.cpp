@@ -24,9 +24,14 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
-TargetPasses::TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live,
-                           const SliceTrees* trees, const RayTarget& target, uint32_t views)
-    : device_(device), field_(field), live_(live), trees_(trees), target_(target), views_(views) {}
+TargetPasses::TargetPasses(const gpu::Device& given_device, const Field& given_field, const LiveLeaves& given_live,
+                           const SliceTrees* given_trees, const RayTarget& given_target, uint32_t most_views)
+    : device(given_device),
+      field(given_field),
+      live(given_live),
+      trees(given_trees),
+      target(given_target),
+      views(most_views) {}
 
 TargetPasses::Shaded::Shaded(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t views)
     : entries(shaded_entries(device, trees.capacity, views)), shader(device, field, trees, entries) {}
@@ -36,32 +41,31 @@ size_t TargetPasses::place_of(Shading shading, Into into) {
 }
 
 void TargetPasses::need_tree(Shading shading, Into into, const Segments* segments) {
-    std::unique_ptr<TreeTracer>& tracer = trees_into_[place_of(shading, into)];
+    std::unique_ptr<TreeTracer>& tracer = trees_into[place_of(shading, into)];
     if (tracer) return;
-    if (!tree_ranger_)
-        tree_ranger_ = std::make_unique<TileRanger>(device_, field_, trees_, target_.rays, target_.ranges);
+    if (!tree_ranger) tree_ranger = std::make_unique<TileRanger>(device, field, trees, target.rays, target.ranges);
     const bool shaded = shading == Shading::kPerLeaf;
-    if (shaded && !shaded_) shaded_ = std::make_unique<Shaded>(device_, field_, *trees_, views_);
-    tracer = std::make_unique<TreeTracer>(device_, field_, *trees_, shaded ? shaded_->entries : trees_->entries,
-                                          target_, shading, into, segments);
+    if (shaded && !per_leaf) per_leaf = std::make_unique<Shaded>(device, field, *trees, views);
+    tracer = std::make_unique<TreeTracer>(device, field, *trees, shaded ? per_leaf->entries : trees->entries, target,
+                                          shading, into, segments);
 }
 
 void TargetPasses::need_ranger() {
-    if (!direct_ranger_)
-        direct_ranger_ = std::make_unique<TileRanger>(device_, field_, nullptr, target_.rays, target_.ranges);
+    if (!direct_ranger)
+        direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.rays, target.ranges);
 }
 
 void TargetPasses::need_direct(Into into, const Segments* segments) {
-    std::unique_ptr<DirectTracer>& tracer = direct_into_[static_cast<size_t>(into)];
+    std::unique_ptr<DirectTracer>& tracer = direct_into[static_cast<size_t>(into)];
     if (tracer) return;
     need_ranger();
-    tracer = std::make_unique<DirectTracer>(device_, field_, live_, target_, into, segments);
+    tracer = std::make_unique<DirectTracer>(device, field, live, target, into, segments);
 }
 
 void TargetPasses::forget_segments() {
     for (const Shading shading : {Shading::kPerRay, Shading::kPerLeaf, Shading::kNone})
-        trees_into_[place_of(shading, Into::kSegments)].reset();
-    direct_into_[static_cast<size_t>(Into::kSegments)].reset();
+        trees_into[place_of(shading, Into::kSegments)].reset();
+    direct_into[static_cast<size_t>(Into::kSegments)].reset();
 }
 
 Performer::Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
@@ -158,30 +162,34 @@ bool Performer::enlarge_slices() {
 }
 
 void record_slices(gpu::Commands& commands, Performer& performer) {
-    if (SliceCache* cache = performer.slices()) record_slices(commands, *cache);
+    if (SliceCache* cache = performer.slices()) cache->record_slices(commands);
 }
 
 void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts) {
     SliceCache* cache = performer.slices();
     if (!cache) return;
-    record_ahead(commands, *cache, parts);
-    gpu::copy(commands, cache->trees().counts, performer.counts_readback_, performer.counts_readback_.bytes);
+    cache->record_ahead(commands, parts);
+    gpu::copy(commands, cache->trees().counts, performer.counts_readback(), performer.counts_readback().bytes);
 }
+
+namespace {
 
 // Where the instance may be seen. Its slice; none: it is drawn without, and its rows are there.
 std::optional<uint32_t> record_ranges(gpu::Commands& commands, Performer& performer, uint32_t target,
                                       const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
-    const TargetPasses& passes = *performer.passes_[target];
+    const TargetPasses& passes = performer.passes(target);
     SliceCache* cache = performer.slices();
     // To be counted, a slice that is still to be built may be the whole tree: more tiles are merged than need be.
     const std::optional<uint32_t> slice = !cache    ? std::nullopt
                                           : counted ? cache->find(instance.slice())
-                                                    : record_slice_of(commands, *cache, instance.slice());
-    if (!slice && !counted) record_rows(commands, *performer.finder_, instance.frame);
-    record_tile_ranges(commands, slice ? *passes.tree_ranger_ : *passes.direct_ranger_, slice.value_or(0),
+                                                    : cache->record_slice_of(commands, instance.slice());
+    if (!slice && !counted) record_rows(commands, performer.finder(), instance.frame);
+    record_tile_ranges(commands, slice ? *passes.tree_ranger : *passes.direct_ranger, slice.value_or(0),
                        instance.rays.first_camera, instance.range_level, layout, counted);
     return slice;
 }
+
+}  // namespace
 
 void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                     const ViewLayout& layout) {
@@ -190,18 +198,18 @@ void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t targ
 
 void record_instance(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout) {
-    const TargetPasses& passes = *performer.passes_[target];
+    const TargetPasses& passes = performer.passes(target);
     const std::optional<uint32_t> slice = record_ranges(commands, performer, target, instance, layout, false);
     if (!slice) {
-        record_direct_instance(commands, *passes.direct_into_[static_cast<size_t>(instance.into)], instance.rays);
+        record_direct_instance(commands, *passes.direct_into[static_cast<size_t>(instance.into)], instance.rays);
         return;
     }
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
-        const RangeView& seen = passes.target_.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
-        record_shade(commands, passes.shaded_->shader, *slice, view, glm::vec3(seen.eye));
+        const RangeView& seen = passes.target.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
+        record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(seen.eye));
     }
-    record_trace_tree(commands, *passes.trees_into_[TargetPasses::place_of(instance.shading, instance.into)], *slice,
+    record_trace_tree(commands, *passes.trees_into[TargetPasses::place_of(instance.shading, instance.into)], *slice,
                       instance.rays);
 }
 

@@ -38,8 +38,7 @@ struct DrawnInstance {
 };
 
 // The passes of one performer into one target, each made when first needed. All must outlive it.
-class TargetPasses {
-  public:
+struct TargetPasses {
     TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
@@ -50,28 +49,24 @@ class TargetPasses {
     // The segments have other buffers now.
     void forget_segments();
 
-    const gpu::Buffer* shaded() const { return shaded_ ? &shaded_->entries : nullptr; }  // null before any was needed
+    const gpu::Buffer* shaded() const { return per_leaf ? &per_leaf->entries : nullptr; }  // null before any was needed
 
-  private:
-    friend std::optional<uint32_t> record_ranges(gpu::Commands&, class Performer&, uint32_t, const DrawnInstance&,
-                                                 const ViewLayout&, bool);
-    friend void record_instance(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     static size_t place_of(Shading shading, Into into);
     struct Shaded {
         gpu::Buffer entries;
         Shader shader;
         Shaded(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t views);
     };
-    const gpu::Device& device_;
-    const Field& field_;
-    const LiveLeaves& live_;
-    const SliceTrees* trees_;  // null: it has no slices
-    const RayTarget& target_;
-    uint32_t views_;
-    std::unique_ptr<Shaded> shaded_;
-    std::unique_ptr<TileRanger> tree_ranger_, direct_ranger_;
-    std::array<std::unique_ptr<TreeTracer>, 15> trees_into_;
-    std::array<std::unique_ptr<DirectTracer>, 5> direct_into_;
+    const gpu::Device& device;
+    const Field& field;
+    const LiveLeaves& live;
+    const SliceTrees* trees;  // null: it has no slices
+    const RayTarget& target;
+    uint32_t views;
+    std::unique_ptr<Shaded> per_leaf;
+    std::unique_ptr<TileRanger> tree_ranger, direct_ranger;
+    std::array<std::unique_ptr<TreeTracer>, 15> trees_into;
+    std::array<std::unique_ptr<DirectTracer>, 5> direct_into;
 };
 
 // Of a budget of slices, the part of each of so many fields.
@@ -106,12 +101,10 @@ class Performer {
     SliceCache* slices() { return slices_.get(); }  // null where there is none
     const SliceCache* slices() const { return slices_.get(); }
     const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
+    const LiveFinder& finder() const { return *finder_; }
+    const gpu::Buffer& counts_readback() const { return counts_readback_; }
 
   private:
-    friend void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
-    friend std::optional<uint32_t> record_ranges(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&,
-                                                 const ViewLayout&, bool);
-    friend void record_instance(gpu::Commands&, Performer&, uint32_t, const DrawnInstance&, const ViewLayout&);
     void make_slices(uint32_t entries);
     void make_room(bool any_painted);
     const gpu::Device& device_;

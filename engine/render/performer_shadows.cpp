@@ -28,68 +28,68 @@ std::optional<WorldBox> box_of_casting(std::span<const Field* const> fields, std
 
 }  // namespace
 
-PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& set, uint32_t instances)
-    : set_(set),
-      target_(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
-      rows_(device, "shadow rows", uint64_t{8} * kSide * kSide, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
-      along_rows_(device, "shadow blur", shadow_blur_comp, {0}),
-      along_columns_(device, "shadow blur", shadow_blur_comp, {1}),
-      rows_set_(along_rows_, {{kBlurRadiance, &target_.rays.radiance},
-                              {kBlurDepth, &target_.rays.depth},
-                              {kBlurFrom, &set.performer_shadows},  // not read
-                              {kBlurTo, &rows_}}),
-      columns_set_(along_columns_, {{kBlurRadiance, &target_.rays.radiance},
-                                    {kBlurDepth, &target_.rays.depth},
-                                    {kBlurFrom, &rows_},
-                                    {kBlurTo, &set.performer_shadows}}) {}
+PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_set, uint32_t instances)
+    : set(given_set),
+      target(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
+      rows(device, "shadow rows", uint64_t{8} * kSide * kSide, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
+      along_rows(device, "shadow blur", shadow_blur_comp, {0}),
+      along_columns(device, "shadow blur", shadow_blur_comp, {1}),
+      rows_set(along_rows, {{kBlurRadiance, &target.rays.radiance},
+                            {kBlurDepth, &target.rays.depth},
+                            {kBlurFrom, &set.performer_shadows},  // not read
+                            {kBlurTo, &rows}}),
+      columns_set(along_columns, {{kBlurRadiance, &target.rays.radiance},
+                                  {kBlurDepth, &target.rays.depth},
+                                  {kBlurFrom, &rows},
+                                  {kBlurTo, &set.performer_shadows}}) {}
 
 // The lights that see performers, and from where.
 void PerformerShadows::place_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
-    cameras_.clear();
-    maps_.clear();
+    cameras.clear();
+    maps.clear();
     const std::optional<WorldBox> box = box_of_casting(fields, instances);
-    set_.shadows_of(box);
-    if (!box || !set_.lights().performer_shadows) return;
-    for (uint32_t i = 0; i < set_.lights().count; i++) {
-        if (set_.lights().light[i].shadow == kNoShadow) continue;
-        cameras_.push_back(performer_shadow_camera(set_.given_lights()[i], *box, kSide));
-        maps_.push_back(set_.lights().light[i].shadow);
+    set.shadows_of(box);
+    if (!box || !set.lights().performer_shadows) return;
+    for (uint32_t i = 0; i < set.lights().count; i++) {
+        if (set.lights().light[i].shadow == kNoShadow) continue;
+        cameras.push_back(performer_shadow_camera(set.given_lights()[i], *box, kSide));
+        maps.push_back(set.lights().light[i].shadow);
     }
 }
 
 void PerformerShadows::place(std::span<const Field* const> fields, std::span<const Instance> instances) {
     place_lights(fields, instances);
-    drawn_.clear();
-    const ViewLayout layout{kSide, kSide, 1, static_cast<uint32_t>(cameras_.size())};
-    const TargetViews views{target_, layout, cameras_};
-    if (layout != layout_) place_tiles(views);
-    layout_ = layout;
-    if (cameras_.empty()) return;
+    drawn.clear();
+    const ViewLayout before = layout;
+    layout = {kSide, kSide, 1, static_cast<uint32_t>(cameras.size())};
+    const TargetViews views{target, layout, cameras};
+    if (layout != before) place_tiles(views);
+    if (cameras.empty()) return;
     place_cameras(views);
     for (const Instance& instance : instances) {
         if (!instance.casts_shadow) continue;
-        auto drawn = place_instance(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn_.size()));
-        if (!drawn) continue;
-        drawn->shading = Shading::kNone;
-        drawn->into = Into::kLayerByDepth;
-        drawn_.push_back(*drawn);
+        auto one = place_instance(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn.size()));
+        if (!one) continue;
+        one->shading = Shading::kNone;
+        one->into = Into::kLayerByDepth;
+        drawn.push_back(*one);
     }
 }
 
 void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows,
                               std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
-    if (shadows.cameras_.empty()) return;
-    record_clear(commands, shadows.target_.rays, shadows.layout_.ray_tiles());
-    record_unseen(commands, shadows.target_.ranges);
-    for (const DrawnInstance& instance : shadows.drawn_)
-        record_instance(commands, *performers[instance.field], target, instance, shadows.layout_);
+    if (shadows.cameras.empty()) return;
+    record_clear(commands, shadows.target.rays, shadows.layout.ray_tiles());
+    record_unseen(commands, shadows.target.ranges);
+    for (const DrawnInstance& instance : shadows.drawn)
+        record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
     const gpu::PassScope scope(commands, "shadow blur");
     constexpr uint32_t kGroups = (kSide * kSide + kTilePixels - 1) / kTilePixels;
-    for (uint32_t view = 0; view < shadows.maps_.size(); view++) {
-        gpu::dispatch(commands, shadows.along_rows_, shadows.rows_set_, kGroups, ShadowBlurPush{view, 0});
+    for (uint32_t view = 0; view < shadows.maps.size(); view++) {
+        gpu::dispatch(commands, shadows.along_rows, shadows.rows_set, kGroups, ShadowBlurPush{view, 0});
         gpu::compute_barrier(commands);
-        gpu::dispatch(commands, shadows.along_columns_, shadows.columns_set_, kGroups,
-                      ShadowBlurPush{view, shadows.maps_[view] * kSide * kSide});
+        gpu::dispatch(commands, shadows.along_columns, shadows.columns_set, kGroups,
+                      ShadowBlurPush{view, shadows.maps[view] * kSide * kSide});
         gpu::compute_barrier(commands);
     }
 }

@@ -6,13 +6,13 @@
 
 namespace neuvv::render {
 
-PictureLister::PictureLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& ranges)
-    : ranges_(ranges),
-      pass_(device, "picture list", picture_list_comp),
-      set_(pass_, {{kListSeen, &ranges.seen},
-                   {kListCameras, &rays.cameras},
-                   {kListPictures, &ranges.picture_list},
-                   {kListCount, &ranges.picture_count}}) {}
+PictureLister::PictureLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& given_ranges)
+    : ranges(given_ranges),
+      pass(device, "picture list", picture_list_comp),
+      set(pass, {{kListSeen, &ranges.seen},
+                 {kListCameras, &rays.cameras},
+                 {kListPictures, &ranges.picture_list},
+                 {kListCount, &ranges.picture_count}}) {}
 
 void record_picture_list(gpu::Commands& commands, const PictureLister& lister, const ViewLayout& layout) {
     const gpu::PassScope scope(commands, "picture list");
@@ -23,7 +23,7 @@ void record_picture_list(gpu::Commands& commands, const PictureLister& lister, c
                                layout.pictures_down(),
                                layout.samples,
                                layout.upscaled() ? kUpscaleReach : 0};
-    gpu::dispatch(commands, lister.pass_, lister.set_, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
+    gpu::dispatch(commands, lister.pass, lister.set, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
     gpu::compute_barrier(commands);
 }
 

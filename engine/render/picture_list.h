@@ -5,15 +5,12 @@
 
 namespace neuvv::render {
 
-class PictureLister {
-  public:
+struct PictureLister {
     PictureLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& ranges);
 
-  private:
-    friend void record_picture_list(gpu::Commands& commands, const PictureLister& lister, const ViewLayout& layout);
-    const TileRanges& ranges_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const TileRanges& ranges;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // After a frame's last instance: which tiles of the pictures are to be resolved or upscaled.

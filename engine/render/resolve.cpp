@@ -9,32 +9,32 @@ namespace neuvv::render {
 
 // What is not there is bound to buffers of the same kinds.
 Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
-                   const gpu::Buffer& picture, const TileRanges* only, const SetRaster* set)
-    : only_(only),
-      pass_(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
-            rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
-            {only ? 1u : 0u, set ? 1u : 0u}),
-      set_(pass_, {{kResolveRadiance, &rays.radiance},
-                   {kResolveDepth, &rays.depth},
-                   {kResolvePicture, &picture},
-                   {kResolveTiles, only ? &only->picture_list : &rays.tiles},
-                   {kResolveCameras, &rays.cameras},
-                   {kResolveSetColour, set ? &set->colour : &rays.radiance},
-                   {kResolveSetFront, set ? &set->front : &rays.radiance},
-                   {kResolveSetDepth, set ? &set->depth : &rays.depth}}) {}
+                   const gpu::Buffer& picture, const TileRanges* given_only, const SetRaster* given_set)
+    : only(given_only),
+      pass(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
+           rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
+           {only ? 1u : 0u, given_set ? 1u : 0u}),
+      set(pass, {{kResolveRadiance, &rays.radiance},
+                 {kResolveDepth, &rays.depth},
+                 {kResolvePicture, &picture},
+                 {kResolveTiles, only ? &only->picture_list : &rays.tiles},
+                 {kResolveCameras, &rays.cameras},
+                 {kResolveSetColour, given_set ? &given_set->colour : &rays.radiance},
+                 {kResolveSetFront, given_set ? &given_set->front : &rays.radiance},
+                 {kResolveSetDepth, given_set ? &given_set->depth : &rays.depth}}) {}
 
 void record_resolve(gpu::Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings) {
     assert(!is_inspection(settings.show));
-    const gpu::PassScope scope(commands, resolver.pass_.name());
+    const gpu::PassScope scope(commands, resolver.pass.name());
     const ResolvePush push{
         settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),
         settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
         layout.tiles_down(),   layout.views};
-    if (resolver.only_)
-        gpu::dispatch_indirect(commands, resolver.pass_, resolver.set_, resolver.only_->picture_count, 0, push);
+    if (resolver.only)
+        gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.only->picture_count, 0, push);
     else
-        gpu::dispatch(commands, resolver.pass_, resolver.set_, layout.picture_tiles(), push);
+        gpu::dispatch(commands, resolver.pass, resolver.set, layout.picture_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

@@ -31,18 +31,15 @@ struct ResolveSettings {
 // How many rays there are.
 enum class RaysPerPixel { kWhole, kFewer };
 
-class Resolver {
-  public:
+struct Resolver {
     // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     // `set`: behind and before the rays.
     Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& picture,
              const TileRanges* only = nullptr, const SetRaster* set = nullptr);
 
-  private:
-    friend void record_resolve(gpu::Commands&, const Resolver&, const ViewLayout&, const ResolveSettings&);
-    const TileRanges* only_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const TileRanges* only;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Whole: the rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of

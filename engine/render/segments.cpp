@@ -75,18 +75,22 @@ void Segments::enlarge() {
     bands_ *= 2;
 }
 
+uint32_t Segments::add_merge() {
+    assert(recorded_ < merges_ && "more merges a frame than there is room for");
+    return recorded_++;
+}
+
 void record_merge_begin(gpu::Commands& commands, const Segments& segments) {
-    gpu::update(commands, segments.heads_, uint32_t{0});
+    gpu::update(commands, segments.heads(), uint32_t{0});
     gpu::compute_barrier(commands);
 }
 
 void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
     const gpu::PassScope scope(commands, "merge");
-    assert(segments.recorded_ < segments.merges_);
-    gpu::copy(commands, segments.heads_, segments.taken_, 4, 0, uint64_t{4} * segments.recorded_++);
+    gpu::copy(commands, segments.heads(), segments.taken(), 4, 0, uint64_t{4} * segments.add_merge());
     gpu::compute_barrier(commands);
     if (tiles.end > tiles.first)
-        gpu::dispatch(commands, segments.pass_, segments.set_, tiles.end - tiles.first,
+        gpu::dispatch(commands, segments.pass(), segments.bindings(), tiles.end - tiles.first,
                       MergePush{stop, tiles.first, tiles.end});
     gpu::compute_barrier(commands);
 }

@@ -24,15 +24,19 @@ class Segments {
     // Before a frame is recorded.
     void begin_frame() { recorded_ = 0; }
 
+    // One more merge of the frame is recorded: its number. There is room for as many as the constructor was told.
+    uint32_t add_merge();
+
     const gpu::Buffer& pages() const { return pages_; }
     const gpu::Buffer& heads() const { return heads_; }
+    const gpu::Buffer& taken() const { return taken_; }
+    const gpu::ComputePass& pass() const { return pass_; }
+    const gpu::BindingSet& bindings() const { return set_; }
 
     // Parts of the tiles that each of so many merged groups of a frame goes over.
     uint32_t bands(uint32_t groups) const { return std::min(bands_, std::max(1u, merges_ / std::max(groups, 1u))); }
 
   private:
-    friend void record_merge_begin(gpu::Commands& commands, const Segments& segments);
-    friend void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
     void make_pages(uint64_t pages);
     bool make_more_pages();
     const gpu::Device& device_;

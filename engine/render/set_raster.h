@@ -1,7 +1,7 @@
 // The set of a stage: a glTF scene under its lights, as volume rays end at it and are composited over it.
 //
-//     pose, light ─► record_set_shadows ─► record_set ─► colour, depth
-//                    (volumes, up to depth ─► volume_depth) ─► record_set_transparent ─► colour, front
+//     pose, light ─► record_shadows ─► record_solid ─► colour, depth
+//                    (volumes, up to depth ─► volume_depth) ─► record_transparent ─► colour, front
 //
 // A view's picture in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
 // pixel.
@@ -65,6 +65,15 @@ class SetRaster {
     // or none; until it is called again. While nothing is drawn.
     void hide(std::span<const std::vector<glm::vec2>> corners);
 
+    // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
+    void record_shadows(gpu::Commands& commands);
+    // Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view,
+    // all of the same size.
+    void record_solid(gpu::Commands& commands, std::span<const stage::Camera> cameras);
+    // Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the
+    // others → front. After record_solid with the same cameras.
+    void record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras);
+
     // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
     void shadows_of(const std::optional<WorldBox>& performers);
 
@@ -72,7 +81,7 @@ class SetRaster {
     std::span<const SetLight> given_lights() const { return given_lights_; }
     // As shaders see them: .light[i].shadow is the i-th light's slot in both kinds of shadow map.
     const ShaderLights& lights() const { return packed_; }
-    // Whether anything is blended: else record_set_transparent does nothing, and `front` stays 0.
+    // Whether anything is blended: else record_transparent does nothing, and `front` stays 0.
     bool has_transparent() const { return has_transparent_; }
     // World, metres: the box of all that is posed.
     WorldBox box() const;
@@ -92,9 +101,6 @@ class SetRaster {
     gpu::Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from its eye; 0 until somebody writes it
 
   private:
-    friend void record_set_shadows(gpu::Commands&, SetRaster&);
-    friend void record_set(gpu::Commands&, SetRaster&, std::span<const stage::Camera>);
-    friend void record_set_transparent(gpu::Commands&, SetRaster&, std::span<const stage::Camera>);
     // Materials and what they read, by material, the default one first.
     struct Surfaces {
         std::shared_ptr<SceneTextures> textures;
@@ -146,16 +152,5 @@ class SetRaster {
     };
     std::unique_ptr<Hidden> hidden_;  // null until something was hidden
 };
-
-// Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
-void record_set_shadows(gpu::Commands& commands, SetRaster& set);
-
-// Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view,
-// all of the same size.
-void record_set(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras);
-
-// Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the
-// others → front. After record_set with the same cameras.
-void record_set_transparent(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras);
 
 }  // namespace neuvv::render

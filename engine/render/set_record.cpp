@@ -74,26 +74,26 @@ void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2
 
 }  // namespace
 
-void record_set_shadows(gpu::Commands& commands, SetRaster& set) {
-    if (!set.shadows_old_) return;
-    set.shadows_old_ = false;
-    for (uint32_t i = 0; i < set.packed_.count; i++)
-        if (set.packed_.light[i].shadow != kNoShadow) set.record_shadow(commands, set.packed_.light[i]);
+void SetRaster::record_shadows(gpu::Commands& commands) {
+    if (!shadows_old_) return;
+    shadows_old_ = false;
+    for (uint32_t i = 0; i < packed_.count; i++)
+        if (packed_.light[i].shadow != kNoShadow) record_shadow(commands, packed_.light[i]);
     gpu::compute_barrier(commands);
 }
 
-void record_set(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras) {
-    assert(cameras.size() <= set.views() && "one camera a view");
+void SetRaster::record_solid(gpu::Commands& commands, std::span<const stage::Camera> cameras) {
+    assert(cameras.size() <= views() && "one camera a view");
     gpu::draw_barrier(commands);
-    for (uint32_t view = 0; view < cameras.size(); view++) set.record_view(commands, cameras[view], view);
+    for (uint32_t view = 0; view < cameras.size(); view++) record_view(commands, cameras[view], view);
     gpu::compute_barrier(commands);
 }
 
-void record_set_transparent(gpu::Commands& commands, SetRaster& set, std::span<const stage::Camera> cameras) {
-    if (!set.has_transparent_) return;
-    assert(cameras.size() <= set.views() && "one camera a view");
+void SetRaster::record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras) {
+    if (!has_transparent_) return;
+    assert(cameras.size() <= views() && "one camera a view");
     gpu::draw_barrier(commands);
-    for (uint32_t view = 0; view < cameras.size(); view++) set.record_blended_view(commands, cameras[view], view);
+    for (uint32_t view = 0; view < cameras.size(); view++) record_blended_view(commands, cameras[view], view);
     gpu::compute_barrier(commands);
 }
 

@@ -9,22 +9,23 @@ gpu::Buffer shaded_entries(const gpu::Device& device, uint32_t capacity, uint32_
                        VK_FORMAT_R32G32_UINT);
 }
 
-Shader::Shader(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded)
-    : field_(field),
-      trees_(trees),
-      pass_(device, "shade", shade_comp, {field.hh_degree}),
-      set_(pass_, {{kShadeEntries, &trees.entries},
-                   {kShadeLeaves, &trees.entry_leaf},
-                   {kShadePlaces, &field.leaf_places},
-                   {kShadeCount, &trees.counts},
-                   {kShadeOut, &shaded}}) {}
+Shader::Shader(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
+               const gpu::Buffer& shaded)
+    : field(given_field),
+      trees(given_trees),
+      pass(device, "shade", shade_comp, {field.hh_degree}),
+      set(pass, {{kShadeEntries, &trees.entries},
+                 {kShadeLeaves, &trees.entry_leaf},
+                 {kShadePlaces, &field.leaf_places},
+                 {kShadeCount, &trees.counts},
+                 {kShadeOut, &shaded}}) {}
 
 void record_shade(gpu::Commands& commands, const Shader& shader, uint32_t slice, uint32_t view, glm::vec3 eye) {
     const gpu::PassScope scope(commands, "shade");
-    const Field& field = shader.field_;
-    gpu::dispatch_indirect(commands, shader.pass_, shader.set_, shader.trees_.counts, slice * sizeof(LiveCount),
+    const Field& field = shader.field;
+    gpu::dispatch_indirect(commands, shader.pass, shader.set, shader.trees.counts, slice * sizeof(LiveCount),
                            ShadePush{glm::vec4(eye, 0), glm::vec4(field.box_min, 0), glm::vec4(field.box_size, 0),
-                                     slice, shader.trees_.capacity, view});
+                                     slice, shader.trees.capacity, view});
     gpu::compute_barrier(commands);
 }
 

@@ -5,18 +5,14 @@
 
 namespace neuvv::render {
 
-class Shader {
-  public:
+struct Shader {
     // All must outlive it. `shaded` has room for the entries of one slice from each view (shaded_entries).
     Shader(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded);
 
-  private:
-    friend void record_shade(gpu::Commands& commands, const Shader& shader, uint32_t slice, uint32_t view,
-                             glm::vec3 eye);
-    const Field& field_;
-    const SliceTrees& trees_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const Field& field;
+    const SliceTrees& trees;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // A buffer for the shaded entries of a slice with room for so many, from each view.

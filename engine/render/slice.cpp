@@ -32,56 +32,55 @@ Slice::Slice(const gpu::Device& device, const Field& field, uint32_t slots)
       sh(device, "slice SH", uint64_t{16} * sh_count(field.hh_degree) * capacity, gpu::MemoryKind::kDevice,
          VK_FORMAT_R32G32B32A32_SFLOAT) {}
 
-LiveFinder::LiveFinder(const gpu::Device& device, const Field& field, const LiveLeaves& live)
-    : field_(field),
-      live_(live),
-      rows_(device, "rows", rows_comp),
-      density_(device, "slice density", slice_density_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
-      rows_set_(rows_, {{kRowsSigmaBasis, &field.sigma_basis},
-                        {kRowsGammaBasis, &field.gamma_basis},
-                        {kRowsOut, &live.rows},
-                        {kRowsLive, &live.live}}),
-      density_set_(density_, {{kSliceWeights, &field.weights},
-                              {kSliceRows, &live.rows},
-                              {kSliceHead, &live.head},
-                              {kSliceLeaves, &live.slot_leaf},
-                              {kSliceLive, &live.live},
-                              {kSliceLeafCells, &field.leaf_cells},
-                              {kSliceNodeLive, &live.node_live}}) {}
+LiveFinder::LiveFinder(const gpu::Device& device, const Field& given_field, const LiveLeaves& given_live)
+    : field(given_field),
+      live(given_live),
+      rows(device, "rows", rows_comp),
+      density(device, "slice density", slice_density_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
+      rows_set(rows, {{kRowsSigmaBasis, &field.sigma_basis},
+                      {kRowsGammaBasis, &field.gamma_basis},
+                      {kRowsOut, &live.rows},
+                      {kRowsLive, &live.live}}),
+      density_set(density, {{kSliceWeights, &field.weights},
+                            {kSliceRows, &live.rows},
+                            {kSliceHead, &live.head},
+                            {kSliceLeaves, &live.slot_leaf},
+                            {kSliceLive, &live.live},
+                            {kSliceLeafCells, &field.leaf_cells},
+                            {kSliceNodeLive, &live.node_live}}) {}
 
 void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame) {
-    const Field& field = finder.field_;
-    gpu::dispatch(commands, finder.rows_, finder.rows_set_, 1, RowsPush{frame, field.frames, field.bases});
+    const Field& field = finder.field;
+    gpu::dispatch(commands, finder.rows, finder.rows_set, 1, RowsPush{frame, field.frames, field.bases});
     gpu::compute_barrier(commands);
 }
 
 void record_density(gpu::Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end) {
     constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
-    const SlicePush push{finder.field_.leaf_count, finder.live_.capacity, first, end};
-    gpu::dispatch(commands, finder.density_, finder.density_set_, (end - first + kGroupLeaves - 1) / kGroupLeaves,
-                  push);
+    const SlicePush push{finder.field.leaf_count, finder.live.capacity, first, end};
+    gpu::dispatch(commands, finder.density, finder.density_set, (end - first + kGroupLeaves - 1) / kGroupLeaves, push);
     gpu::compute_barrier(commands);
 }
 
-Slicer::Slicer(const gpu::Device& device, const Field& field, const Slice& slice)
-    : field_(field),
-      slice_(slice),
-      finder_(device, field, slice),
-      colour_(device, "slice colour", slice_colour_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
-      colour_set_(colour_, {{kSliceWeights, &field.weights},
-                            {kSliceRows, &slice.rows},
-                            {kSliceLeaves, &slice.slot_leaf},
-                            {kSliceLive, &slice.live},
-                            {kSliceSh, &slice.sh}}) {}
+Slicer::Slicer(const gpu::Device& device, const Field& given_field, const Slice& given_slice)
+    : field(given_field),
+      slice(given_slice),
+      finder(device, field, slice),
+      colour(device, "slice colour", slice_colour_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
+      colour_set(colour, {{kSliceWeights, &field.weights},
+                          {kSliceRows, &slice.rows},
+                          {kSliceLeaves, &slice.slot_leaf},
+                          {kSliceLive, &slice.live},
+                          {kSliceSh, &slice.sh}}) {}
 
 void record_slice(gpu::Commands& commands, const Slicer& slicer, float frame) {
     const gpu::PassScope scope(commands, "slice");
-    const Field& field = slicer.field_;
-    gpu::copy(commands, field.inner_cells, slicer.slice_.node_live, field.inner_cells.bytes);
-    record_rows(commands, slicer.finder_, frame);
-    record_density(commands, slicer.finder_, 0, field.leaf_count);
-    gpu::dispatch_indirect(commands, slicer.colour_, slicer.colour_set_, slicer.slice_.live, 0,
-                           SlicePush{field.leaf_count, slicer.slice_.capacity, 0, field.leaf_count});
+    const Field& field = slicer.field;
+    gpu::copy(commands, field.inner_cells, slicer.slice.node_live, field.inner_cells.bytes);
+    record_rows(commands, slicer.finder, frame);
+    record_density(commands, slicer.finder, 0, field.leaf_count);
+    gpu::dispatch_indirect(commands, slicer.colour, slicer.colour_set, slicer.slice.live, 0,
+                           SlicePush{field.leaf_count, slicer.slice.capacity, 0, field.leaf_count});
     gpu::compute_barrier(commands);
 }
 

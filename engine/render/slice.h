@@ -27,32 +27,25 @@ struct Slice : LiveLeaves {
     gpu::Buffer sh;  // per slot (n_max+1)² texels
 };
 
-class LiveFinder {
-  public:
+struct LiveFinder {
     // Field and live leaves must outlive it.
     LiveFinder(const gpu::Device& device, const Field& field, const LiveLeaves& live);
 
-  private:
-    friend void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame);
-    friend void record_density(gpu::Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end);
-    const Field& field_;
-    const LiveLeaves& live_;
-    gpu::ComputePass rows_, density_;
-    gpu::BindingSet rows_set_, density_set_;
+    const Field& field;
+    const LiveLeaves& live;
+    gpu::ComputePass rows, density;
+    gpu::BindingSet rows_set, density_set;
 };
 
-class Slicer {
-  public:
+struct Slicer {
     // Field and slice must outlive it.
     Slicer(const gpu::Device& device, const Field& field, const Slice& slice);
 
-  private:
-    friend void record_slice(gpu::Commands& commands, const Slicer& slicer, float frame);
-    const Field& field_;
-    const Slice& slice_;
-    LiveFinder finder_;
-    gpu::ComputePass colour_;
-    gpu::BindingSet colour_set_;
+    const Field& field;
+    const Slice& slice;
+    LiveFinder finder;
+    gpu::ComputePass colour;
+    gpu::BindingSet colour_set;
 };
 
 // The rows A_t and B_t alone, which is all that the direct passes need.

@@ -127,33 +127,33 @@ void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) 
         record_slice_part(commands, slicer_, slice, key.frame, kept.parts++, paint_of(key));
 }
 
-void record_slices(gpu::Commands& commands, SliceCache& cache) {
-    const auto is_wanted = [&cache](const SliceCache::Kept& kept) {
-        return kept.key && kept.shown == cache.pictures_ && kept.parts < kSliceParts;
+void SliceCache::record_slices(gpu::Commands& commands) {
+    const auto is_wanted = [this](const Kept& kept) {
+        return kept.key && kept.shown == pictures_ && kept.parts < kSliceParts;
     };
     for (const bool begun : {true, false})  // first the one that has a part
-        for (uint32_t i = 0; i < cache.kept_.size(); i++)
-            if (is_wanted(cache.kept_[i]) && (cache.kept_[i].parts > 0) == begun) cache.build(commands, i, kSliceParts);
+        for (uint32_t i = 0; i < kept_.size(); i++)
+            if (is_wanted(kept_[i]) && (kept_[i].parts > 0) == begun) build(commands, i, kSliceParts);
 }
 
-std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key) {
-    const std::optional<uint32_t> there = cache.find(key);
-    if (there || key.paint == 0 || !cache.lent_) return there;
-    cache.kept_[*cache.lent_] = {key, 0, cache.pictures_, cache.pictures_};
-    cache.build(commands, *cache.lent_, kSliceParts);
-    return cache.lent_;
+std::optional<uint32_t> SliceCache::record_slice_of(gpu::Commands& commands, SliceKey key) {
+    const std::optional<uint32_t> there = find(key);
+    if (there || key.paint == 0 || !lent_) return there;
+    kept_[*lent_] = {key, 0, pictures_, pictures_};
+    build(commands, *lent_, kSliceParts);
+    return lent_;
 }
 
-void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts) {
-    for (const SliceKey& key : cache.ahead_) {
-        SliceCache::Kept* kept = cache.kept_of(key);
+void SliceCache::record_ahead(gpu::Commands& commands, uint32_t parts) {
+    for (const SliceKey& key : ahead_) {
+        Kept* kept = kept_of(key);
         if (!kept) {
-            kept = &cache.oldest();
-            if (kept->asked == cache.pictures_) return;
-            *kept = {key, 0, 0, cache.pictures_};
+            kept = &oldest();
+            if (kept->asked == pictures_) return;
+            *kept = {key, 0, 0, pictures_};
         }
         const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
-        if (wanted > 0) cache.build(commands, static_cast<uint32_t>(kept - cache.kept_.data()), wanted);
+        if (wanted > 0) build(commands, static_cast<uint32_t>(kept - kept_.data()), wanted);
         parts -= wanted;
         if (parts == 0) return;
     }

@@ -42,12 +42,17 @@ class SliceCache {
     // (record_ahead), in the place of one that this picture does not need, if there is any.
     void ask_ahead(std::span<const SliceKey> keys);
 
+    // Builds the slices that were asked for and are not there, but for those that share a place.
+    void record_slices(gpu::Commands& commands);
+    // Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them
+    // is. None where there was no room for one without paint.
+    std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceKey key);
+    // Builds so many parts of those that were asked for ahead.
+    void record_ahead(gpu::Commands& commands, uint32_t parts);
+
     const SliceTrees& trees() const { return trees_; }
 
   private:
-    friend void record_slices(gpu::Commands& commands, SliceCache& cache);
-    friend std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key);
-    friend void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts);
     struct Kept {
         std::optional<SliceKey> key;
         uint32_t parts = 0;  // of kSliceParts that are built
@@ -74,15 +79,5 @@ class SliceCache {
     std::unique_ptr<Painter> painter_;  // made when first needed
     std::map<uint32_t, SlicePaint> bound_;
 };
-
-// Builds the slices that were asked for and are not there, but for those that share a place.
-void record_slices(gpu::Commands& commands, SliceCache& cache);
-
-// Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them is.
-// None where there was no room for one without paint.
-std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceCache& cache, SliceKey key);
-
-// Builds so many parts of those that were asked for ahead.
-void record_ahead(gpu::Commands& commands, SliceCache& cache, uint32_t parts);
 
 }  // namespace neuvv::render

@@ -43,56 +43,57 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
                   [this](gpu::Commands& commands) { gpu::fill(commands, entry_leaf, kNoLeaf); });
 }
 
-TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees)
-    : field_(field),
-      live_(live),
-      trees_(trees),
-      finder_(device, field, live),
-      nodes_(device, "slice nodes", slice_nodes_comp, {field.hh_degree}),
-      entries_(device, "slice entries", slice_entries_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
-      nodes_set_(nodes_, {{kNodesTree, &field.nodes},
-                          {kNodesChildren, &field.children},
-                          {kNodesInner, &field.inner_cells},
-                          {kNodesParent, &field.node_cells},
-                          {kNodesLive, &live.node_live},
-                          {kNodesOut, &trees.nodes},
-                          {kNodesEntries, &trees.entries},
-                          {kNodesLeaves, &trees.entry_leaf},
-                          {kNodesCount, &trees.counts}}),
-      entries_set_(entries_, {{kSliceWeights, &field.weights},
-                              {kSliceRows, &live.rows},
-                              {kSliceHead, &live.head},
-                              {kSliceLeaves, &live.slot_leaf},
-                              {kSliceLive, &live.live},
-                              {kEntriesCells, &field.leaf_cells},
-                              {kEntriesNodes, &trees.nodes},
-                              {kEntriesOut, &trees.entries},
-                              {kEntriesLeaves, &trees.entry_leaf}}) {}
+TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& given_field, const LiveLeaves& given_live,
+                       const SliceTrees& given_trees)
+    : field(given_field),
+      live(given_live),
+      trees(given_trees),
+      finder(device, field, live),
+      nodes(device, "slice nodes", slice_nodes_comp, {field.hh_degree}),
+      entries(device, "slice entries", slice_entries_comp, {field.hh_degree, field.basis_planes(), field.busy_planes}),
+      nodes_set(nodes, {{kNodesTree, &field.nodes},
+                        {kNodesChildren, &field.children},
+                        {kNodesInner, &field.inner_cells},
+                        {kNodesParent, &field.node_cells},
+                        {kNodesLive, &live.node_live},
+                        {kNodesOut, &trees.nodes},
+                        {kNodesEntries, &trees.entries},
+                        {kNodesLeaves, &trees.entry_leaf},
+                        {kNodesCount, &trees.counts}}),
+      entries_set(entries, {{kSliceWeights, &field.weights},
+                            {kSliceRows, &live.rows},
+                            {kSliceHead, &live.head},
+                            {kSliceLeaves, &live.slot_leaf},
+                            {kSliceLive, &live.live},
+                            {kEntriesCells, &field.leaf_cells},
+                            {kEntriesNodes, &trees.nodes},
+                            {kEntriesOut, &trees.entries},
+                            {kEntriesLeaves, &trees.entry_leaf}}) {}
 
 void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
     const gpu::PassScope scope(commands, "slice nodes");
-    const SliceTrees& trees = slicer.trees_;
-    const std::vector<uint32_t>& begin = slicer.field_.level_begin;
+    const SliceTrees& trees = slicer.trees;
+    const std::vector<uint32_t>& begin = slicer.field.level_begin;
     for (size_t level = begin.size() - 1; level-- > 0;) {
         const SliceNodesPush push{begin[level], begin[level + 1] - begin[level], slice, trees.capacity,
                                   trees.node_base(slice)};
-        gpu::dispatch(commands, slicer.nodes_, slicer.nodes_set_, (push.nodes + kSliceGroup - 1) / kSliceGroup, push);
+        gpu::dispatch(commands, slicer.nodes, slicer.nodes_set, (push.nodes + kSliceGroup - 1) / kSliceGroup, push);
         gpu::compute_barrier(commands);
     }
 }
 
 void record_slice_begin(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
-    gpu::fill(commands, slicer.live_.node_live, 0);
+    gpu::fill(commands, slicer.live.node_live, 0);
     const LiveCount none{0, 1, 1, 0, 0};  // the overflow stays: trees with any are replaced (Performer::enlarge_slices)
-    gpu::update(commands, slicer.trees_.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
-    record_rows(commands, slicer.finder_, frame);
+    gpu::update(commands, slicer.trees.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
+    record_rows(commands, slicer.finder, frame);
 }
 
 void record_entries(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
     const gpu::PassScope scope(commands, "slice entries");
     gpu::dispatch_indirect(
-        commands, slicer.entries_, slicer.entries_set_, slicer.live_.live, 0,
-        SliceEntriesPush{slicer.field_.leaf_count, slicer.live_.capacity, slicer.trees_.node_base(slice), 0});
+        commands, slicer.entries, slicer.entries_set, slicer.live.live, 0,
+        SliceEntriesPush{slicer.field.leaf_count, slicer.live.capacity, slicer.trees.node_base(slice), 0});
     gpu::compute_barrier(commands);
 }
 
@@ -101,7 +102,7 @@ void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32
     {
         const gpu::PassScope scope(commands, "slice density");
         record_slice_begin(commands, slicer, slice, frame);
-        record_density(commands, slicer.finder_, 0, slicer.field_.leaf_count);
+        record_density(commands, slicer.finder, 0, slicer.field.leaf_count);
     }
     if (paint) record_paint_density(commands, *paint, frame);
     record_nodes(commands, slicer, slice);
@@ -112,12 +113,12 @@ void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32
 void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
                        const SlicePaint* paint) {
     constexpr uint32_t kDensityParts = 3, kEntryParts = kSliceParts - kDensityParts - 1;
-    const uint32_t leaves = slicer.field_.leaf_count, slots = slicer.trees_.capacity;
+    const uint32_t leaves = slicer.field.leaf_count, slots = slicer.trees.capacity;
     if (part < kDensityParts) {
         const gpu::PassScope scope(commands, "slice density");
         if (part == 0) record_slice_begin(commands, slicer, slice, frame);
         const auto share = [leaves](uint64_t i) { return static_cast<uint32_t>(leaves * i / kDensityParts); };
-        record_density(commands, slicer.finder_, share(part), share(part + 1));
+        record_density(commands, slicer.finder, share(part), share(part + 1));
     } else if (part == kDensityParts) {
         if (paint) record_paint_density(commands, *paint, frame);
         record_nodes(commands, slicer, slice);
@@ -126,12 +127,12 @@ void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32
         const uint32_t first = share(part - kDensityParts - 1);
         // Leaves that paint erased have their slots still, and may keep others beyond as many as there are entries.
         const bool last = part + 1 == kSliceParts;
-        const uint32_t end = last && paint ? slicer.live_.capacity : share(part - kDensityParts);
+        const uint32_t end = last && paint ? slicer.live.capacity : share(part - kDensityParts);
         {
             const gpu::PassScope scope(commands, "slice entries");
             gpu::dispatch(
-                commands, slicer.entries_, slicer.entries_set_, (end - first + kSliceGroup - 1) / kSliceGroup,
-                SliceEntriesPush{leaves, std::min(end, slicer.live_.capacity), slicer.trees_.node_base(slice), first});
+                commands, slicer.entries, slicer.entries_set, (end - first + kSliceGroup - 1) / kSliceGroup,
+                SliceEntriesPush{leaves, std::min(end, slicer.live.capacity), slicer.trees.node_base(slice), first});
             gpu::compute_barrier(commands);
         }
         if (last && paint) record_paint_colour(commands, *paint, slice, frame);

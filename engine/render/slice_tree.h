@@ -28,25 +28,16 @@ struct SliceTrees {
 uint32_t most_entries(const Field& field);
 uint64_t slice_bytes(const Field& field, uint32_t entries);
 
-class TreeSlicer {
-  public:
+struct TreeSlicer {
     // Field, live leaves (scratch) and trees must outlive it.
     TreeSlicer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
 
-  private:
-    friend void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice);
-    friend void record_slice_begin(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame);
-    friend void record_entries(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice);
-    friend void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
-                                  uint32_t part, const SlicePaint* paint);
-    friend void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
-                                  const SlicePaint* paint);
-    const Field& field_;
-    const LiveLeaves& live_;
-    const SliceTrees& trees_;
-    LiveFinder finder_;
-    gpu::ComputePass nodes_, entries_;
-    gpu::BindingSet nodes_set_, entries_set_;
+    const Field& field;
+    const LiveLeaves& live;
+    const SliceTrees& trees;
+    LiveFinder finder;
+    gpu::ComputePass nodes, entries;
+    gpu::BindingSet nodes_set, entries_set;
 };
 
 // `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9); painted, where

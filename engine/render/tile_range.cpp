@@ -78,24 +78,24 @@ TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t p
                    VK_FORMAT_R32_UINT),
       picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
 
-TileRanger::TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
-                       const TileRanges& ranges)
-    : field_(field),
-      trees_(trees),
-      ranges_(ranges),
-      range_(device, "tile ranges", tile_range_comp),
-      list_(device, "tile list", tile_list_comp),
-      range_set_(range_, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
-                          {kRangeInner, &field.inner_cells},
-                          {kRangePlaces, &field.node_places},
-                          {kRangeViews, &ranges.views},
-                          {kRangeCameras, &rays.cameras},
-                          {kRangeTiles, &ranges.ranges}}),
-      list_set_(list_, {{kRangeTiles, &ranges.ranges},
-                        {kRangeList, &ranges.list},
-                        {kRangeCount, &ranges.count},
-                        {kRangeSeen, &ranges.seen},
-                        {kRangeSharing, &ranges.sharing}}) {}
+TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, const SliceTrees* given_trees,
+                       const RayBatch& rays, const TileRanges& given_ranges)
+    : field(given_field),
+      trees(given_trees),
+      ranges(given_ranges),
+      range(device, "tile ranges", tile_range_comp),
+      list(device, "tile list", tile_list_comp),
+      range_set(range, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
+                        {kRangeInner, &field.inner_cells},
+                        {kRangePlaces, &field.node_places},
+                        {kRangeViews, &ranges.views},
+                        {kRangeCameras, &rays.cameras},
+                        {kRangeTiles, &ranges.ranges}}),
+      list_set(list, {{kRangeTiles, &ranges.ranges},
+                      {kRangeList, &ranges.list},
+                      {kRangeCount, &ranges.count},
+                      {kRangeSeen, &ranges.seen},
+                      {kRangeSharing, &ranges.sharing}}) {}
 
 void record_unseen(gpu::Commands& commands, const TileRanges& ranges) {
     gpu::fill(commands, ranges.seen, 0);
@@ -112,24 +112,24 @@ void record_unshared(gpu::Commands& commands, const TileRanges& ranges) {
 void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint32_t slice, uint32_t first_view,
                         uint32_t level, const ViewLayout& layout, bool counted) {
     const gpu::PassScope scope(commands, "tile ranges");
-    const Field& field = ranger.field_;
+    const Field& field = ranger.field;
     const TileRangePush push{glm::vec4(field.box_min, 0),
                              glm::vec4(field.box_size, 0),
                              field.level_begin[level + 1],
                              level + 2 < field.level_begin.size() ? field.level_begin[level] : field.node_count(),
-                             ranger.trees_ ? ranger.trees_->node_base(slice) : 0,
+                             ranger.trees ? ranger.trees->node_base(slice) : 0,
                              first_view,
                              layout.views,
                              layout.tiles_across(),
                              layout.tiles_down(),
                              counted ? 1u : 0u};
-    gpu::fill(commands, ranger.ranges_.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
-    gpu::fill(commands, ranger.ranges_.list, kNoTile, list_bytes(layout.ray_tiles()));
-    gpu::update(commands, ranger.ranges_.count, LiveCount{0, 1, 1, 0, 0});
+    gpu::fill(commands, ranger.ranges.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
+    gpu::fill(commands, ranger.ranges.list, kNoTile, list_bytes(layout.ray_tiles()));
+    gpu::update(commands, ranger.ranges.count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
-    gpu::dispatch(commands, ranger.range_, ranger.range_set_, groups_of(push.nodes), push);
+    gpu::dispatch(commands, ranger.range, ranger.range_set, groups_of(push.nodes), push);
     gpu::compute_barrier(commands);
-    gpu::dispatch(commands, ranger.list_, ranger.list_set_, groups_of(layout.ray_tiles()), push);
+    gpu::dispatch(commands, ranger.list, ranger.list_set, groups_of(layout.ray_tiles()), push);
     gpu::compute_barrier(commands);
 }
 

@@ -33,20 +33,16 @@ double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_mi
 // covers 1/focal_pixels of the distance.
 uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels);
 
-class TileRanger {
-  public:
+struct TileRanger {
     // Nodes: those of `trees`, or without it of the whole field, as if every leaf lived.
     TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
                const TileRanges& ranges);
 
-  private:
-    friend void record_tile_ranges(gpu::Commands&, const TileRanger&, uint32_t, uint32_t, uint32_t, const ViewLayout&,
-                                   bool);
-    const Field& field_;
-    const SliceTrees* trees_;
-    const TileRanges& ranges_;
-    gpu::ComputePass range_, list_;
-    gpu::BindingSet range_set_, list_set_;
+    const Field& field;
+    const SliceTrees* trees;
+    const TileRanges& ranges;
+    gpu::ComputePass range, list;
+    gpu::BindingSet range_set, list_set;
 };
 
 // Before the first instance of a frame: no tile has seen anything.

@@ -96,60 +96,58 @@ gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Int
                         {kTracePerformerShadows, target.around.performer_shadows}});
 }
 
-Tracer::Tracer(const gpu::Device& device, const Field& field, const Slice& slice, const RayBatch& rays)
-    : field_(field),
-      pass_(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
-      set_(pass_, gpu::joined(trace_bindings(field, rays),
-                              {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {
-}
+Tracer::Tracer(const gpu::Device& device, const Field& given_field, const Slice& slice, const RayBatch& rays)
+    : field(given_field),
+      pass(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
+      set(pass, gpu::joined(trace_bindings(field, rays),
+                            {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {}
 
 void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
     const gpu::PassScope scope(commands, "trace");
-    gpu::dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    gpu::dispatch(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
     gpu::compute_barrier(commands);
 }
 
 // What a field alone does not read is bound to buffers of the same formats.
-DirectTracer::DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                           Walk walk)
-    : field_(field),
-      no_lights_(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
-      pass_(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
-            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
-             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
-             kIntoRay}),
-      set_(pass_, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
-                                                            {kTraceRows, &live.rows},
-                                                            {kTraceTileList, &rays.tiles},
-                                                            {kTraceTileRanges, &rays.tiles},
-                                                            {kTraceSharing, &rays.tiles},
-                                                            {kTracePages, &no_lights_},
-                                                            {kTraceHeads, &no_lights_},
-                                                            {kTraceSetDepth, &rays.depth},
-                                                            {kTraceLights, &no_lights_},
-                                                            {kTraceSetShadows, &rays.depth},
-                                                            {kTracePerformerShadows, &rays.depth}})) {}
+DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
+                           const RayBatch& rays, Walk walk)
+    : field(given_field),
+      no_lights(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
+      pass(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
+           {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
+            walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
+            kIntoRay}),
+      set(pass, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
+                                                          {kTraceRows, &live.rows},
+                                                          {kTraceTileList, &rays.tiles},
+                                                          {kTraceTileRanges, &rays.tiles},
+                                                          {kTraceSharing, &rays.tiles},
+                                                          {kTracePages, &no_lights},
+                                                          {kTraceHeads, &no_lights},
+                                                          {kTraceSetDepth, &rays.depth},
+                                                          {kTraceLights, &no_lights},
+                                                          {kTraceSetShadows, &rays.depth},
+                                                          {kTracePerformerShadows, &rays.depth}})) {}
 
-DirectTracer::DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live,
+DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
                            const RayTarget& target, Into into, const Segments* segments)
-    : field_(field),
-      tile_count_(&target.ranges.count),
-      pass_(device, "direct", direct_comp,
-            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
-             static_cast<uint32_t>(into)}),
-      set_(pass_, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
-                              instance_bindings(field, target, into, segments))) {}
+    : field(given_field),
+      tile_count(&target.ranges.count),
+      pass(device, "direct", direct_comp,
+           {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
+            static_cast<uint32_t>(into)}),
+      set(pass, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
+                            instance_bindings(field, target, into, segments))) {}
 
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
-    const gpu::PassScope scope(commands, tracer.pass_.name());
-    gpu::dispatch(commands, tracer.pass_, tracer.set_, tiles, trace_push(tracer.field_, stop));
+    const gpu::PassScope scope(commands, tracer.pass.name());
+    gpu::dispatch(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
     gpu::compute_barrier(commands);
 }
 
 void record_direct_instance(gpu::Commands& commands, const DirectTracer& tracer, const InstanceRays& rays) {
-    const gpu::PassScope scope(commands, tracer.pass_.name());
-    gpu::dispatch_indirect(commands, tracer.pass_, tracer.set_, *tracer.tile_count_, 0,
-                           instance_push(tracer.field_, rays));
+    const gpu::PassScope scope(commands, tracer.pass.name());
+    gpu::dispatch_indirect(commands, tracer.pass, tracer.set, *tracer.tile_count, 0, instance_push(tracer.field, rays));
     gpu::compute_barrier(commands);
 }
 

@@ -35,15 +35,12 @@ std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t hei
 
 constexpr float kStopTransmittance = 1.0f / 4096;  // changes no 8-bit sRGB value by more than a step, even on black
 
-class Tracer {
-  public:
+struct Tracer {
     Tracer(const gpu::Device& device, const Field& field, const Slice& slice, const RayBatch& rays);
 
-  private:
-    friend void record_trace(gpu::Commands&, const Tracer&, uint32_t, float);
-    const Field& field_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const Field& field;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Traces the first `tiles` tiles of the batch. `stop` is the transmittance below which rays end (0: never).
@@ -82,22 +79,18 @@ struct RayTarget;
 class Segments;
 
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
-class DirectTracer {
-  public:
+struct DirectTracer {
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                  Walk walk = Walk::kDown);
     // For instances. `segments`: not null where these are what rays become.
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
                  Into into, const Segments* segments);
 
-  private:
-    friend void record_direct(gpu::Commands&, const DirectTracer&, uint32_t, float);
-    friend void record_direct_instance(gpu::Commands&, const DirectTracer&, const InstanceRays&);
-    const Field& field_;
-    const gpu::Buffer* tile_count_ = nullptr;
-    gpu::Buffer no_lights_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const Field& field;
+    const gpu::Buffer* tile_count = nullptr;
+    gpu::Buffer no_lights;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles,

@@ -6,18 +6,18 @@
 
 namespace neuvv::render {
 
-TreeTracer::TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees,
-                       const gpu::Buffer& entries, const RayTarget& target, Shading shading, Into into,
+TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
+                       const gpu::Buffer& entries, const RayTarget& given_target, Shading shading, Into into,
                        const Segments* segments, const WalkSteps& steps)
-    : field_(field),
-      trees_(trees),
-      target_(target),
-      pass_(device, "trace tree", trace_tree_comp,
-            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
-             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
-             shading == Shading::kNone ? 1u : 0u}),
-      set_(pass_, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
-                              instance_bindings(field, target, into, segments))) {}
+    : field(given_field),
+      trees(given_trees),
+      target(given_target),
+      pass(device, "trace tree", trace_tree_comp,
+           {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
+            steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
+            shading == Shading::kNone ? 1u : 0u}),
+      set(pass, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
+                            instance_bindings(field, target, into, segments))) {}
 
 void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles) {
     const gpu::PassScope scope(commands, "clear");
@@ -29,11 +29,11 @@ void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles)
 
 void record_trace_tree(gpu::Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays) {
     const gpu::PassScope scope(commands, "trace");
-    TracePush push = instance_push(tracer.field_, rays);
-    push.shaded_stride = tracer.trees_.capacity;
-    push.node_base = tracer.trees_.node_base(slice);
-    push.entry_base = tracer.trees_.entry_base(slice);
-    gpu::dispatch_indirect(commands, tracer.pass_, tracer.set_, tracer.target_.ranges.count, 0, push);
+    TracePush push = instance_push(tracer.field, rays);
+    push.shaded_stride = tracer.trees.capacity;
+    push.node_base = tracer.trees.node_base(slice);
+    push.entry_base = tracer.trees.entry_base(slice);
+    gpu::dispatch_indirect(commands, tracer.pass, tracer.set, tracer.target.ranges.count, 0, push);
     gpu::compute_barrier(commands);
 }
 

@@ -13,20 +13,17 @@ struct WalkSteps {
     bool restart = false, from_root = false, coalesce = true;
 };
 
-class TreeTracer {
-  public:
+struct TreeTracer {
     // `entries`: those of the trees, or shaded ones. `segments`: not null where these are what rays become.
     TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& entries,
                const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
                const WalkSteps& steps = {});
 
-  private:
-    friend void record_trace_tree(gpu::Commands&, const TreeTracer&, uint32_t, const InstanceRays&);
-    const Field& field_;
-    const SliceTrees& trees_;
-    const RayTarget& target_;
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    const Field& field;
+    const SliceTrees& trees;
+    const RayTarget& target;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // Makes the rays of the batch's first tiles such that see nothing: before the first instance of a frame.

@@ -5,18 +5,18 @@
 
 namespace neuvv::render {
 
-VolumeDepth::VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set)
-    : pass_(device, "volume depth", volume_depth_comp),
-      set_(pass_, {{kVolumeRadiance, &rays.radiance},
-                   {kVolumeDepth, &rays.depth},
-                   {kVolumeCameras, &rays.cameras},
-                   {kVolumeOut, &set.volume_depth}}) {}
+VolumeDepth::VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& given_set)
+    : pass(device, "volume depth", volume_depth_comp),
+      set(pass, {{kVolumeRadiance, &rays.radiance},
+                 {kVolumeDepth, &rays.depth},
+                 {kVolumeCameras, &rays.cameras},
+                 {kVolumeOut, &given_set.volume_depth}}) {}
 
 void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout) {
     const gpu::PassScope scope(commands, "volume depth");
     const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
     const uint64_t texels = uint64_t{layout.views} * width * height;
-    gpu::dispatch(commands, pass.pass_, pass.set_, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
+    gpu::dispatch(commands, pass.pass, pass.set, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
                   VolumeDepthPush{width, height, layout.views, layout.tiles_across(), layout.tiles_down()});
     gpu::compute_barrier(commands);
 }

@@ -7,15 +7,12 @@
 
 namespace neuvv::render {
 
-class VolumeDepth {
-  public:
+struct VolumeDepth {
     // Rays → set.volume_depth.
     VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set);
 
-  private:
-    friend void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
 };
 
 // After the last instance.

@@ -111,7 +111,7 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     const auto maps_drawn = [&] {
         gpu::Commands commands(device());
         commands.begin();
-        render::record_set_shadows(commands, set);
+        set.record_shadows(commands);
         commands.submit();
         commands.wait();
         return commands.pass_times().size();
@@ -236,7 +236,7 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
                                           {kProbePerformerShadows, &set.performer_shadows},
                                           {kProbeOut, &out}});
     gpu::run_once(device(), "light probe", [&](gpu::Commands& commands) {
-        render::record_set_shadows(commands, set);
+        set.record_shadows(commands);
         const LightProbePush push{static_cast<uint32_t>(places.size())};
         gpu::dispatch(commands, pass, bindings, static_cast<uint32_t>(places.size() + 63) / 64, push);
     });

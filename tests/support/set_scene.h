@@ -118,9 +118,9 @@ inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const
 inline SetPictures draw_set(const gpu::Device& device, render::SetRaster& set,
                             const std::vector<stage::Camera>& cameras) {
     gpu::run_once(device, "set", [&](gpu::Commands& commands) {
-        render::record_set_shadows(commands, set);
-        render::record_set(commands, set, cameras);
-        render::record_set_transparent(commands, set, cameras);
+        set.record_shadows(commands);
+        set.record_solid(commands, cameras);
+        set.record_transparent(commands, cameras);
     });
     SetPictures pictures{download_colours(device, set.colour), download_colours(device, set.front), {}};
     pictures.depth_m.resize(set.depth.bytes / 4);
