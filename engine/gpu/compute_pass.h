@@ -1,27 +1,15 @@
 // One compute shader, its layout read from its own SPIR-V, and the buffers it is bound to.
 #pragma once
 
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "gpu/buffer.h"
+#include "gpu/pass_layout.h"
 
 namespace neuvv::gpu {
-
-struct BindingSlot {
-    uint32_t binding = 0;
-    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-};
-
-// What a shader's SPIR-V says of its interface: bindings of set 0, bytes of push constants.
-struct ShaderInterface {
-    std::vector<BindingSlot> bindings;
-    uint32_t push_bytes = 0;
-};
-ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name);
 
 class ComputePass {
   public:
@@ -36,8 +24,8 @@ class ComputePass {
     const std::string& name() const { return name_; }
     const ShaderInterface& interface() const { return interface_; }
     VkPipeline pipeline() const { return pipeline_; }
-    VkPipelineLayout layout() const { return layout_; }
-    VkDescriptorSetLayout set_layout() const { return set_layout_; }
+    VkPipelineLayout layout() const { return layout_.pipeline(); }
+    VkDescriptorSetLayout set_layout() const { return layout_.set(); }
     const Device& device() const { return device_; }
 
   private:
@@ -45,8 +33,7 @@ class ComputePass {
     const Device& device_;
     std::string name_;
     ShaderInterface interface_;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    PassLayout layout_;
     VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
@@ -64,16 +51,11 @@ class BindingSet {
   public:
     BindingSet() = default;
     BindingSet(const ComputePass& pass, const Bindings& buffers);
-    ~BindingSet();
-    BindingSet(BindingSet&& other) noexcept;
-    BindingSet& operator=(BindingSet&& other) noexcept;
 
-    VkDescriptorSet handle() const { return set_; }
+    VkDescriptorSet handle() const { return set_.handle(); }
 
   private:
-    const Device* device_ = nullptr;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    DescriptorSet set_;
 };
 
 }  // namespace neuvv::gpu

@@ -21,45 +21,6 @@ ShaderInterface merge(ShaderInterface a, const ShaderInterface& b) {
     return a;
 }
 
-VkDescriptorSetLayout make_set_layout(const Device& device, const ShaderInterface& interface, const std::string& name) {
-    std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const BindingSlot& slot : interface.bindings)
-        bindings.push_back({slot.binding, slot.type, 1, kDrawStages, nullptr});
-    VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    info.bindingCount = static_cast<uint32_t>(bindings.size());
-    info.pBindings = bindings.data();
-    VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout), "vkCreateDescriptorSetLayout", name);
-    return layout;
-}
-
-VkPipelineLayout make_pipeline_layout(const Device& device, VkDescriptorSetLayout set, uint32_t push_bytes,
-                                      const std::string& name) {
-    const VkPushConstantRange range{kDrawStages, 0, push_bytes};
-    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-    info.setLayoutCount = 1;
-    info.pSetLayouts = &set;
-    info.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
-    info.pPushConstantRanges = &range;
-    VkPipelineLayout layout = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout), "vkCreatePipelineLayout", name);
-    return layout;
-}
-
-struct ShaderModule {
-    const Device& device;
-    VkShaderModule module = VK_NULL_HANDLE;
-    ShaderModule(const Device& owner, std::span<const uint32_t> spirv, const std::string& name) : device(owner) {
-        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-        info.codeSize = spirv.size_bytes();
-        info.pCode = spirv.data();
-        check(vkCreateShaderModule(device.handle(), &info, nullptr, &module), "vkCreateShaderModule", name);
-    }
-    ~ShaderModule() { vkDestroyShaderModule(device.handle(), module, nullptr); }
-    ShaderModule(const ShaderModule&) = delete;
-    ShaderModule& operator=(const ShaderModule&) = delete;
-};
-
 // The states of a pipeline that do not depend on its shaders.
 struct FixedState {
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
@@ -103,9 +64,9 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, const Gr
     VkPipelineShaderStageCreateInfo stages[2]{};
     for (auto& stage : stages) stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
-    stages[0].module = vertex.module;
+    stages[0].module = vertex.handle();
     stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[1].module = fragment.module;
+    stages[1].module = fragment.handle();
     stages[0].pName = stages[1].pName = "main";
     VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     input.vertexBindingDescriptionCount = static_cast<uint32_t>(shape.streams.size());
@@ -145,44 +106,26 @@ GraphicsPass::GraphicsPass(const Device& device, std::string name, const Graphic
     const std::vector<uint32_t> vertex = device.shaders().newest(shape.vertex_spirv),
                                 fragment = device.shaders().newest(shape.fragment_spirv);
     interface_ = merge(reflect(vertex, name_), reflect(fragment, name_));
-    set_layout_ = make_set_layout(device, interface_, name_);
-    layout_ = make_pipeline_layout(device, set_layout_, interface_.push_bytes, name_);
-    device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT, reinterpret_cast<uint64_t>(set_layout_), name_);
-    device.name_object(VK_OBJECT_TYPE_PIPELINE_LAYOUT, reinterpret_cast<uint64_t>(layout_), name_);
+    layout_ = PassLayout(device, interface_, kDrawStages, name_);
     GraphicsShape newest = shape;
     newest.vertex_spirv = vertex;
     newest.fragment_spirv = fragment;
-    pipeline_ = make_pipeline(device, layout_, newest, name_);
+    pipeline_ = make_pipeline(device, layout_.pipeline(), newest, name_);
 }
 
 GraphicsPass::~GraphicsPass() {
     vkDestroyPipeline(device_.handle(), pipeline_, nullptr);
-    vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
-    vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
 }
 
-// Delegates, so that the destructor frees the pool when something is missing.
 TextureSet::TextureSet(const GraphicsPass& pass,
                        std::span<const std::pair<const DeviceImage*, const Sampler*>> textures,
                        std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers)
-    : TextureSet() {
-    device_ = &pass.device();
+    : set_(pass.device(), pass.interface(), pass.set_layout(), pass.name()) {
     const std::vector<BindingSlot>& slots = pass.interface().bindings;
-    std::vector<VkDescriptorPoolSize> sizes;
-    for (const BindingSlot& slot : slots) sizes.push_back({slot.type, 1});
-    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.maxSets = 1;
-    pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
-    pool.pPoolSizes = sizes.data();
-    check(vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &pool_), "vkCreateDescriptorPool", pass.name());
-    const VkDescriptorSetLayout layout = pass.set_layout();
-    VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &layout};
-    check(vkAllocateDescriptorSets(device_->handle(), &info, &set_), "vkAllocateDescriptorSets", pass.name());
-    device_->name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, reinterpret_cast<uint64_t>(set_), pass.name());
     size_t used = 0;
     for (const BindingSlot& slot : slots) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstSet = set_;
+        write.dstSet = set_.handle();
         write.dstBinding = slot.binding;
         write.descriptorCount = 1;
         write.descriptorType = slot.type;
@@ -201,25 +144,10 @@ TextureSet::TextureSet(const GraphicsPass& pass,
             write.pBufferInfo = &range;
             write.pTexelBufferView = &found->second->view;
         }
-        vkUpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
+        vkUpdateDescriptorSets(pass.device().handle(), 1, &write, 0, nullptr);
     }
     if (used != textures.size())
         throw RuntimeFailure(fmt::format("pass \"{}\" has {} textures, not {}", pass.name(), used, textures.size()));
-}
-
-TextureSet::~TextureSet() {
-    if (device_) vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
-}
-
-TextureSet::TextureSet(TextureSet&& other) noexcept {
-    *this = std::move(other);
-}
-
-TextureSet& TextureSet::operator=(TextureSet&& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(pool_, other.pool_);
-    std::swap(set_, other.set_);
-    return *this;
 }
 
 }  // namespace neuvv::gpu

@@ -2,12 +2,14 @@
 // rendering; its layout is read from the SPIR-V. And the textures and buffers that it is bound to.
 #pragma once
 
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "gpu/compute_pass.h"
+#include "gpu/buffer.h"
 #include "gpu/image.h"
+#include "gpu/pass_layout.h"
 
 namespace neuvv::gpu {
 
@@ -35,8 +37,8 @@ class GraphicsPass {
     // Bindings of both stages together; they share one block of push constants.
     const ShaderInterface& interface() const { return interface_; }
     VkPipeline pipeline() const { return pipeline_; }
-    VkPipelineLayout layout() const { return layout_; }
-    VkDescriptorSetLayout set_layout() const { return set_layout_; }
+    VkPipelineLayout layout() const { return layout_.pipeline(); }
+    VkDescriptorSetLayout set_layout() const { return layout_.set(); }
     const Device& device() const { return device_; }
 
   private:
@@ -44,8 +46,7 @@ class GraphicsPass {
     const Device& device_;
     std::string name_;
     ShaderInterface interface_;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    PassLayout layout_;
     VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
@@ -59,16 +60,11 @@ class TextureSet {
     TextureSet() = default;
     TextureSet(const GraphicsPass& pass, std::span<const std::pair<const DeviceImage*, const Sampler*>> textures,
                std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers = {});
-    ~TextureSet();
-    TextureSet(TextureSet&& other) noexcept;
-    TextureSet& operator=(TextureSet&& other) noexcept;
 
-    VkDescriptorSet handle() const { return set_; }
+    VkDescriptorSet handle() const { return set_.handle(); }
 
   private:
-    const Device* device_ = nullptr;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    DescriptorSet set_;
 };
 
 }  // namespace neuvv::gpu

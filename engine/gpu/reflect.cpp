@@ -5,7 +5,7 @@
 #include <array>
 
 #include "base/error.h"
-#include "gpu/compute_pass.h"
+#include "gpu/pass_layout.h"
 
 namespace neuvv::gpu {
 
