@@ -29,8 +29,8 @@ void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint
                            float lambda_point) {
     const gpu::PassScope scope(commands, "direct adjoint");
     const TracePush trace = render::trace_push(adjoint.field, stop);
-    gpu::dispatch(commands, adjoint.pass, adjoint.set, tiles,
-                  TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
+    gpu::dispatch_groups(commands, adjoint.pass, adjoint.set, tiles,
+                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
     gpu::compute_barrier(commands);
 }
 

@@ -36,7 +36,7 @@ Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBa
 void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples) {
     assert(samples >= 1 && kTile % samples == 0 && "whole pixels in a tile");
     const gpu::PassScope scope(commands, "loss");
-    gpu::dispatch(commands, loss.pass, loss.set, tiles, LossPush{lambda_grad, samples});
+    gpu::dispatch_groups(commands, loss.pass, loss.set, tiles, LossPush{lambda_grad, samples});
     gpu::compute_barrier(commands);
 }
 

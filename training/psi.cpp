@@ -22,7 +22,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint32_t kGroup = 64;
 constexpr uint32_t kMostSplits = 64;
 // A unit of the network's w^σ stands for this optical depth through the box's longest side, and fog starts at kFirstFog
 // units: a fifth of a light along it gets through.
@@ -30,10 +29,6 @@ constexpr float kUnitDepth = 30;
 constexpr float kFirstFog = 0.05f;
 
 constexpr VkFormat kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
-
-uint32_t groups_of(uint32_t threads) {
-    return (threads + kGroup - 1) / kGroup;
-}
 
 uint64_t parameter_bytes(const PsiShape& shape) {
     return uint64_t{16} * ((shape.count() + 3) / 4);
@@ -166,10 +161,18 @@ PsiFoldPush PsiStep::fold_push(float frame) const {
 namespace {
 
 template <typename Push>
-void record_pass(gpu::Commands& commands, const gpu::ComputePass& pass, const gpu::BindingSet& set, uint32_t groups,
+void record_pass(gpu::Commands& commands, const gpu::ComputePass& pass, const gpu::BindingSet& set, uint32_t threads,
                  const Push& push) {
     const gpu::PassScope scope(commands, pass.name());
-    gpu::dispatch(commands, pass, set, groups, push);
+    gpu::dispatch(commands, pass, set, threads, push);
+    gpu::compute_barrier(commands);
+}
+
+template <typename Push>
+void record_groups(gpu::Commands& commands, const gpu::ComputePass& pass, const gpu::BindingSet& set, uint32_t groups,
+                   const Push& push) {
+    const gpu::PassScope scope(commands, pass.name());
+    gpu::dispatch_groups(commands, pass, set, groups, push);
     gpu::compute_barrier(commands);
 }
 
@@ -202,12 +205,11 @@ void PsiStep::record_psi_weights(uint32_t blocks) {
             push.first = psi_layer_first(layer, shape.inputs(), shape.width);
             push.stride = shape.output_first();
             const uint32_t matrix_tiles = (push.inputs + 63) / 64 * (push.outputs / 32);
-            gpu::dispatch(commands_, weights_, weights_set_, splits_ * matrix_tiles, push);
+            gpu::dispatch_groups(commands_, weights_, weights_set_, splits_ * matrix_tiles, push);
         }
         gpu::compute_barrier(commands_);
     }
-    record_pass(commands_, reduce_, reduce_set_, groups_of(shape.output_first()),
-                PsiReducePush{shape.output_first(), splits_});
+    record_pass(commands_, reduce_, reduce_set_, shape.output_first(), PsiReducePush{shape.output_first(), splits_});
 }
 
 void PsiStep::record_psi_step(const PsiStepSettings& settings) {
@@ -224,18 +226,18 @@ void PsiStep::record_psi_step(const PsiStepSettings& settings) {
                               settings.seed};
     const PsiFoldPush fold = fold_push(settings.frame);
 
-    record_pass(commands_, fold_, fold_set_, groups_of((shape.width + 1) * shape.heads()), fold);
-    record_pass(commands_, sample_, sample_set_, settings.tiles, ray_push);
-    record_pass(commands_, forward_, forward_set_, coarse, coarse_push);
-    record_pass(commands_, resample_, resample_set_, settings.tiles, ray_push);
-    record_pass(commands_, forward_, forward_set_, fine, fine_push);
-    record_pass(commands_, composite_, composite_set_, settings.tiles, fine_push);
+    record_pass(commands_, fold_, fold_set_, (shape.width + 1) * shape.heads(), fold);
+    record_groups(commands_, sample_, sample_set_, settings.tiles, ray_push);
+    record_groups(commands_, forward_, forward_set_, coarse, coarse_push);
+    record_groups(commands_, resample_, resample_set_, settings.tiles, ray_push);
+    record_groups(commands_, forward_, forward_set_, fine, fine_push);
+    record_groups(commands_, composite_, composite_set_, settings.tiles, fine_push);
     record_loss(commands_, loss_, settings.tiles, settings.lambda_grad);
-    record_pass(commands_, composite_adjoint_, composite_adjoint_set_, settings.tiles, fine_push);
-    record_pass(commands_, adjoint_, adjoint_set_, fine, fine_push);
+    record_groups(commands_, composite_adjoint_, composite_adjoint_set_, settings.tiles, fine_push);
+    record_groups(commands_, adjoint_, adjoint_set_, fine, fine_push);
     record_psi_weights(fine);
-    record_pass(commands_, fold_adjoint_, fold_adjoint_set_, groups_of(shape.count() - shape.output_first()), fold);
-    record_pass(commands_, adam_, adam_set_, groups_of(shape.count()), adam_push(shape, settings));
+    record_pass(commands_, fold_adjoint_, fold_adjoint_set_, shape.count() - shape.output_first(), fold);
+    record_pass(commands_, adam_, adam_set_, shape.count(), adam_push(shape, settings));
     gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
     gpu::host_barrier(commands_);
 }
@@ -291,7 +293,7 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world
             points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
         gpu::upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
         gpu::run_once(device_, "psi hidden layer", [&](gpu::Commands& commands) {
-            gpu::dispatch(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});
+            gpu::dispatch_groups(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});
             gpu::compute_barrier(commands);
         });
         rows.resize(size_t{blocks} * kPsiBlock * width);

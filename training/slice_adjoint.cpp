@@ -126,7 +126,7 @@ void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, 
                            adjoint.gradients.touched_count, 0, push);
     gpu::compute_barrier(commands);
     if (!learn_rows) return;
-    gpu::dispatch(
+    gpu::dispatch_groups(
         commands, adjoint.rows, adjoint.rows_set, 1,
         RowsAdjointPush{adam_push(adam), frame, field.frames, field.bases, rates.sigma_rows, rates.gamma_rows});
     gpu::compute_barrier(commands);

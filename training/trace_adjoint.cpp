@@ -20,7 +20,7 @@ SliceGradients::SliceGradients(const gpu::Device& device, const render::Field& f
       reach(device, "slot reach", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice),
       touched(device, "touched slots", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       touched_count(device, "touched count", sizeof(LiveCount), gpu::MemoryKind::kDevice),
-      partials(device, "row partials", uint64_t{8} * kMaxBases * ((slice.capacity + kSliceGroup - 1) / kSliceGroup),
+      partials(device, "row partials", uint64_t{8} * kMaxBases * gpu::groups_of(slice.capacity, kSliceGroup),
                gpu::MemoryKind::kDevice) {
     gpu::run_once(device, "clear gradients", [&](gpu::Commands& commands) {
         gpu::fill(commands, gradients, 0);
@@ -64,8 +64,8 @@ void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, 
                           float lambda_point) {
     const gpu::PassScope scope(commands, "trace adjoint");
     const TracePush trace = render::trace_push(adjoint.field, stop);
-    gpu::dispatch(commands, adjoint.pass, adjoint.set, tiles,
-                  TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
+    gpu::dispatch_groups(commands, adjoint.pass, adjoint.set, tiles,
+                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
     gpu::compute_barrier(commands);
 }
 

@@ -148,13 +148,22 @@ void memory_barrier(Commands& commands, VkPipelineStageFlags2 stages_after, VkAc
 
 }  // namespace
 
-void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const void* push,
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint64_t threads, const void* push,
               size_t push_bytes) {
+    assert(threads <= uint64_t{UINT32_MAX} && "more threads than shaders can number");
+    dispatch_groups(commands, pass, set, groups_of(threads, pass.interface().group_threads), push, push_bytes);
+}
+
+void dispatch_groups(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
+                     const void* push, size_t push_bytes) {
     if (groups == 0) return;
     bind(commands, pass, set, push, push_bytes);
     // One dimension may hold as few as 65535 groups: shaders number themselves by y * gl_NumWorkGroups.x + x.
-    const uint32_t columns = std::min(groups, commands.device().limits().maxComputeWorkGroupCount[0]);
-    vkCmdDispatch(commands.handle(), columns, (groups + columns - 1) / columns, 1);
+    const VkPhysicalDeviceLimits& limits = commands.device().limits();
+    const uint32_t columns = std::min(groups, limits.maxComputeWorkGroupCount[0]);
+    const uint32_t rows = groups_of(groups, columns);
+    assert(rows <= limits.maxComputeWorkGroupCount[1] && "more workgroups than the device dispatches");
+    vkCmdDispatch(commands.handle(), columns, rows, 1);
 }
 
 void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,

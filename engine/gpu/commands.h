@@ -78,15 +78,25 @@ class PassScope {
 };
 
 // Push constants must be exactly what the shader declares (assert).
-void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const void* push,
+// As many workgroups as hold so many threads; nothing for 0. The shader's own size of a workgroup says how many those
+// are, and the shader ignores the threads that are left over.
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint64_t threads, const void* push,
               size_t push_bytes);
+// So many workgroups, where one of them is the unit of work: a tile of rays, a block of samples.
+void dispatch_groups(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
+                     const void* push, size_t push_bytes);
 // Group counts (three words) come from `arguments` at `offset`, written by an earlier pass.
 void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,
                        uint64_t offset, const void* push, size_t push_bytes);
 
 template <typename Push>
-void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups, const Push& push) {
-    dispatch(commands, pass, set, groups, &push, sizeof(Push));
+void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint64_t threads, const Push& push) {
+    dispatch(commands, pass, set, threads, &push, sizeof(Push));
+}
+template <typename Push>
+void dispatch_groups(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
+                     const Push& push) {
+    dispatch_groups(commands, pass, set, groups, &push, sizeof(Push));
 }
 template <typename Push>
 void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,

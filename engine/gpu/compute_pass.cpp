@@ -62,6 +62,9 @@ ComputePass::ComputePass(const Device& device, std::string name, std::span<const
     const std::vector<uint32_t> newest = device.shaders().newest(spirv);
     interface_ = reflect(newest, name_);
     require_bindings(device, interface_, name_);
+    if (interface_.group_threads > device.limits().maxComputeWorkGroupInvocations)
+        throw RuntimeFailure(fmt::format("pass \"{}\": workgroups of {} threads, the device takes {}", name_,
+                                         interface_.group_threads, device.limits().maxComputeWorkGroupInvocations));
     layout_ = PassLayout(device, interface_, VK_SHADER_STAGE_COMPUTE_BIT, name_);
     pipeline_ = make_pipeline(device, layout_.pipeline(), newest, constants, name_);
 }

@@ -11,6 +11,11 @@
 
 namespace neuvv::gpu {
 
+// How many groups of so many hold `items`, the last of them perhaps in part.
+constexpr uint32_t groups_of(uint64_t items, uint32_t of_group) {
+    return static_cast<uint32_t>((items + of_group - 1) / of_group);
+}
+
 class ComputePass {
   public:
     // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the

@@ -16,10 +16,12 @@ struct BindingSlot {
     VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 };
 
-// What a shader's SPIR-V says of its interface: bindings of set 0 in ascending order, bytes of push constants.
+// What a shader's SPIR-V says of its interface: bindings of set 0 in ascending order, bytes of push constants, and of a
+// compute shader the threads of a workgroup.
 struct ShaderInterface {
     std::vector<BindingSlot> bindings;
     uint32_t push_bytes = 0;
+    uint32_t group_threads = 0;  // all along x; 0: no compute shader
 };
 ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name);
 

@@ -57,6 +57,13 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
     std::sort(interface.bindings.begin(), interface.bindings.end(),
               [](const BindingSlot& a, const BindingSlot& b) { return a.binding < b.binding; });
 
+    const auto group_size = [&](unsigned axis) {
+        return spvc_compiler_get_execution_mode_argument_by_index(compiler, SpvExecutionModeLocalSize, axis);
+    };
+    interface.group_threads = group_size(0);
+    if (group_size(1) > 1 || group_size(2) > 1)
+        throw RuntimeFailure(fmt::format("shader \"{}\": its workgroups are not of one dimension", name));
+
     const spvc_reflected_resource* push = nullptr;
     size_t count = 0;
     expect(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &push, &count), name);

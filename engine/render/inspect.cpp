@@ -37,7 +37,7 @@ void record_inspect(gpu::Commands& commands, const Inspector& inspector, const V
                            level ? 1u : 0u,
                            level ? inspector.coarsest : 0,
                            level ? inspector.finest : settings.cost_max};
-    gpu::dispatch(commands, inspector.pass, inspector.set, layout.picture_tiles(), push);
+    gpu::dispatch_groups(commands, inspector.pass, inspector.set, layout.picture_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

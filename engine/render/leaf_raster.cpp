@@ -102,7 +102,7 @@ void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32
 
 uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterizer) {
     LiveCount count;
-    gpu::download(device, rasterizer.pairs().count, &count, sizeof(count));
+    gpu::download(device, rasterizer.pairs.count, &count, sizeof(count));
     return count.slots;
 }
 

@@ -13,17 +13,14 @@ struct LeafRasterizer {
     LeafRasterizer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& shaded,
                    const RayBatch& rays, uint32_t pair_capacity);
 
-    const SortPairs& pairs() const { return pairs; }
-    // Per tile (its first pair, the first after its last) of those that sorted_buffer(key_bits) names; (0, 0) of none.
-    const gpu::Buffer& tile_pairs() const { return tile_pairs; }
-    uint32_t key_bits() const { return key_bits; }
-
     const Field& field;
     const SliceTrees& trees;
     const RayBatch& rays;
     uint32_t key_bits;
     SortPairs pairs;
-    gpu::Buffer tile_pairs, tile_list, tiles_listed;
+    // Per tile (its first pair, the first after its last) of those that sorted_buffer(key_bits) names; (0, 0) of none.
+    gpu::Buffer tile_pairs;
+    gpu::Buffer tile_list, tiles_listed;
     PairSorter sorter;
     gpu::ComputePass project, tiles, composite;
     gpu::BindingSet project_set, tiles_set, composite_set;

@@ -69,10 +69,6 @@ PaintPush paint_push(const Paint& paint, float frame) {
     return push;
 }
 
-uint32_t groups(const Paint& paint) {
-    return (paint.leaf_count + kSliceGroup - 1) / kSliceGroup;
-}
-
 }  // namespace
 
 Paint::Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const PaintUse> uses) {
@@ -133,7 +129,7 @@ void record_paint_density(gpu::Commands& commands, const SlicePaint& paint, floa
     const gpu::PassScope scope(commands, "paint density");
     PaintPush push = paint_push(paint.paint, frame);
     push.capacity = paint.painter.live.capacity;
-    gpu::dispatch(commands, paint.painter.density, paint.density_set, groups(paint.paint), push);
+    gpu::dispatch(commands, paint.painter.density, paint.density_set, paint.paint.leaf_count, push);
     gpu::compute_barrier(commands);
 }
 
@@ -142,7 +138,7 @@ void record_paint_colour(gpu::Commands& commands, const SlicePaint& paint, uint3
     const gpu::PassScope scope(commands, "paint colour");
     PaintPush push = paint_push(paint.paint, frame);
     push.node_base = paint.painter.trees.node_base(slice);
-    gpu::dispatch(commands, paint.painter.colour, paint.colour_set, groups(paint.paint), push);
+    gpu::dispatch(commands, paint.painter.colour, paint.colour_set, paint.paint.leaf_count, push);
     gpu::compute_barrier(commands);
 }
 

@@ -13,10 +13,6 @@ namespace neuvv::render {
 
 namespace {
 
-uint32_t blocks_of(uint32_t pairs) {
-    return pairs / kSortBlock + (pairs % kSortBlock > 0 ? 1 : 0);
-}
-
 gpu::Buffer keys_buffer(const gpu::Device& device, const char* name, uint32_t pairs) {
     return gpu::Buffer(device, name, uint64_t{8} * pairs, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT);
 }
@@ -26,7 +22,7 @@ gpu::Buffer values_buffer(const gpu::Device& device, const char* name, uint32_t 
 }
 
 void check_limits(const gpu::Device& device, uint32_t pairs) {
-    if (blocks_of(pairs) > device.limits().maxComputeWorkGroupCount[0])
+    if (gpu::groups_of(pairs, kSortBlock) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(fmt::format("{} pairs are more than this device can sort", pairs));
 }
 
@@ -37,7 +33,7 @@ SortPairs::SortPairs(const gpu::Device& device, uint32_t pair_capacity)
       keys{keys_buffer(device, "pair keys", capacity), keys_buffer(device, "pair keys, other", capacity)},
       values{values_buffer(device, "pair values", capacity), values_buffer(device, "pair values, other", capacity)},
       count(device, "count of pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
-      block_counts(device, "digits of blocks", uint64_t{4} * kSortDigits * blocks_of(capacity),
+      block_counts(device, "digits of blocks", uint64_t{4} * kSortDigits * gpu::groups_of(capacity, kSortBlock),
                    gpu::MemoryKind::kDevice),
       digit_counts(device, "digits of pairs", uint64_t{4} * kSortDigits * kSortPlaces, gpu::MemoryKind::kDevice) {
     check_limits(device, capacity);
@@ -71,10 +67,10 @@ void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_
     gpu::compute_barrier(commands);
     for (uint32_t place = 0; place * kSortDigitBits < key_bits; place++) {
         const uint32_t from = place % 2;
-        const PairSortPush push{place, pairs.capacity, blocks_of(pairs.capacity)};
+        const PairSortPush push{place, pairs.capacity, gpu::groups_of(pairs.capacity, kSortBlock)};
         gpu::dispatch_indirect(commands, sorter.count, sorter.count_sets[from], pairs.count, 0, push);
         gpu::compute_barrier(commands);
-        gpu::dispatch(commands, sorter.scan, sorter.scan_set, kSortDigits, push);
+        gpu::dispatch_groups(commands, sorter.scan, sorter.scan_set, kSortDigits, push);
         gpu::compute_barrier(commands);
         gpu::dispatch_indirect(commands, sorter.scatter, sorter.scatter_sets[from], pairs.count, 0, push);
         gpu::compute_barrier(commands);

@@ -84,11 +84,10 @@ void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
     const gpu::PassScope scope(commands, "shadow blur");
-    constexpr uint32_t kGroups = (kSide * kSide + kTilePixels - 1) / kTilePixels;
     for (uint32_t view = 0; view < shadows.maps.size(); view++) {
-        gpu::dispatch(commands, shadows.along_rows, shadows.rows_set, kGroups, ShadowBlurPush{view, 0});
+        gpu::dispatch(commands, shadows.along_rows, shadows.rows_set, kSide * kSide, ShadowBlurPush{view, 0});
         gpu::compute_barrier(commands);
-        gpu::dispatch(commands, shadows.along_columns, shadows.columns_set, kGroups,
+        gpu::dispatch(commands, shadows.along_columns, shadows.columns_set, kSide * kSide,
                       ShadowBlurPush{view, shadows.maps[view] * kSide * kSide});
         gpu::compute_barrier(commands);
     }

@@ -52,7 +52,7 @@ std::vector<Picked> Picker::pick_some(std::span<const PickRay> rays, float alpha
     gpu::run_once(device_, "pick", [&](gpu::Commands& commands) {
         const PickPush push{
             glm::vec4(field_.box_min, 1 - alpha), glm::vec4(field_.box_size, 0), field_.top_box, 0, 0, 0, count};
-        gpu::dispatch(commands, pass_, set_, (count + kPickGroup - 1) / kPickGroup, push);
+        gpu::dispatch(commands, pass_, set_, count, push);
         gpu::host_barrier(commands);
     });
     std::vector<Picked> picked(rays.size());

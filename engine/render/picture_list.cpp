@@ -23,7 +23,7 @@ void record_picture_list(gpu::Commands& commands, const PictureLister& lister, c
                                layout.pictures_down(),
                                layout.samples,
                                layout.upscaled() ? kUpscaleReach : 0};
-    gpu::dispatch(commands, lister.pass, lister.set, (layout.picture_tiles() + kSliceGroup - 1) / kSliceGroup, push);
+    gpu::dispatch(commands, lister.pass, lister.set, layout.picture_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

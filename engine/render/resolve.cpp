@@ -34,7 +34,7 @@ void record_resolve(gpu::Commands& commands, const Resolver& resolver, const Vie
     if (resolver.only)
         gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.only->picture_count, 0, push);
     else
-        gpu::dispatch(commands, resolver.pass, resolver.set, layout.picture_tiles(), push);
+        gpu::dispatch_groups(commands, resolver.pass, resolver.set, layout.picture_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

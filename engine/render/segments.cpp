@@ -90,8 +90,8 @@ void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& t
     gpu::copy(commands, segments.heads(), segments.taken(), 4, 0, uint64_t{4} * segments.add_merge());
     gpu::compute_barrier(commands);
     if (tiles.end > tiles.first)
-        gpu::dispatch(commands, segments.pass(), segments.bindings(), tiles.end - tiles.first,
-                      MergePush{stop, tiles.first, tiles.end});
+        gpu::dispatch_groups(commands, segments.pass(), segments.bindings(), tiles.end - tiles.first,
+                             MergePush{stop, tiles.first, tiles.end});
     gpu::compute_barrier(commands);
 }
 

@@ -19,8 +19,8 @@ LiveLeaves::LiveLeaves(const gpu::Device& device, const Field& field, uint32_t s
       head(device, "slice head", uint64_t{8} * field.leaf_count, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       live(device, "live count", sizeof(LiveCount), gpu::MemoryKind::kDevice) {
-    const uint32_t groups = (capacity + kSliceGroup - 1) / kSliceGroup;  // of the indirect dispatches
-    if (groups > device.limits().maxComputeWorkGroupCount[0])
+    // Of the indirect dispatches.
+    if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
             fmt::format("{} leaves that may live at once are more than this device dispatches; it may "
                         "show the scene without slices (--slice-budget 0)",
@@ -51,14 +51,13 @@ LiveFinder::LiveFinder(const gpu::Device& device, const Field& given_field, cons
 
 void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame) {
     const Field& field = finder.field;
-    gpu::dispatch(commands, finder.rows, finder.rows_set, 1, RowsPush{frame, field.frames, field.bases});
+    gpu::dispatch_groups(commands, finder.rows, finder.rows_set, 1, RowsPush{frame, field.frames, field.bases});
     gpu::compute_barrier(commands);
 }
 
 void record_density(gpu::Commands& commands, const LiveFinder& finder, uint32_t first, uint32_t end) {
-    constexpr uint32_t kGroupLeaves = kSliceGroup * kLeavesPerThread;
     const SlicePush push{finder.field.leaf_count, finder.live.capacity, first, end};
-    gpu::dispatch(commands, finder.density, finder.density_set, (end - first + kGroupLeaves - 1) / kGroupLeaves, push);
+    gpu::dispatch(commands, finder.density, finder.density_set, gpu::groups_of(end - first, kLeavesPerThread), push);
     gpu::compute_barrier(commands);
 }
 

@@ -31,7 +31,7 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
       entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, gpu::MemoryKind::kDevice,
                  VK_FORMAT_R32_UINT),
       counts(device, "counts of entries", sizeof(LiveCount) * slices, gpu::MemoryKind::kDevice) {
-    if ((capacity + kSliceGroup - 1) / kSliceGroup > device.limits().maxComputeWorkGroupCount[0])
+    if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
             fmt::format("{} live leaves and nodes at once are more than this device dispatches; it may "
                         "show the scene without slices (--slice-budget 0)",
@@ -77,7 +77,7 @@ void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t sl
     for (size_t level = begin.size() - 1; level-- > 0;) {
         const SliceNodesPush push{begin[level], begin[level + 1] - begin[level], slice, trees.capacity,
                                   trees.node_base(slice)};
-        gpu::dispatch(commands, slicer.nodes, slicer.nodes_set, (push.nodes + kSliceGroup - 1) / kSliceGroup, push);
+        gpu::dispatch(commands, slicer.nodes, slicer.nodes_set, push.nodes, push);
         gpu::compute_barrier(commands);
     }
 }
@@ -131,7 +131,7 @@ void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32
         {
             const gpu::PassScope scope(commands, "slice entries");
             gpu::dispatch(
-                commands, slicer.entries, slicer.entries_set, (end - first + kSliceGroup - 1) / kSliceGroup,
+                commands, slicer.entries, slicer.entries_set, end - first,
                 SliceEntriesPush{leaves, std::min(end, slicer.live.capacity), slicer.trees.node_base(slice), first});
             gpu::compute_barrier(commands);
         }

@@ -11,10 +11,6 @@ namespace neuvv::render {
 
 namespace {
 
-uint32_t groups_of(uint32_t threads) {
-    return (threads + kSliceGroup - 1) / kSliceGroup;
-}
-
 // The dispatch over a list rounds its number up to whole rows.
 uint64_t list_bytes(uint32_t tiles) {
     return uint64_t{4} * tiles + uint64_t{4} * kListRow;
@@ -127,9 +123,9 @@ void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint3
     gpu::fill(commands, ranger.ranges.list, kNoTile, list_bytes(layout.ray_tiles()));
     gpu::update(commands, ranger.ranges.count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
-    gpu::dispatch(commands, ranger.range, ranger.range_set, groups_of(push.nodes), push);
+    gpu::dispatch(commands, ranger.range, ranger.range_set, push.nodes, push);
     gpu::compute_barrier(commands);
-    gpu::dispatch(commands, ranger.list, ranger.list_set, groups_of(layout.ray_tiles()), push);
+    gpu::dispatch(commands, ranger.list, ranger.list_set, layout.ray_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

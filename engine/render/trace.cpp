@@ -104,7 +104,7 @@ Tracer::Tracer(const gpu::Device& device, const Field& given_field, const Slice&
 
 void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop) {
     const gpu::PassScope scope(commands, "trace");
-    gpu::dispatch(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
+    gpu::dispatch_groups(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
     gpu::compute_barrier(commands);
 }
 
@@ -141,7 +141,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
 
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const gpu::PassScope scope(commands, tracer.pass.name());
-    gpu::dispatch(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
+    gpu::dispatch_groups(commands, tracer.pass, tracer.set, tiles, trace_push(tracer.field, stop));
     gpu::compute_barrier(commands);
 }
 

@@ -16,7 +16,7 @@ void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const
     const gpu::PassScope scope(commands, "volume depth");
     const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
     const uint64_t texels = uint64_t{layout.views} * width * height;
-    gpu::dispatch(commands, pass.pass, pass.set, static_cast<uint32_t>((texels + kTilePixels - 1) / kTilePixels),
+    gpu::dispatch(commands, pass.pass, pass.set, texels,
                   VolumeDepthPush{width, height, layout.views, layout.tiles_across(), layout.tiles_down()});
     gpu::compute_barrier(commands);
 }

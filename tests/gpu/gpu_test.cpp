@@ -160,6 +160,16 @@ TEST(Reflect, FindsEveryKindOfBinding) {
     }
 }
 
+TEST(Reflect, ReadsTheThreadsOfAWorkgroup) {
+    EXPECT_EQ(gpu::reflect(slice_density_comp, "slice density").group_threads, kSliceGroup);
+    EXPECT_EQ(gpu::reflect(trace_comp, "trace").group_threads, kTilePixels);
+    EXPECT_EQ(gpu::reflect(set_vert, "set").group_threads, 0u);
+    EXPECT_EQ(gpu::groups_of(0, 64), 0u);
+    EXPECT_EQ(gpu::groups_of(64, 64), 1u);
+    EXPECT_EQ(gpu::groups_of(65, 64), 2u);
+    EXPECT_EQ(gpu::groups_of(uint64_t{1} << 33, 64), 1u << 27);
+}
+
 TEST(Reflect, RefusesWhatIsNoShader) {
     constexpr uint32_t kWords[] = {1, 2, 3, 4, 5, 6, 7};
     expect_failure([&] { gpu::reflect(kWords, "garbage"); }, "\"garbage\"");

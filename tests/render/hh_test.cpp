@@ -41,7 +41,7 @@ std::vector<HhProbe> probe(const gpu::Device& device, const std::vector<glm::vec
     const gpu::BindingSet set(pass, {{kHhProbePoints, &in}, {kHhProbeOut, &out}});
     const auto count = static_cast<uint32_t>(points.size());
     gpu::run_once(device, "HH probe", [&](gpu::Commands& commands) {
-        gpu::dispatch(commands, pass, set, (count + 63) / 64, count);
+        gpu::dispatch(commands, pass, set, count, count);
         gpu::compute_barrier(commands);
     });
     std::vector<HhProbe> probes(points.size());

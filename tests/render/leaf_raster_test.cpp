@@ -69,11 +69,11 @@ class Drawn {
 
     // Leaves of a tile in the order in which they are composited.
     std::vector<std::vector<uint32_t>> leaves_of_tiles() const {
-        const uint32_t sorted = render::sorted_buffer(rasterizer.key_bits());
+        const uint32_t sorted = render::sorted_buffer(rasterizer.key_bits);
         std::vector<glm::uvec2> bounds(tiles.size());
-        std::vector<uint32_t> entries(rasterizer.pairs().capacity), leaf_of(size_t{2} * trees.capacity);
-        gpu::download(device_, rasterizer.tile_pairs(), bounds.data(), bounds.size() * sizeof(glm::uvec2));
-        gpu::download(device_, rasterizer.pairs().values[sorted], entries.data(), entries.size() * sizeof(uint32_t));
+        std::vector<uint32_t> entries(rasterizer.pairs.capacity), leaf_of(size_t{2} * trees.capacity);
+        gpu::download(device_, rasterizer.tile_pairs, bounds.data(), bounds.size() * sizeof(glm::uvec2));
+        gpu::download(device_, rasterizer.pairs.values[sorted], entries.data(), entries.size() * sizeof(uint32_t));
         gpu::download(device_, trees.entry_leaf, leaf_of.data(), leaf_of.size() * sizeof(uint32_t));
         std::vector<std::vector<uint32_t>> leaves;
         for (const glm::uvec2 pairs : bounds) {
