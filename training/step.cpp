@@ -5,17 +5,29 @@
 
 namespace neuvv::training {
 
+// What each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice (slice_), RayBatch
+// (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally (tally_).
 void TrainingStep::record_step(const StepSettings& settings) {
+    // field_ weights, sigma_basis, gamma_basis, inner_cells → slice_ rows, node_live, head, slot_leaf, live, sh
     if (sliced_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
     sliced_ = settings.frame;
     if (settings.learn_rows) sliced_.reset();
+    // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
+    // rays_ radiance; batch_ target, background → batch_ adjoint, sums
     record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
+    // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, reach
     record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop,
                          settings.share() * settings.lambda_point);
+    // gradients_ reach; slice_ live → gradients_ touched, touched_count
     record_touched(commands_, touched_list_);
+    // the tree and the slice around gradients_ touched → adds to gradients_ gradients
     if (settings.lambda_smooth > 0) record_smooth(commands_, smoother_, settings.share() * settings.lambda_smooth);
+    // gradients_ touched, gradients, reach; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_, slice_
+    // head and sh as the moved weights have them, gradients_ partials; clears gradients and reach. Where rows learn:
+    // gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
     record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
+    // batch_ sums, slice_ live, gradients_ touched_count → the host
     gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
     gpu::copy(commands_, slice_.live, live_, sizeof(LiveCount));
     gpu::copy(commands_, gradients_.touched_count, touched_, sizeof(LiveCount));

@@ -29,7 +29,7 @@ void FrameRenderer::record_frame(const FrameSettings& settings) {
             break;
     }
     if (is_reference(settings.mode)) record_resolve(commands_, resolver_, layout_, settings.resolve);
-    gpu::host_barrier(commands_);  // it looks at what had no room
+    gpu::host_barrier(commands_);  // the host looks at what had no room
 }
 
 void FrameRenderer::record_readback() {
@@ -38,24 +38,36 @@ void FrameRenderer::record_readback() {
     gpu::host_barrier(commands_);
 }
 
-// Slices; on a set what lights see of both, and the set as far as it ends rays; the rays; what is blended before and
-// behind them. Without a set only the tiles of the picture that see anything are worked on.
+// What each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
+// (target_.ranges), RayBatch (target_.rays) and SetRaster. On a set lights see performers and set first, and the set
+// ends rays. Without a set only the tiles of the picture that see anything are worked on.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
+    // nothing → blank_ (where the layout or the background is another than in the last picture)
     if (!set_) record_blank(settings);
+    // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
     for (const auto& performer : performers_) record_slices(commands_, *performer);
     if (set_) {
+        // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
         record_performer_shadows(commands_, *shadows_, performers_, kLightTarget);
+        // SetRaster vertices, materials, lights_buffer → set_shadow_maps
         set_->record_shadows(commands_);
+        // the same, set_shadow_maps, performer_shadows → colour, depth
         set_->record_solid(commands_, set_cameras_);
     }
+    // SliceTrees, rays.cameras, rays.tiles, SetRaster depth and lights → ranges.*, rays.radiance, rays.depth
     record_rays(settings);
     if (set_ && set_->has_transparent()) {
+        // rays.radiance, rays.depth, rays.cameras → SetRaster volume_depth
         record_volume_depth(commands_, *volume_depth_, layout_);
+        // vertices, materials, lights_buffer, both shadow maps, volume_depth → colour, front
         set_->record_transparent(commands_, set_cameras_);
     }
+    // ranges.seen, blank_ → ranges.picture_list, ranges.picture_count, picture_
     if (!set_) record_listed();
+    // rays.radiance, rays.depth, rays.cameras, ranges.picture_list or SetRaster colour, front, depth → picture_
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
+    // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_
     for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
 }
 
@@ -76,6 +88,7 @@ void FrameRenderer::record_blank(const FrameSettings& settings) {
     record_clear(commands_, target_.rays, all_pixels.ray_tiles());
     record_resolve(commands_, resolver_, all_pixels, settings.resolve);
     gpu::copy(commands_, picture_, blank_, layout_.picture_bytes());
+    gpu::compute_barrier(commands_);
     blank_is_of_ = shown;
 }
 

@@ -170,6 +170,7 @@ void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t
     if (!cache) return;
     cache->record_ahead(commands, parts);
     gpu::copy(commands, cache->trees().counts, performer.counts_readback(), performer.counts_readback().bytes);
+    gpu::compute_barrier(commands);
 }
 
 namespace {
