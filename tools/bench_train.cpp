@@ -84,7 +84,7 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
         settings.stop = training::kTrainingStop;
         settings.adam.step = i + 1;
         settings.learn_rows = tree.bases < tree.frames && i % training::kStepsPerRows == 0;
-        settings.lambda_smooth = training::TrainSettings().lambda_smooth;
+        settings.weights.smoothness = training::kDefaultLossWeights.smoothness;
         training::load_batch(dataset, batch, step.rays(), step.batch());
         const double start = seconds_now();
         step.submit(settings);

@@ -132,11 +132,17 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         fmt::print("interrupted; the same command with --resume goes on from here\n");
 }
 
+std::string weight_option(const training::NamedLossWeight& one) {
+    return std::string("--lambda-") + one.name;
+}
+
 // What a resumed run keeps, whatever is given now.
 void say_what_is_ignored(const CLI::App& verb) {
     std::string given;
-    for (const char* name : {"--resolution", "--bases", "--hh-degree", "--init", "--max-leaves", "--max-memory",
-                             "--uniform", "--seed", "--lambda-grad", "--lambda-point", "--lambda-smooth"})
+    std::vector<std::string> names{"--resolution", "--bases",      "--hh-degree", "--init",
+                                   "--max-leaves", "--max-memory", "--uniform",   "--seed"};
+    for (const training::NamedLossWeight& one : training::kLossWeights) names.push_back(weight_option(one));
+    for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
     if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
 }
@@ -182,16 +188,10 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
         ->excludes(most_leaves)
         ->excludes(most_memory);
-    verb->add_option("--lambda-grad", options->settings.lambda_grad, "Weight of the gradient loss L_grad")
-        ->check(number_between(0.0, 100.0))
-        ->capture_default_str();
-    verb->add_option("--lambda-point", options->settings.lambda_point, "Weight of the loss of each sample's own colour")
-        ->check(number_between(0.0, 100.0))
-        ->capture_default_str();
-    verb->add_option("--lambda-smooth", options->settings.lambda_smooth,
-                     "Weight of the difference in opacity of neighbouring leaves")
-        ->check(number_between(0.0, 100.0))
-        ->capture_default_str();
+    for (const training::NamedLossWeight& one : training::kLossWeights)
+        verb->add_option(weight_option(one), options->settings.weights.*one.weight, one.meaning)
+            ->check(number_between(0.0, 100.0))
+            ->capture_default_str();
     verb->add_option("--picture-memory", options->picture_gigabytes,
                      "GB that pictures may take in memory; more are streamed from disk (default: half of what is free)")
         ->check(number_between(1e-6, 1e6));

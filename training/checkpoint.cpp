@@ -101,27 +101,29 @@ std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std:
     return values;
 }
 
+std::string weight_key(const NamedLossWeight& one) {
+    return std::string("lambda_") + one.name;
+}
+
 voctree::NvvChunk run_chunk(const RunState& run) {
-    const nlohmann::json json = {{"seed", run.seed},
-                                 {"step", run.step},
-                                 {"adam_step", run.adam_step},
-                                 {"stage", run.stage},
-                                 {"stage_rays", run.stage_rays},
-                                 {"dataset_hash", run.dataset_hash},
-                                 {"max_depth", run.max_depth},
-                                 {"several_from", run.several_from},
-                                 {"max_leaves", run.max_leaves},
-                                 {"max_bytes", run.max_bytes},
-                                 {"adaptive", run.adaptive},
-                                 {"elapsed_s", run.elapsed_s},
-                                 {"rays", run.rays},
-                                 {"minutes", run.minutes},
-                                 {"steps", run.steps},
-                                 {"tiles_per_step", run.tiles_per_step},
-                                 {"lambda_grad", run.lambda_grad},
-                                 {"lambda_point", run.lambda_point},
-                                 {"lambda_smooth", run.lambda_smooth},
-                                 {"program", run.program}};
+    nlohmann::json json = {{"seed", run.seed},
+                           {"step", run.step},
+                           {"adam_step", run.adam_step},
+                           {"stage", run.stage},
+                           {"stage_rays", run.stage_rays},
+                           {"dataset_hash", run.dataset_hash},
+                           {"max_depth", run.max_depth},
+                           {"several_from", run.several_from},
+                           {"max_leaves", run.max_leaves},
+                           {"max_bytes", run.max_bytes},
+                           {"adaptive", run.adaptive},
+                           {"elapsed_s", run.elapsed_s},
+                           {"rays", run.rays},
+                           {"minutes", run.minutes},
+                           {"steps", run.steps},
+                           {"tiles_per_step", run.tiles_per_step},
+                           {"program", run.program}};
+    for (const NamedLossWeight& one : kLossWeights) json[weight_key(one)] = run.weights.*one.weight;
     const std::string text = json.dump();
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
@@ -155,9 +157,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         json.at("minutes").get_to(run.minutes);
         read_count(json, "steps", run.steps);
         read_count(json, "tiles_per_step", run.tiles_per_step, kMaxTilesPerStep);
-        json.at("lambda_grad").get_to(run.lambda_grad);
-        json.at("lambda_point").get_to(run.lambda_point);
-        json.at("lambda_smooth").get_to(run.lambda_smooth);
+        for (const NamedLossWeight& one : kLossWeights) json.at(weight_key(one)).get_to(run.weights.*one.weight);
         json.at("program").get_to(run.program);
     } catch (const nlohmann::json::exception&) {
         throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
@@ -165,8 +165,9 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
                          "train without --resume");
     }
-    for (const double amount : {run.elapsed_s, run.rays, run.minutes, double{run.lambda_grad}, double{run.lambda_point},
-                                double{run.lambda_smooth}})
+    std::vector<double> amounts{run.elapsed_s, run.rays, run.minutes};
+    for (const NamedLossWeight& one : kLossWeights) amounts.push_back(double{run.weights.*one.weight});
+    for (const double amount : amounts)
         if (!(amount >= 0) || !std::isfinite(amount))
             throw InputError(path.string(), "chunk run0", "holds a number out of range", "train without --resume");
     if (run.max_depth < 1 || run.tiles_per_step < 1)

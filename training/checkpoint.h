@@ -25,8 +25,8 @@ struct RunState {
     double minutes = 0;  // the run's budget; one of the two is 0
     uint64_t steps = 0;
     uint32_t tiles_per_step = 512;
-    float lambda_grad = 0.1f, lambda_point = 0.2f, lambda_smooth = 0;  // the losses' weights (StepSettings)
-    std::string program;                                               // that began the run, and its version
+    LossWeights weights{0.1f, 0.2f, 0};
+    std::string program;  // that began the run, and its version
 };
 
 // What a state file holds: everything, so that it does not matter whether the .nvv beside it is a step older or newer.

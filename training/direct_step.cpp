@@ -20,8 +20,8 @@ void DirectStep::run(const StepSettings& settings) {
     gpu::fill(commands_, gradients_, 0);
     render::record_rows(commands_, finder_, settings.frame);
     render::record_direct(commands_, tracer_, settings.tiles, settings.stop);
-    record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
-    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.share() * settings.lambda_point);
+    record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
+    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.weights, settings.share());
     commands_.submit();
     commands_.wait();
 }

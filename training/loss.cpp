@@ -33,10 +33,11 @@ Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBa
                  {kLossAdjoint, &batch.adjoint},
                  {kLossSums, &batch.sums}}) {}
 
-void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples) {
+void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, const LossWeights& weights,
+                 uint32_t samples) {
     assert(samples >= 1 && kTile % samples == 0 && "whole pixels in a tile");
     const gpu::PassScope scope(commands, "loss");
-    gpu::dispatch_groups(commands, loss.pass, loss.set, tiles, LossPush{lambda_grad, samples});
+    gpu::dispatch_groups(commands, loss.pass, loss.set, tiles, LossPush{weights, samples});
     gpu::compute_barrier(commands);
 }
 

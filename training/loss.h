@@ -7,6 +7,18 @@
 
 namespace neuvv::training {
 
+// By name, for options (--lambda-grad), records (lambda_grad) and what a user reads of them.
+struct NamedLossWeight {
+    const char* name;
+    float LossWeights::*weight;
+    const char* meaning;
+};
+constexpr NamedLossWeight kLossWeights[] = {
+    {"grad", &LossWeights::grad, "Weight of the gradient loss L_grad"},
+    {"point", &LossWeights::point, "Weight of the loss of each sample's own colour"},
+    {"smooth", &LossWeights::smoothness, "Weight of the difference in opacity of neighbouring leaves"}};
+constexpr LossWeights kDefaultLossWeights{0.1f, 0.2f, 5e-4f};
+
 // What the rays of a batch should have seen, in the rays' order; and what the loss says.
 struct LossBatch {
     LossBatch(const gpu::Device& device, uint32_t tiles);
@@ -28,8 +40,9 @@ struct Loss {
     gpu::BindingSet set;
 };
 
-// `lambda_grad`: weight of L_grad (errata 16). A pixel is the mean of samples² neighbouring rays, which have its target
+// A pixel is the mean of samples² neighbouring rays, which have its target
 // and background in common; `samples` divides kTile.
-void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, float lambda_grad, uint32_t samples = 1);
+void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, const LossWeights& weights,
+                 uint32_t samples = 1);
 
 }  // namespace neuvv::training

@@ -232,7 +232,7 @@ void PsiStep::record_psi_step(const PsiStepSettings& settings) {
     record_groups(commands_, resample_, resample_set_, settings.tiles, ray_push);
     record_groups(commands_, forward_, forward_set_, fine, fine_push);
     record_groups(commands_, composite_, composite_set_, settings.tiles, fine_push);
-    record_loss(commands_, loss_, settings.tiles, settings.lambda_grad);
+    record_loss(commands_, loss_, settings.tiles, settings.weights);
     record_groups(commands_, composite_adjoint_, composite_adjoint_set_, settings.tiles, fine_push);
     record_groups(commands_, adjoint_, adjoint_set_, fine, fine_push);
     record_psi_weights(fine);

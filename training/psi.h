@@ -54,11 +54,11 @@ struct PsiSampling {
 struct PsiStepSettings {
     float frame = 0;
     uint32_t tiles = 0;
-    uint32_t seed = 0;  // of the samples' places; another one every step
-    float lambda_grad = 0.1f;
-    float rate = 0, rows_rate = 0;  // of the network, of A and B
-    float revival = 1;              // in units of the output w^σ; negative: relu's own derivative (psi_head.glsl)
-    AdamSettings adam;              // emit_only: nothing moves, gradients() are this step's
+    uint32_t seed = 0;                          // of the samples' places; another one every step
+    LossWeights weights = kDefaultLossWeights;  // of which a network has L_grad alone
+    float rate = 0, rows_rate = 0;              // of the network, of A and B
+    float revival = 1;  // in units of the output w^σ; negative: relu's own derivative (psi_head.glsl)
+    AdamSettings adam;  // emit_only: nothing moves, gradients() are this step's
 };
 
 // The device's memory of a network in training. Use as TrainingStep: fill rays() and batch(), submit(), wait().

@@ -159,10 +159,10 @@ struct Course {
                                                 : (seconds_now() - began) / (60 * settings.minutes);
         return std::min(share, 1.0);
     }
-    void add(const StepResult& result, double lambda_grad) {
+    void add(const StepResult& result, const LossWeights& weights) {
         pixels += static_cast<double>(result.pixels);
         rgb += result.rgb_loss;
-        loss += result.rgb_loss + lambda_grad * result.grad_loss;
+        loss += result.total(weights);
         steps++;
     }
     PsiProgress report(const PsiSettings& settings, const PsiStep& psi) {
@@ -206,7 +206,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
         const StepResult result = psi.wait();
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure("training of Ψ diverged: the loss is not a number; begin with --init hull");
-        course.add(result, static_cast<double>(step.lambda_grad));
+        course.add(result, step.weights);
         if (seconds_now() - course.reported >= 1) go_on = callback(course.report(settings, psi));
     }
     callback(course.report(settings, psi));

@@ -15,7 +15,7 @@ struct Smoother {
     gpu::BindingSet set;
 };
 
-// Adds λ ∂L/∂σ to the gradients of the slots that record_touched listed.
-void record_smooth(gpu::Commands& commands, const Smoother& smoother, float lambda);
+// Adds weights.smoothness · share · ∂L/∂σ to the gradients of the slots that record_touched listed.
+void record_smooth(gpu::Commands& commands, const Smoother& smoother, const LossWeights& weights, float share);
 
 }  // namespace neuvv::training

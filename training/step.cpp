@@ -15,14 +15,13 @@ void TrainingStep::record_step(const StepSettings& settings) {
     // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
     // rays_ radiance; batch_ target, background → batch_ adjoint, sums
-    record_loss(commands_, loss_, settings.tiles, settings.lambda_grad, settings.samples);
+    record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
     // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, reach
-    record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop,
-                         settings.share() * settings.lambda_point);
+    record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop, settings.weights, settings.share());
     // gradients_ reach; slice_ live → gradients_ touched, touched_count
     record_touched(commands_, touched_list_);
     // the tree and the slice around gradients_ touched → adds to gradients_ gradients
-    if (settings.lambda_smooth > 0) record_smooth(commands_, smoother_, settings.share() * settings.lambda_smooth);
+    if (settings.weights.smoothness > 0) record_smooth(commands_, smoother_, settings.weights, settings.share());
     // gradients_ touched, gradients, reach; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_, slice_
     // head and sh as the moved weights have them, gradients_ partials; clears gradients and reach. Where rows learn:
     // gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second

@@ -14,9 +14,7 @@ namespace neuvv::training {
 struct StepSettings {
     float frame = 0;
     uint32_t tiles = 0;
-    float lambda_grad = 0.1f;
-    float lambda_point = 0.2f;
-    float lambda_smooth = 0;
+    LossWeights weights{0.1f, 0.2f, 0};
     uint32_t samples = 1;  // rays a pixel, per side
     float stop = render::kStopTransmittance;
     LearningRates rates;
@@ -34,6 +32,9 @@ struct StepResult {
     uint32_t slots = 0;     // live leaves
     uint32_t overflow = 0;  // live leaves that found no slot
     uint32_t touched = 0;   // live leaves that rays reached
+
+    // The loss as far as the device reports it: without the point loss and smoothness.
+    double total(const LossWeights& weights) const { return rgb_loss + static_cast<double>(weights.grad) * grad_loss; }
 };
 
 // The tree's weights as training holds them. Where A and B may learn, all planes count as busy.

@@ -61,11 +61,11 @@ TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given
                  {kTraceReach, &gradients.reach}}) {}
 
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          float lambda_point) {
+                          const LossWeights& weights, float share) {
     const gpu::PassScope scope(commands, "trace adjoint");
     const TracePush trace = render::trace_push(adjoint.field, stop);
     gpu::dispatch_groups(commands, adjoint.pass, adjoint.set, tiles,
-                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, lambda_point, trace.leaf_count});
+                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, weights, share, trace.leaf_count});
     gpu::compute_barrier(commands);
 }
 

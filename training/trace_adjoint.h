@@ -35,9 +35,10 @@ struct TraceAdjoint {
     gpu::BindingSet set;
 };
 
-// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `lambda_point`:
-// weight of the point loss (trace_adjoint.glsl) against L_rgb; rays without an ∂L/∂ray take no part in it.
+// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `share`: what a ray
+// takes of its pixel, times which its point loss (trace_adjoint.glsl) weighs; rays without an ∂L/∂ray take no part in
+// that loss.
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          float lambda_point);
+                          const LossWeights& weights, float share);
 
 }  // namespace neuvv::training

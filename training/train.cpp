@@ -127,9 +127,7 @@ const Dataset& Run::begin() {
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
         run_.tiles_per_step = settings_.tiles_per_step;
-        run_.lambda_grad = settings_.lambda_grad;
-        run_.lambda_point = settings_.lambda_point;
-        run_.lambda_smooth = settings_.lambda_smooth;
+        run_.weights = settings_.weights;
         run_.program = settings_.program;
         tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
@@ -251,9 +249,7 @@ StepSettings Run::step_settings(double time) const {
     settings.adam.step = run_.adam_step;
     settings.adam.used_from = kStages[std::min(run_.stage + 1, kStageCount - 1)].prune_below;
     settings.stop = kTrainingStop;
-    settings.lambda_grad = run_.lambda_grad;
-    settings.lambda_point = run_.lambda_point;
-    settings.lambda_smooth = run_.lambda_smooth;
+    settings.weights = run_.weights;
     // With as many bases as frames the first bases already span every course.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;
@@ -319,7 +315,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         run_.stage_rays += result.pixels;
         rgb_sum_ += result.rgb_loss;
         grad_sum_ += result.grad_loss;
-        loss_sum_ += result.rgb_loss + static_cast<double>(settings.lambda_grad) * result.grad_loss;
+        loss_sum_ += result.total(settings.weights);
         steps_sum_++;
         if (seconds_now() - reported_at_ >= 1) {
             reported_ = progress();

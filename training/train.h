@@ -18,8 +18,7 @@ struct TrainSettings {
     uint64_t max_bytes = 0;   // that the .nvv may have in the end (0: any)
     bool adaptive = true;     // false: every leaf of the finest uniform level stays, none becomes finer
     uint32_t tiles_per_step = 512;
-    // Weights against L_rgb: of L_grad, of the point loss, of the smoothness of opacity.
-    float lambda_grad = 0.1f, lambda_point = 0.2f, lambda_smooth = 5e-4f;
+    LossWeights weights = kDefaultLossWeights;
     std::string program = "NeuVV";  // for the record
     bool resume = false;
     const voctree::VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all

@@ -6,6 +6,13 @@
 
 NEUVV_SHARED
 
+// How much the losses weigh against L_rgb, from the option (training/loss.h names them) to the kernels.
+struct LossWeights {
+    float grad;        // of L_grad (errata 16)
+    float point;       // of the point loss (trace_adjoint.glsl)
+    float smoothness;  // of the smoothness of opacity (smooth.comp)
+};
+
 // loss.comp
 CONSTEXPR uint kLossRadiance = 0u;
 CONSTEXPR uint kLossTarget = 1u;  // per ray: premultiplied linear RGB and alpha of the foreground; alpha −1: no pixel
@@ -14,8 +21,8 @@ CONSTEXPR uint kLossAdjoint = 3u;     // per ray: ∂L/∂(R, G, B, alpha)
 CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unused)
 
 struct LossPush {
-    float lambda_grad;  // errata 16
-    uint samples;       // a pixel is the mean of samples × samples neighbouring rays; divides kTile
+    LossWeights weights;
+    uint samples;  // a pixel is the mean of samples × samples neighbouring rays; divides kTile
 };
 
 // trace_adjoint.comp and direct_adjoint.comp: the bindings of trace.comp and direct.comp up to kTraceRadiance, and
@@ -28,8 +35,9 @@ struct TraceAdjointPush {
     vec4 box_min;  // as in TracePush
     vec4 box_size;
     TopBox top;
-    float lambda_point;  // weight of the point loss
-    uint leaf_count;     // direct_adjoint.comp alone reads it
+    LossWeights weights;
+    float share;      // what a ray takes of its pixel
+    uint leaf_count;  // direct_adjoint.comp alone reads it
 };
 
 // Floats of one slot's gradient: ∂L/∂σ, the pull Σ |α ∂L/∂α| of its samples, then ∂L/∂k_lm (R, G, B) per SH function.
@@ -57,7 +65,8 @@ CONSTEXPR uint kSmoothGradients = 8u;  // as kTraceGradients
 struct SmoothPush {
     TopBox top;
     float box_size;  // the tree's edge, metres
-    float lambda;
+    LossWeights weights;
+    float share;  // as in TraceAdjointPush
 };
 
 // slice_adjoint.comp
@@ -120,7 +129,9 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::TraceAdjointPush) == 48);
+static_assert(sizeof(neuvv::LossPush) == 16);
+static_assert(sizeof(neuvv::SmoothPush) == 28);
+static_assert(sizeof(neuvv::TraceAdjointPush) == 60);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 60);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

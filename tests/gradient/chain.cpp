@@ -112,14 +112,14 @@ double Chain::tile_loss(size_t tile) const {
         patch[i].true_alpha = truth.a;
         patch[i].background = glm::dvec3(scene_.background[ray]);
     }
-    return reference::patch_loss(patch, 1).total(static_cast<double>(scene_.lambda_grad)) +
-           static_cast<double>(scene_.lambda_point) * point;
+    return reference::patch_loss(patch, 1).total(static_cast<double>(scene_.weights.grad)) +
+           static_cast<double>(scene_.weights.point) * point;
 }
 
 double Chain::loss() const {
     double sum = 0;
     for (size_t tile = 0; tile < scene_.tiles.size(); tile++) sum += tile_loss(tile);
-    if (scene_.lambda_smooth > 0)
+    if (scene_.weights.smoothness > 0)
         for (const uint32_t leaf : seen_) sum += leaf_smoothness(leaf);
     return sum;
 }
@@ -130,7 +130,8 @@ double Chain::leaf_smoothness(uint32_t leaf) const {
     const std::array<uint32_t, 6> found = reference::face_neighbours(places_, leaf, 2 * scene_.tree.node_levels);
     for (size_t i = 0; i < 6; i++) neighbours[i] = found[i] == UINT32_MAX ? 0 : first_sigmas_[found[i]];
     const double edge = static_cast<double>(scene_.tree.box_size.x) / (1u << places_[leaf].depth);
-    return static_cast<double>(scene_.lambda_smooth) * reference::smoothness(slices_[leaf].sigma, edge, neighbours);
+    return static_cast<double>(scene_.weights.smoothness) *
+           reference::smoothness(slices_[leaf].sigma, edge, neighbours);
 }
 
 double Chain::by_weight(uint32_t leaf, uint32_t weight) {
@@ -139,7 +140,7 @@ double Chain::by_weight(uint32_t leaf, uint32_t weight) {
         slice_leaf(leaf);
         double sum = 0;
         for (const size_t tile : tiles_of_leaf_[leaf]) sum += tile_loss(tile);
-        if (scene_.lambda_smooth > 0 && std::binary_search(seen_.begin(), seen_.end(), leaf))
+        if (scene_.weights.smoothness > 0 && std::binary_search(seen_.begin(), seen_.end(), leaf))
             sum += leaf_smoothness(leaf);
         return sum;
     });

@@ -122,8 +122,8 @@ TEST_F(ChainGradient, SmoothnessIsThatOfTheReference) {
         SCOPED_TRACE("levels " + std::to_string(levels));
         Scene scene = random_scene(
             {.tree = {.seed = 70 + levels, .node_levels = levels, .leaves = 700, .bases = 5, .hh_degree = 1}});
-        scene.lambda_grad = 0;    // its |e| has kinks, which a difference over a nudge may straddle
-        scene.lambda_smooth = 2;  // so much that it shows beside the rays' losses
+        scene.weights.grad = 0;        // its |e| has kinks, which a difference over a nudge may straddle
+        scene.weights.smoothness = 2;  // so much that it shows beside the rays' losses
         expect_chain(device(), scene);
     }
 }
@@ -138,9 +138,9 @@ TEST_F(ChainGradient, LossAndCountAreThoseOfTheReference) {
     EXPECT_EQ(result.pixels, static_cast<uint64_t>(inside));
     EXPECT_LT(result.pixels, scene.target.size());
     const double loss =
-        (result.rgb_loss + static_cast<double>(scene.lambda_grad) * result.grad_loss) * static_cast<double>(inside);
+        (result.rgb_loss + static_cast<double>(scene.weights.grad) * result.grad_loss) * static_cast<double>(inside);
     Scene without = scene;
-    without.lambda_point = 0;  // the device does not report it
+    without.weights.point = 0;  // the device does not report it
     const double truth = Chain(without).loss();
     EXPECT_NEAR(loss, truth, 1e-5 * truth);
     EXPECT_EQ(result.overflow, 0u);

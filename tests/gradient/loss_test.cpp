@@ -68,7 +68,7 @@ DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t s
     std::copy(scene.target.begin(), scene.target.end(), batch.target.as<glm::vec4>());
     std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
     gpu::run_once(device, "loss", [&](gpu::Commands& commands) {
-        training::record_loss(commands, loss, kTiles, static_cast<float>(kLambda), samples);
+        training::record_loss(commands, loss, kTiles, LossWeights{static_cast<float>(kLambda), 0, 0}, samples);
     });
     DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles)};
     gpu::download(device, batch.adjoint, result.adjoint.data(), bytes);

@@ -68,7 +68,7 @@ training::PsiStepSettings settings_for(const Scene& scene) {
     settings.frame = scene.frame;
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
     settings.seed = 77;
-    settings.lambda_grad = scene.lambda_grad;
+    settings.weights = scene.weights;
     settings.revival = -1;  // relu's own derivative
     settings.adam.emit_only = true;
     return settings;
@@ -98,7 +98,7 @@ class PsiChain {
     double loss() const {
         double sum = 0;
         for (size_t tile = 0; tile < scene_.tiles.size(); tile++)
-            sum += reference::patch_loss(patch(tile), 1).total(static_cast<double>(scene_.lambda_grad));
+            sum += reference::patch_loss(patch(tile), 1).total(static_cast<double>(scene_.weights.grad));
         return sum;
     }
     // `revival` in 1/m.
@@ -106,7 +106,7 @@ class PsiChain {
         reference::PsiGradient sum = reference::psi_gradient_begin(psi);
         for (size_t tile = 0; tile < scene_.tiles.size(); tile++) {
             const auto d_pixels =
-                reference::patch_loss_adjoint(patch(tile), static_cast<double>(scene_.lambda_grad), 1);
+                reference::patch_loss_adjoint(patch(tile), static_cast<double>(scene_.weights.grad), 1);
             for (size_t lane = 0; lane < kTilePixels; lane++) add_ray(tile, lane, d_pixels[lane], revival, sum);
         }
         return sum;

@@ -59,9 +59,7 @@ training::StepSettings settings_of(const Scene& scene) {
     training::StepSettings settings;
     settings.frame = scene.frame;
     settings.tiles = static_cast<uint32_t>(scene.tiles.size());
-    settings.lambda_grad = scene.lambda_grad;
-    settings.lambda_point = scene.lambda_point;
-    settings.lambda_smooth = scene.lambda_smooth;
+    settings.weights = scene.weights;
     settings.stop = scene.stop;
     settings.learn_rows = true;
     return settings;

@@ -16,9 +16,7 @@ struct Scene {
     std::vector<Tile> tiles;
     std::vector<glm::vec4> target, background;  // as LossBatch holds them
     float frame = 1.3f;                         // between two rows
-    float lambda_grad = 0.1f;
-    float lambda_point = 0.3f;
-    float lambda_smooth = 0;
+    LossWeights weights{0.1f, 0.3f, 0};
     float stop = 0;  // 0: rays never end early
 };
 

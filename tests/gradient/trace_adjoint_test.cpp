@@ -38,7 +38,7 @@ SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::ve
     gpu::run_once(device, "trace adjoint", [&](gpu::Commands& commands) {
         render::record_slice(commands, slicer, scene.frame);
         render::record_trace(commands, tracer, tiles, scene.stop);
-        training::record_trace_adjoint(commands, adjoint, tiles, scene.stop, 0);
+        training::record_trace_adjoint(commands, adjoint, tiles, scene.stop, LossWeights{}, 1);
     });
     SlotSums sums;
     sums.head.resize(field.leaf_count);

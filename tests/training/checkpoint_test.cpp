@@ -43,9 +43,7 @@ training::RunState some_run() {
             .minutes = 0.25,
             .steps = 0,
             .tiles_per_step = 300,
-            .lambda_grad = 0.25f,
-            .lambda_point = 0.5f,
-            .lambda_smooth = 0.125f,
+            .weights = {0.25f, 0.5f, 0.125f},
             .program = "NeuVV of the past"};
 }
 
@@ -114,9 +112,9 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.minutes, run.minutes);
     EXPECT_EQ(loaded.run.steps, run.steps);
     EXPECT_EQ(loaded.run.tiles_per_step, run.tiles_per_step);
-    EXPECT_EQ(loaded.run.lambda_grad, run.lambda_grad);
-    EXPECT_EQ(loaded.run.lambda_point, run.lambda_point);
-    EXPECT_EQ(loaded.run.lambda_smooth, run.lambda_smooth);
+    EXPECT_EQ(loaded.run.weights.grad, run.weights.grad);
+    EXPECT_EQ(loaded.run.weights.point, run.weights.point);
+    EXPECT_EQ(loaded.run.weights.smoothness, run.weights.smoothness);
     EXPECT_EQ(loaded.run.program, run.program);
     EXPECT_EQ(folder.entries(), 2u) << "nothing lies about";
     EXPECT_EQ(voctree::read_nvv(nvv).leaf_count, tree.leaf_count);

@@ -200,7 +200,7 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     training::TrainSettings settings = small_run(70);
     settings.resume = true;
     settings.shape.hh_degree = 3;  // the run's own shape stays, and its losses and batches
-    settings.lambda_grad = 50;
+    settings.weights.grad = 50;
     settings.tiles_per_step = 1;
     std::vector<media::Image> seen_in_callback;
     const training::TrainProgress last =
@@ -217,7 +217,7 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     EXPECT_EQ(voctree::read_nvv(nvv).hh_degree, 1u);
     const training::RunState run = training::load_checkpoint(nvv).run;
     EXPECT_EQ(run.step, 70u);
-    EXPECT_EQ(run.lambda_grad, training::TrainSettings().lambda_grad);
+    EXPECT_EQ(run.weights.grad, training::TrainSettings().weights.grad);
     EXPECT_EQ(run.tiles_per_step, small_run(8).tiles_per_step);
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
 }

@@ -54,7 +54,7 @@ void main() {
     const vec3 below = y + step < kTile ? difference(lane, lane + row) : zero;
     const vec3 left = x >= step ? difference(lane - step, lane) : zero;
     const vec3 above = y >= step ? difference(lane - row, lane) : zero;
-    const vec3 d_error = 2.0 * push.lambda_grad * (left + above - right - below);
+    const vec3 d_error = 2.0 * push.weights.grad * (left + above - right - below);
     const float share = 1.0 / float(push.samples * push.samples);  // of its pixel
     const vec3 d_colour = share * (2.0 * wrong + sign(wrong) * d_error) * srgb_encode_adjoint(linear);
     imageStore(adjoint, ray, inside ? vec4(d_colour, -dot(d_colour, behind)) : vec4(0.0));

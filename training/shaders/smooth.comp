@@ -66,5 +66,5 @@ void main() {
     const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);
     const ivec3 low = ivec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) << int(shift);
     gradients[own * gradient_stride(kHhDegree)] +=
-        push.lambda * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
+        push.weights.smoothness * push.share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
 }
