@@ -109,8 +109,8 @@ voctree::NvvChunk run_chunk(const RunState& run) {
     nlohmann::json json = {{"seed", run.seed},
                            {"step", run.step},
                            {"adam_step", run.adam_step},
-                           {"stage", run.stage},
-                           {"stage_rays", run.stage_rays},
+                           {"stage", run.phase},
+                           {"stage_rays", run.phase_rays},
                            {"dataset_hash", run.dataset_hash},
                            {"max_depth", run.max_depth},
                            {"several_from", run.several_from},
@@ -144,8 +144,8 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "seed", run.seed);
         read_count(json, "step", run.step, kMaxSteps);
         read_count(json, "adam_step", run.adam_step, kMaxSteps);
-        read_count(json, "stage", run.stage, kStageCount - 1);
-        read_count(json, "stage_rays", run.stage_rays);
+        read_count(json, "stage", run.phase, kPhaseCount - 1);
+        read_count(json, "stage_rays", run.phase_rays);
         read_count(json, "dataset_hash", run.dataset_hash);
         read_count(json, "max_depth", run.max_depth, deepest);
         read_count(json, "several_from", run.several_from);

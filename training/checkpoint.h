@@ -12,8 +12,8 @@ struct RunState {
     uint64_t seed = 1;
     uint64_t step = 0;
     uint32_t adam_step = 0;  // since the moments were 0
-    uint32_t stage = 0;
-    uint64_t stage_rays = 0;             // traced since the stage began
+    uint32_t phase = 0;
+    uint64_t phase_rays = 0;             // traced since the phase began
     uint64_t dataset_hash = 0;           // tells the data set from others
     uint32_t max_depth = 0;              // octree depth of leaves of a pixel's size
     uint64_t several_from = UINT64_MAX;  // the first step that took several rays a pixel

@@ -5,28 +5,28 @@
 
 namespace neuvv::training {
 
-// A stage begins with a change of the tree, by what rays said of its leaves in the stage before: those that no ray
+// A phase begins with a change of the tree, by what rays said of its leaves in the phase before: those that no ray
 // weighed at least `prune_below` go, siblings that agree within `merge_within` become one (0: none), the others are
 // emptied in the frames that did not use them, and some divide: in the first kLevelsAbove changes all that count, later
 // the share at which the loss pulls hardest.
-struct Stage {
+struct Phase {
     double begins;  // progress
     float prune_below;
     float divide_share;
     float merge_within;
 };
-constexpr Stage kStages[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {0.05, 0.003f, 1, 0},
+constexpr Phase kPhases[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {0.05, 0.003f, 1, 0},
                              {0.15, 0.03f, 0, 0},   {0.3, 0.05f, 0.1f, 0.15f}, {0.45, 0.05f, 0.1f, 0.15f},
                              {0.7, 0.05f, 0, 0.15f}};
-constexpr uint32_t kStageCount = sizeof(kStages) / sizeof(kStages[0]);
+constexpr uint32_t kPhaseCount = sizeof(kPhases) / sizeof(kPhases[0]);
 constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
 constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel
-// Leaves of the stages before the finest straddle silhouettes: every ray that misses the matter in one thins it, and
+// Leaves of the phases before the finest straddle silhouettes: every ray that misses the matter in one thins it, and
 // its children are born thin. Their density moves by this share of what it might.
 constexpr double kCoarseDensityShare = 0.2;
-constexpr double kCoverage = 0.25;        // epochs that a stage needs before "never reached" means anything,
+constexpr double kCoverage = 0.25;        // epochs that a phase needs before "never reached" means anything,
 constexpr double kFrameCoverage = 1;      // and before it does for single frames
-constexpr double kDivideCoverage = 0.05;  // epochs that a stage needs before its reach says what not to divide
+constexpr double kDivideCoverage = 0.05;  // epochs that a phase needs before its reach says what not to divide
 constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
 constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
 constexpr uint64_t kEarlyBytes = 3;  // times what the file may take in the end may stand before the last change: leaves

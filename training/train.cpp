@@ -160,7 +160,7 @@ uint32_t Run::max_leaves() const {
     most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
     if (run_.max_bytes > 0 && file_bytes_ > 0) {
-        const uint64_t bytes = run_.max_bytes * (run_.stage + 1 < kStageCount ? kEarlyBytes : 1);
+        const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytes : 1);
         most = std::min(most, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
     }
     return static_cast<uint32_t>(most);
@@ -181,32 +181,32 @@ void Run::make_step() {
 }
 
 void Run::begin_stage_if_due() {
-    if (run_.stage + 1 >= kStageCount || fraction() < kStages[run_.stage + 1].begins) return;
-    const double epochs = static_cast<double>(run_.stage_rays) / static_cast<double>(sampler_.rays_per_epoch());
-    const bool covered = epochs > kCoverage, coarse = run_.stage < kLevelsAbove;
+    if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
+    const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
+    const bool covered = epochs > kCoverage, coarse = run_.phase < kLevelsAbove;
     if (!covered && !coarse) return;  // it waits until it knows
     if (run_.max_bytes > 0) save();   // to know how well this tree packs
-    const Stage& stage = kStages[++run_.stage];
+    const Phase& phase = kPhases[++run_.phase];
     if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
     GrowSettings settings;
     settings.max_leaves = max_leaves();
-    settings.prune_below = covered && run_.adaptive ? stage.prune_below : 0;
+    settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
     settings.empty_unused = epochs > kFrameCoverage && !coarse;
-    settings.divide_share = stage.divide_share;
+    settings.divide_share = phase.divide_share;
     settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
     settings.divide_pixels = coarse ? 0 : kDividePixels;
-    // Finer leaves need rays: a run too short to see its pictures once a stage is better off without.
+    // Finer leaves need rays: a run too short to see its pictures once a phase is better off without.
     if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
     // Where few rays came yet, reach says nothing: then everything divides.
     settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
-    if (stage.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, stage.merge_within);
+    if (phase.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
     if (!coarse) revive_holes(tree_);
     make_step();
     run_.adam_step = 0;
-    run_.stage_rays = 0;
+    run_.phase_rays = 0;
 }
 
 void Run::save() {
@@ -245,9 +245,9 @@ StepSettings Run::step_settings(double time) const {
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction());
-    if (run_.stage < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
+    if (run_.phase < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
-    settings.adam.used_from = kStages[std::min(run_.stage + 1, kStageCount - 1)].prune_below;
+    settings.adam.used_from = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
     // With as many bases as frames the first bases already span every course.
@@ -312,7 +312,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
                             result.overflow, result.overflow + result.slots));
         rays_sum_ += static_cast<double>(result.pixels);
         run_.rays += static_cast<double>(result.pixels);
-        run_.stage_rays += result.pixels;
+        run_.phase_rays += result.pixels;
         rgb_sum_ += result.rgb_loss;
         grad_sum_ += result.grad_loss;
         loss_sum_ += result.total(settings.weights);

@@ -30,8 +30,8 @@ training::RunState some_run() {
     return {.seed = 0xfedcba9876543210u,
             .step = 1234567890,
             .adam_step = 77,
-            .stage = 2,
-            .stage_rays = 1u << 31,
+            .phase = 2,
+            .phase_rays = 1u << 31,
             .dataset_hash = 987654321,
             .max_depth = 4,
             .several_from = 77,
@@ -99,8 +99,8 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.seed, run.seed);
     EXPECT_EQ(loaded.run.step, run.step);
     EXPECT_EQ(loaded.run.adam_step, run.adam_step);
-    EXPECT_EQ(loaded.run.stage, run.stage);
-    EXPECT_EQ(loaded.run.stage_rays, run.stage_rays);
+    EXPECT_EQ(loaded.run.phase, run.phase);
+    EXPECT_EQ(loaded.run.phase_rays, run.phase_rays);
     EXPECT_EQ(loaded.run.dataset_hash, run.dataset_hash);
     EXPECT_EQ(loaded.run.max_depth, run.max_depth);
     EXPECT_EQ(loaded.run.several_from, run.several_from);
@@ -257,7 +257,7 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
                                                            {"elapsed_s", -1},
                                                            {"minutes", -1},
                                                            {"step", "many"},
-                                                           {"stage", training::kStageCount},
+                                                           {"stage", training::kPhaseCount},
                                                            {"stage", 4294967297},
                                                            {"adam_step", 4294967295},
                                                            {"step", 1e300},

@@ -25,11 +25,11 @@ TEST(Schedule, RatesFallFromStartToEndAndStayThere) {
 }
 
 TEST(Schedule, StagesBeginInOrder) {
-    EXPECT_EQ(training::kStages[0].begins, 0);
-    for (uint32_t i = 1; i < training::kStageCount; i++)
-        EXPECT_GT(training::kStages[i].begins, training::kStages[i - 1].begins);
-    EXPECT_LT(training::kStages[training::kStageCount - 1].begins, 1);
-    EXPECT_GE(training::kStageCount,
+    EXPECT_EQ(training::kPhases[0].begins, 0);
+    for (uint32_t i = 1; i < training::kPhaseCount; i++)
+        EXPECT_GT(training::kPhases[i].begins, training::kPhases[i - 1].begins);
+    EXPECT_LT(training::kPhases[training::kPhaseCount - 1].begins, 1);
+    EXPECT_GE(training::kPhaseCount,
               training::kLevelsAbove + 2);  // each level above once, and at least one pruning of the finest leaves
 }
 

@@ -97,7 +97,7 @@ TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     EXPECT_LT(mean_psnr(truths, shifted), 25);
 }
 
-// Moments, batches, stages and use go on where they stood: the two runs differ as two runs of one seed do.
+// Moments, batches, phases and use go on where they stood: the two runs differ as two runs of one seed do.
 TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     const TemporaryFolder folder;
     const std::filesystem::path whole = folder.path / "whole.nvv", parts = folder.path / "parts.nvv";
