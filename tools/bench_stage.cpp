@@ -84,7 +84,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions
     const PictureSize size = parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, capacity);
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
     const stage::Camera camera = camera_of_bench(stage, size, 4);
     std::vector<Way> ways = {{"plain", false, false},
                              {"shadows", true, false},
@@ -112,7 +112,7 @@ uint64_t bytes_with(const gpu::Device& device, const BenchStageOptions& options,
     const PictureSize size = parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, capacity);
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
     Way way;
     media::Image picture;
     draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, picture);

@@ -88,7 +88,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const Bench
     const PictureSize size = parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
-    render::StageRenderer renderer(device, stage, capacity);
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
     const EyeTargets images(device, size);
     xr::EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
     Result result;

@@ -222,7 +222,8 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     Progress reading("read", plan.stage.clips.size());
-    render::StageRenderer renderer(device, plan.stage, capacity, [&](size_t done, size_t) { reading.update(done); });
+    const auto read = [&](size_t done, size_t) { reading.update(done); };
+    render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
     return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, device, renderer.frames(),
                            [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });

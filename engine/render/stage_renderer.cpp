@@ -1,12 +1,9 @@
 #include "render/stage_renderer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
-#include "voctree/clip.h"
 #include "voctree/half.h"
 
 namespace neuvv::render {
@@ -34,8 +31,7 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     return colours;
 }
 
-template <typename Clips>
-std::vector<const Field*> fields_of(const Clips& clips) {
+std::vector<const Field*> fields_of(const std::vector<std::shared_ptr<const LoadedClip>>& clips) {
     std::vector<const Field*> fields;
     for (const auto& clip : clips) fields.push_back(&clip->field);
     return fields;
@@ -56,102 +52,33 @@ SetLight set_light(const stage::InstantLight& light) {
     return out;
 }
 
-StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, const FrameCapacity& capacity,
-                             const Loaded& loaded, PaintSource paint)
-    : device_(device), stage_(&stage), capacity_(capacity), paint_source_(std::move(paint)) {
-    clips_ = load_clips(stage, loaded);
-    around_ = load_around(stage);
+StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, StageAssets assets,
+                             const FrameCapacity& capacity)
+    : device_(device), stage_(&stage), capacity_(capacity), assets_(std::move(assets)) {
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
-                                       capacity.samples * capacity.height, capacity.views, around_.map);
-    frames_ = std::make_unique<FrameRenderer>(device, fields_of(clips_), capacity, set_.get());
-    take(stage, make_paints(stage, clips_));
+                                       capacity.samples * capacity.height, capacity.views, assets_.environment);
+    frames_ = std::make_unique<FrameRenderer>(device, fields_of(assets_.clips), capacity, set_.get());
+    take(stage, make_paints(stage, assets_));
 }
 
-void StageRenderer::change(const stage::Stage& stage, const Loaded& loaded) {
-    Clips clips = load_clips(stage, loaded);
-    Around around = load_around(stage);
-    NextPaints paints = make_paints(stage, clips);
-    set_->change(stage.scene, around.map);
+void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
+    NextPaints paints = make_paints(stage, assets);
+    set_->change(stage.scene, assets.environment);
     // Nothing fails from here on.
-    frames_->change_fields(fields_of(clips));
-    clips_ = std::move(clips);
-    around_ = std::move(around);
+    frames_->change_fields(fields_of(assets.clips));
+    assets_ = std::move(assets);
     stage_ = &stage;
     take(stage, std::move(paints));
 }
 
-// On the device, of a file that is as it was.
-std::shared_ptr<const StageRenderer::Clip> StageRenderer::find_clip(const std::filesystem::path& path,
-                                                                    const FileStamp& stamp) const {
-    for (const auto& one : read_)
-        if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
-    return nullptr;
-}
-
-StageRenderer::Clips StageRenderer::load_clips(const stage::Stage& stage, const Loaded& loaded) {
-    Clips clips;
-    size_t read = 0, missing = 0;
-    for (const stage::StageClip& wanted : stage.clips) {
-        clips.push_back(find_clip(wanted.path, stamp_of(wanted.path)));
-        missing += clips.back() ? 0 : 1;
-    }
-    std::erase_if(read_, [](const auto& clip) { return clip.expired(); });
-    for (size_t i = 0; i < clips.size(); i++) {
-        if (clips[i]) continue;
-        const FileStamp stamp = stamp_of(stage.clips[i].path);
-        const voctree::VOctree tree = voctree::read_clip(stage.clips[i].path);
-        clips[i] = std::make_shared<const Clip>(Clip{stage.clips[i].path, stamp,
-                                                     upload_field(device_, tree, WeightPrecision::kHalf),
-                                                     neuvv::voctree::painted_field(tree)});
-        read_.push_back(clips[i]);
-        if (loaded) loaded(++read, missing);
-    }
-    return clips;
-}
-
-StageRenderer::Around StageRenderer::load_around(const stage::Stage& stage) const {
-    Around around;
-    std::optional<media::Image> picture;
-    if (stage.settings.environment) {
-        around.path = stage::file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri");
-        around.stamp = stamp_of(around.path);
-    }
-    if (around_.map && around.path == around_.path && around.stamp == around_.stamp) return around_;
-    if (stage.settings.environment) picture = media::read_png(around.path);
-    around.map = std::make_shared<const SetEnvironment>(device_, picture ? &*picture : nullptr);
-    return around;
-}
-
-StageRenderer::PaintKey StageRenderer::paint_key(const stage::Stage& stage, const stage::StagePerformer& performer,
-                                                 const std::shared_ptr<const Clip>& clip) {
-    PaintKey key{clip, {}};
-    for (size_t i = 0; i < performer.settings.paint.size(); i++) {
-        const stage::PaintLayer& layer = performer.settings.paint[i];
-        if (!layer.visible || layer.opacity <= 0) continue;
-        const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
-        try {
-            const std::filesystem::path path = stage::file_of_uri(stage.file, layer.uri, place);
-            std::shared_ptr<const voctree::EditLayer> edits =
-                paint_source_ ? paint_source_(path, clip->painted) : nullptr;
-            if (!edits) edits = paint_files_.read(path, clip->painted);
-            if (edits->field != clip->painted)
-                throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
-            key.layers.emplace_back(std::move(edits), layer.blend, static_cast<float>(layer.opacity));
-        } catch (const InputError& problem) {
-            throw InputError(stage.file.path.string(), place, problem.what());
-        }
-    }
-    return key;
-}
-
-StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const Clips& clips) {
+StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
-    for (const stage::StagePerformer& performer : stage.performers) {
-        next.of_performer.push_back(paint_key(stage, performer, clips[performer.clip]));
+    for (size_t i = 0; i < stage.performers.size(); i++) {
+        next.of_performer.push_back({assets.clips[stage.performers[i].clip], assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.made.contains(key)) continue;
         std::vector<PaintUse> uses;
-        for (const auto& [layer, blend, opacity] : key.layers) uses.push_back({layer.get(), blend, opacity});
+        for (const LoadedLayer& layer : key.layers) uses.push_back({layer.edits.get(), layer.blend, layer.opacity});
         next.made.try_emplace(key, device_, key.clip->field.leaf_count, uses);
     }
     return next;
@@ -173,13 +100,11 @@ void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
         paints_.push_back(number->second);
     }
     for (const auto& [key, number] : paint_numbers_) {
-        const auto clip = std::find(clips_.begin(), clips_.end(), key.clip);
-        if (clip != clips_.end() && !numbers.contains(key))
-            frames_->paints(static_cast<uint32_t>(clip - clips_.begin())).remove(number);
+        const auto clip = std::find(assets_.clips.begin(), assets_.clips.end(), key.clip);
+        if (clip != assets_.clips.end() && !numbers.contains(key))
+            frames_->paints(static_cast<uint32_t>(clip - assets_.clips.begin())).remove(number);
     }
     paint_numbers_ = std::move(numbers);
-    next = {};
-    paint_files_.drop_unused();
 }
 
 void StageRenderer::resize(uint32_t width, uint32_t height) {

@@ -2,36 +2,28 @@
 // edited and its files are written anew.
 #pragma once
 
-#include <functional>
 #include <map>
-#include <string>
-#include <tuple>
 
-#include "render/file_stamp.h"
 #include "render/frame.h"
 #include "render/linear_picture.h"
-#include "render/paint_files.h"
+#include "render/stage_assets.h"
 #include "stage/stage_instant.h"
 
 namespace neuvv::render {
 
 class StageRenderer {
   public:
-    // Called with what has been read of how many clips.
-    using Loaded = std::function<void(size_t, size_t)>;
-
-    // Reads the clips, their paint and the environment. The stage must outlive it, or be replaced by change(). Throws
-    // InputError for files that cannot be read and RuntimeFailure where the device has no room.
-    StageRenderer(const gpu::Device& device, const stage::Stage& stage, const FrameCapacity& capacity,
-                  const Loaded& loaded = {}, PaintSource paint = {});
+    // `assets`: what a StageLoader has read of this stage. The stage must outlive it, or be replaced by change().
+    // Throws RuntimeFailure where the device has no room.
+    StageRenderer(const gpu::Device& device, const stage::Stage& stage, StageAssets assets,
+                  const FrameCapacity& capacity);
 
     // From now on it draws this stage, another object than the one before, which may go after the call. Then show() an
-    // instant of it. Only what differs is read and uploaded: clips, environment and layers by path whose file is not as
-    // it was, layers for which the paint source has another pointer, and the set where it does not have the same
-    // vertices, textures and materials. Clips that nobody plays any more are dropped; one that somebody still has
-    // (shared_field) is not read again when it comes back. `loaded` counts clips that are read. Throws as the
-    // constructor does, and then draws the stage before as if nothing had been asked.
-    void change(const stage::Stage& stage, const Loaded& loaded = {});
+    // instant of it. Only what differs is uploaded: layers that are other objects than before, and the set where it
+    // does not have the same vertices, textures and materials. Clips that nobody plays any more are dropped; one that
+    // somebody still has (shared_field) is not read again when it comes back. Throws as the constructor does, and then
+    // draws the stage before as if nothing had been asked.
+    void change(const stage::Stage& stage, StageAssets assets);
 
     // What settings_at asks for. Larger pictures than ever before need other targets (frames() is another then, which
     // has drawn nothing yet); fields, slices, paint and set stay. Throws RuntimeFailure where the device has no room,
@@ -56,52 +48,33 @@ class StageRenderer {
     const FrameRenderer& frames() const { return *frames_; }
     const SetRaster& set() const { return *set_; }
     // Of Stage::clips, until the next change().
-    const Field& field(uint32_t clip) const { return clips_[clip]->field; }
+    const Field& field(uint32_t clip) const { return assets_.clips[clip]->field; }
     // The same, which stays for as long as somebody has it.
-    std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {clips_[clip], &clips_[clip]->field}; }
-    const voctree::PaintedField& painted_field(uint32_t clip) const { return clips_[clip]->painted; }
+    std::shared_ptr<const Field> shared_field(uint32_t clip) const {
+        return {assets_.clips[clip], &assets_.clips[clip]->field};
+    }
+    const voctree::PaintedField& painted_field(uint32_t clip) const { return assets_.clips[clip]->painted; }
     // What a performer of the stage is painted with, of its clip's frames().paints(); 0: nothing.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
   private:
-    struct Clip {
-        std::filesystem::path path;
-        FileStamp stamp;
-        Field field;
-        voctree::PaintedField painted;
-    };
-    struct Around {
-        std::filesystem::path path;  // empty: none
-        FileStamp stamp;
-        std::shared_ptr<const SetEnvironment> map;
-    };
-    // The layers of a performer that show, the lowest first; performers for whom all is equal share a paint.
+    // Performers for whom all is equal share a paint.
     struct PaintKey {
-        std::shared_ptr<const Clip> clip;
-        std::vector<std::tuple<std::shared_ptr<const voctree::EditLayer>, stage::PaintBlend, float>> layers;
+        std::shared_ptr<const LoadedClip> clip;
+        std::vector<LoadedLayer> layers;
         auto operator<=>(const PaintKey&) const = default;
     };
     struct NextPaints {
         std::vector<PaintKey> of_performer;
         std::map<PaintKey, Paint> made;  // those that are not on the device yet
     };
-    using Clips = std::vector<std::shared_ptr<const Clip>>;
-    Clips load_clips(const stage::Stage& stage, const Loaded& loaded);
-    std::shared_ptr<const Clip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
-    Around load_around(const stage::Stage& stage) const;
-    PaintKey paint_key(const stage::Stage& stage, const stage::StagePerformer& performer,
-                       const std::shared_ptr<const Clip>& clip);
-    NextPaints make_paints(const stage::Stage& stage, const Clips& clips);
+    NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
     void take(const stage::Stage& stage, NextPaints next);
     void make_targets(uint32_t width, uint32_t height);
     const gpu::Device& device_;
     const stage::Stage* stage_;
     FrameCapacity capacity_;  // of what is asked for; the set's size says for how much there is room
-    PaintSource paint_source_;
-    PaintFiles paint_files_;
-    Clips clips_;                                  // as Stage::clips
-    std::vector<std::weak_ptr<const Clip>> read_;  // all that live
-    Around around_;
+    StageAssets assets_;
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer
     std::unique_ptr<SetRaster> set_;

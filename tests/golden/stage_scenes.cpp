@@ -51,7 +51,8 @@ media::Image render(const gpu::Device& device, const Builder& builder, const sta
                     const std::function<void(stage::Stage&)>& change = {}) {
     stage::Stage stage = stage::make_stage(builder.file);
     if (change) change(stage);
-    render::StageRenderer renderer(device, stage, {camera.width, camera.height, kSamples});
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage),
+                                   {camera.width, camera.height, kSamples});
     const stage::StageInstant instant = stage::stage_at(stage, time_s);
     renderer.show(instant);
     return renderer.frames().render(camera, renderer.settings_at(instant));
@@ -84,7 +85,8 @@ media::Image film(const gpu::Device& device, const std::string& time, double spi
     builder.add("figure", {0, 0, 0}, {}, edit);
     builder.ambient(1);
     stage::Stage stage = stage::make_stage(builder.file);
-    render::StageRenderer renderer(device, stage, {kFilmWidth, kFilmHeight, kSamples});
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage),
+                                   {kFilmWidth, kFilmHeight, kSamples});
     const stage::Camera camera = look_at({0.15, 1.1, 4}, {0.15, 0.95, 0}, kFilmWidth, kFilmHeight, 3.8);
     media::Image strip(kInstants * kFilmWidth, kFilmHeight);
     for (uint32_t i = 0; i < kInstants; i++) {
@@ -184,7 +186,7 @@ media::Image foreign(const gpu::Device& device) {
     voctree::write_nvv(folder.path / "figure.nvv", waver_tree());
     write_text(folder.path / "stage.gltf", kForeignScene);
     const stage::Stage stage = stage::load_stage(folder.path / "stage.gltf");
-    render::StageRenderer renderer(device, stage, {kWidth, kHeight, kSamples});
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), {kWidth, kHeight, kSamples});
     media::Image both(2 * kWidth, kHeight);
     for (uint32_t i = 0; i < 2; i++) {
         const stage::StageInstant instant = stage::stage_at(stage, 2 * i);

@@ -97,16 +97,18 @@ struct Live {
     Draft& draft;
     std::unique_ptr<stage::Stage> stage = draft.stage();
     render::PaintSource source;
-    render::StageRenderer renderer{device, *stage, {kWidth, kHeight}, {}, source};
+    render::StageLoader loader{device, source};
+    render::StageRenderer renderer{device, *stage, loader.load(*stage), {kWidth, kHeight}};
 
     media::Image picture() { return shown(renderer, *stage); }
     media::Image fresh_picture() const {
-        render::StageRenderer fresh(device, *stage, {kWidth, kHeight}, {}, source);
+        render::StageRenderer fresh(device, *stage, render::StageLoader(device, source).load(*stage),
+                                    {kWidth, kHeight});
         return shown(fresh, *stage);
     }
     void change() {
         std::unique_ptr<stage::Stage> next = draft.stage();
-        renderer.change(*next);
+        renderer.change(*next, loader.load(*next));
         stage = std::move(next);
     }
     // It shows something else than before, and that is right.
@@ -307,7 +309,7 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     const std::filesystem::path clip = draft.folder.path / "b.nvv";
     const std::unique_ptr<stage::Stage> next = draft.stage();  // a damaged clip's header is sound
     std::filesystem::resize_file(clip, std::filesystem::file_size(clip) - 100);
-    EXPECT_THROW(live.renderer.change(*next), InputError);
+    EXPECT_THROW(live.renderer.change(*next, live.loader.load(*next)), InputError);
     EXPECT_EQ(live.picture().rgba, before.rgba);
     voctree::write_nvv(clip, other);
     live.expect_change("all is well again");
@@ -321,7 +323,8 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     for (const glm::uvec2 size : {glm::uvec2(90, 40), glm::uvec2(30, 70), glm::uvec2(20, 20), glm::uvec2(90, 70)}) {
         SCOPED_TRACE(std::to_string(size.x) + "x" + std::to_string(size.y));
         live.renderer.resize(size.x, size.y);
-        render::StageRenderer fresh(device(), *live.stage, {size.x, size.y});
+        render::StageRenderer fresh(device(), *live.stage, render::StageLoader(device()).load(*live.stage),
+                                    {size.x, size.y});
         const media::Image picture = live.picture();
         EXPECT_EQ(picture.width, size.x);
         EXPECT_EQ(picture.rgba, shown(fresh, *live.stage).rgba);
@@ -329,7 +332,7 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     }
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
     live.change();
-    render::StageRenderer fresh(device(), *live.stage, {90, 70});
+    render::StageRenderer fresh(device(), *live.stage, render::StageLoader(device()).load(*live.stage), {90, 70});
     EXPECT_EQ(live.picture().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
 }
 
@@ -398,7 +401,9 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
     voctree::write_nvv(draft.folder.path / "a.nvv", figure_tree());
     const std::unique_ptr<stage::Stage> stage = draft.stage();
     const stage::StageInstant instant = stage::stage_at(*stage, 0);
-    render::StageRenderer fine(device(), *stage, {kWide, kHigh, 2}), coarse(device(), *stage, {kWide, kHigh, 1});
+    const render::StageAssets assets = render::StageLoader(device()).load(*stage);
+    render::StageRenderer fine(device(), *stage, assets, {kWide, kHigh, 2}),
+        coarse(device(), *stage, assets, {kWide, kHigh, 1});
     fine.show(instant);
     coarse.show(instant);
     const stage::Camera camera = camera_of_size(kWide, kHigh);

@@ -48,7 +48,7 @@ TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
 
     const gpu::Device device;
     const stage::Stage on_stage = stage::load_stage(stage);
-    render::StageRenderer renderer(device, on_stage, {192, 192});
+    render::StageRenderer renderer(device, on_stage, render::StageLoader(device).load(on_stage), {192, 192});
     const stage::StageInstant instant = stage::stage_at(on_stage, 0);
     renderer.show(instant);
     render::FrameSettings settings = renderer.settings_at(instant);

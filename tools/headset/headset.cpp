@@ -122,6 +122,7 @@ struct OnRuntime {
     gpu::Device device;
     // Of all clips that were ever on stage, as read last: undoing a deletion in a session must not read one.
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> fields;
+    std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::StageRenderer> renderer;  // made for the first session's images
     std::shared_ptr<const stage::Stage> drawn;
 };
@@ -152,7 +153,7 @@ void OnRuntime::follow(Visit& visit) {
     visit.on.follow_document();
     if (drawn == visit.on.stage) return;
     try {
-        renderer->change(*visit.on.stage);
+        renderer->change(*visit.on.stage, loader->load(*visit.on.stage));
     } catch (const InputError& error) {  // a clip or a layer that is not there: the last edit cannot be shown
         visit.on.stage = drawn;
         return visit.on.editor.take_back(error.what());
@@ -192,8 +193,9 @@ void make_renderer(Visit& visit, OnRuntime& at, const EyeImages& eyes) {
         return found != edited.end() ? found->second : nullptr;
     };
     at.drawn = visit.on.stage;
-    at.renderer = std::make_unique<render::StageRenderer>(at.device, *at.drawn, eyes.capacity(),
-                                                          render::StageRenderer::Loaded{}, paint);
+    at.loader = std::make_unique<render::StageLoader>(at.device, paint);
+    at.renderer =
+        std::make_unique<render::StageRenderer>(at.device, *at.drawn, at.loader->load(*at.drawn), eyes.capacity());
     know_clips(visit.on, at);
     visit.on.look_at_instant();
     if (!visit.placed) visit.on.floor_m = floor_of(visit.on);  // later it stays, with who stands on it

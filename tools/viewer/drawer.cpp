@@ -264,7 +264,7 @@ void Drawer::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
     try {
         auto stage = std::make_shared<const stage::Stage>(stage::make_stage(document->file, stage_.get()));
         if (renderer_) {
-            renderer_->change(*stage, progress);
+            renderer_->change(*stage, loader_->load(*stage, progress));
         } else {
             progress(0, stage->clips.size());
             make_renderer(*stage, progress);
@@ -301,7 +301,7 @@ void Drawer::draw_newest() {
     if (stage_ && view_) draw(*view_);
 }
 
-void Drawer::make_renderer(const stage::Stage& stage, const render::StageRenderer::Loaded& progress) {
+void Drawer::make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress) {
     VkExtent2D capacity = kFirstCapacity;
     {
         const std::lock_guard lock(mutex_);
@@ -312,8 +312,9 @@ void Drawer::make_renderer(const stage::Stage& stage, const render::StageRendere
         const auto found = document_->paint.find(stage::absolute_path(path));
         return found != document_->paint.end() ? found->second : nullptr;
     };
-    renderer_ = std::make_unique<render::StageRenderer>(
-        device_, stage, render::FrameCapacity{capacity.width, capacity.height}, progress, paint);
+    if (!loader_) loader_ = std::make_unique<render::StageLoader>(device_, paint);
+    renderer_ = std::make_unique<render::StageRenderer>(device_, stage, loader_->load(stage, progress),
+                                                        render::FrameCapacity{capacity.width, capacity.height});
     capacity_ = capacity;
 }
 

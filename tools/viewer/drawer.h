@@ -126,7 +126,7 @@ class Drawer {
     bool wait_for_job(Job& job);
     void load(std::shared_ptr<const edit::Document> document, uint64_t id);
     static bool is_sound(const edit::Document& document);
-    void make_renderer(const stage::Stage& stage, const render::StageRenderer::Loaded& progress);
+    void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress);
     void fit(VkExtent2D size);
     void draw_newest();
     void draw(const Sight& view);
@@ -154,6 +154,7 @@ class Drawer {
     // The thread's own.
     std::shared_ptr<const edit::Document> document_;
     std::shared_ptr<const stage::Stage> stage_;
+    std::unique_ptr<render::StageLoader> loader_;  // made with the first renderer
     std::unique_ptr<render::StageRenderer> renderer_;
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;

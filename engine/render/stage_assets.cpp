@@ -1,0 +1,95 @@
+#include "render/stage_assets.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "base/error.h"
+#include "media/image.h"
+#include "voctree/clip.h"
+
+namespace neuvv::render {
+
+StageLoader::StageLoader(const gpu::Device& device, PaintSource paint)
+    : device_(device), paint_source_(std::move(paint)) {}
+
+StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
+    paint_files_.drop_unused();
+    StageAssets assets;
+    assets.clips = load_clips(stage, loaded);
+    assets.environment = load_environment(stage);
+    for (const stage::StagePerformer& performer : stage.performers)
+        assets.paint.push_back(load_layers(stage, performer, *assets.clips[performer.clip]));
+    return assets;
+}
+
+// On the device, of a file that is as it was.
+std::shared_ptr<const LoadedClip> StageLoader::find_clip(const std::filesystem::path& path,
+                                                         const FileStamp& stamp) const {
+    for (const auto& one : clips_)
+        if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
+    return nullptr;
+}
+
+std::vector<std::shared_ptr<const LoadedClip>> StageLoader::load_clips(const stage::Stage& stage,
+                                                                       const Loaded& loaded) {
+    std::vector<std::shared_ptr<const LoadedClip>> clips;
+    size_t read = 0, missing = 0;
+    for (const stage::StageClip& wanted : stage.clips) {
+        clips.push_back(find_clip(wanted.path, stamp_of(wanted.path)));
+        missing += clips.back() ? 0 : 1;
+    }
+    std::erase_if(clips_, [](const auto& clip) { return clip.expired(); });
+    for (size_t i = 0; i < clips.size(); i++) {
+        if (clips[i]) continue;
+        const FileStamp stamp = stamp_of(stage.clips[i].path);
+        const voctree::VOctree tree = voctree::read_clip(stage.clips[i].path);
+        clips[i] = std::make_shared<const LoadedClip>(LoadedClip{stage.clips[i].path, stamp,
+                                                                 upload_field(device_, tree, WeightPrecision::kHalf),
+                                                                 voctree::painted_field(tree)});
+        clips_.push_back(clips[i]);
+        if (loaded) loaded(++read, missing);
+    }
+    return clips;
+}
+
+std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage::Stage& stage) {
+    KnownEnvironment wanted;
+    if (stage.settings.environment) {
+        wanted.path = stage::file_of_uri(stage.file, stage.settings.environment->uri, "/environment/uri");
+        wanted.stamp = stamp_of(wanted.path);
+    }
+    std::erase_if(environments_, [](const KnownEnvironment& one) { return one.map.expired(); });
+    for (const KnownEnvironment& one : environments_)
+        if (auto map = one.map.lock(); map && one.path == wanted.path && one.stamp == wanted.stamp) return map;
+    std::optional<media::Image> picture;
+    if (stage.settings.environment) picture = media::read_png(wanted.path);
+    auto map = std::make_shared<const SetEnvironment>(device_, picture ? &*picture : nullptr);
+    wanted.map = map;
+    environments_.push_back(std::move(wanted));
+    return map;
+}
+
+std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
+                                                  const LoadedClip& clip) {
+    std::vector<LoadedLayer> layers;
+    for (size_t i = 0; i < performer.settings.paint.size(); i++) {
+        const stage::PaintLayer& layer = performer.settings.paint[i];
+        if (!layer.visible || layer.opacity <= 0) continue;
+        const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
+        try {
+            const std::filesystem::path path = stage::file_of_uri(stage.file, layer.uri, place);
+            std::shared_ptr<const voctree::EditLayer> edits =
+                paint_source_ ? paint_source_(path, clip.painted) : nullptr;
+            if (!edits) edits = paint_files_.read(path, clip.painted);
+            if (edits->field != clip.painted)
+                throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
+            layers.push_back({std::move(edits), layer.blend, static_cast<float>(layer.opacity)});
+        } catch (const InputError& problem) {
+            throw InputError(stage.file.path.string(), place, problem.what());
+        }
+    }
+    return layers;
+}
+
+}  // namespace neuvv::render
