@@ -1,6 +1,7 @@
 #include "training/train.h"
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <bit>
@@ -25,10 +26,11 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// FNV-1a over cameras, sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
+// XXH3-64 of cameras, sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    const auto add = [&](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
+    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_64bits_reset(state.get());
+    const auto add = [&](uint64_t value) { XXH3_64bits_update(state.get(), &value, sizeof(value)); };
     const auto add_image = [&](const media::Image& image) {
         add(image.width);
         add(image.height);
@@ -46,7 +48,7 @@ uint64_t hash_of(const Dataset& dataset) {
         for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
     }
     for (const media::Image& plate : dataset.plates) add_image(plate);
-    return hash;
+    return XXH3_64bits_digest(state.get());
 }
 
 // One run: the tree on the host (its topology), the step on the device, and where they stand.
