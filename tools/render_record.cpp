@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/platform.h"
 #include "tools/report.h"
-#include "training/json_file.h"
 
 namespace neuvv::tools {
 
@@ -22,15 +22,15 @@ constexpr double kMaxFinished = 1e9;
 constexpr char kAnew[] = "render anew without --resume, or choose another --output";
 
 RenderRecord read_record(const std::filesystem::path& path) {
-    const training::JsonFile file = training::read_json(path, "the record of a render");
-    const training::JsonNode root = file.root();
+    const JsonFile file = read_json(path, "the record of a render");
+    const JsonNode root = file.root();
     RenderRecord record;
     if (!root.has("render") || !root["render"].value.is_object() || !root.has("finished"))
         root.fail("is not the record of a render", kAnew);
     for (const auto& [name, value] : root["render"].value.items())
-        record.facts[name] = training::json_string(training::JsonNode{value, file.name, "render." + name});
-    record.finished = static_cast<uint32_t>(
-        training::json_number(root["finished"], 0, kMaxFinished, "a number of finished pictures"));
+        record.facts[name] = json_string(JsonNode{value, file.name, "render." + name});
+    record.finished =
+        static_cast<uint32_t>(json_number(root["finished"], 0, kMaxFinished, "a number of finished pictures"));
     return record;
 }
 

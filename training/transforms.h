@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "training/dataset.h"
-#include "training/json_file.h"
+#include "training/json_pose.h"
 #include "training/lens.h"
 
 namespace neuvv::training {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/platform.h"
 #include "stage/json_splice.h"
 #include "stage/stage.h"
@@ -49,52 +50,35 @@ uint64_t hash_of(const std::vector<uint8_t>& bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-// Members of an entry's JSON, of which nothing is trusted.
-struct Members {
-    const ordered_json& json;
-    std::string file;
+// Nothing of an entry is trusted.
+constexpr JsonDamage kDamaged{"is missing or damaged", "discard what cannot be recovered"};
 
-    [[noreturn]] void fail(const char* name) const {
-        throw InputError(file, name, "is missing or damaged", "discard what cannot be recovered");
-    }
-    const ordered_json& at(const char* name) const {
-        if (!json.is_object() || !json.contains(name)) fail(name);
-        return json[name];
-    }
-    std::string text(const char* name) const {
-        if (!at(name).is_string()) fail(name);
-        return at(name).get<std::string>();
-    }
-    uint64_t number(const char* name, uint64_t most) const {
-        if (!at(name).is_number_unsigned() || at(name).get<uint64_t>() > most) fail(name);
-        return at(name).get<uint64_t>();
-    }
-    uint64_t hex(const char* name) const {
-        const std::string digits = text(name);
-        uint64_t value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-        if (error != std::errc() || end != digits.data() + digits.size()) fail(name);
-        return value;
-    }
-    bool boolean(const char* name) const {
-        if (!at(name).is_boolean()) fail(name);
-        return at(name).get<bool>();
-    }
-    std::filesystem::path path(const char* name) const {
-        const std::string decoded = stage::decoded_uri(text(name));
-        const std::filesystem::path found(decoded);
-        if (!found.is_absolute() || decoded.find('\0') != std::string::npos) fail(name);
-        return found;
-    }
-};
+OrderedJsonNode entry_node(const ordered_json& json, const std::string& file) {
+    return {json, file, "", JsonPlaces::kDotted, &kDamaged};
+}
+
+uint64_t hex_of(const OrderedJsonNode& node) {
+    const std::string& digits = json_string(node);
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    if (error != std::errc() || end != digits.data() + digits.size()) node.fail("is no hexadecimal number");
+    return value;
+}
+
+std::filesystem::path path_of(const OrderedJsonNode& node) {
+    const std::string decoded = stage::decoded_uri(json_string(node));
+    const std::filesystem::path found(decoded);
+    if (!found.is_absolute() || decoded.find('\0') != std::string::npos) node.fail("is no absolute path");
+    return found;
+}
 
 ordered_json read_entry(const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / kEntryName;
     const std::vector<uint8_t> bytes = read_file(file, kMaxEntryBytes);
     ordered_json json = stage::parse_document(
         std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file.string());
-    const Members members{json, file.string()};
-    if (members.number("version", UINT64_MAX) != kVersion)
+    const std::string name = file.string();
+    if (json_count(entry_node(json, name)["version"], UINT64_MAX) != kVersion)
         throw InputError(file.string(), "version", "is another program's", "recover it with the neuvv that wrote it");
     return json;
 }
@@ -107,15 +91,16 @@ bool is_changed(const RecoveryEntry& entry, uint64_t disk_hash) {
 
 RecoveryEntry entry_of(const std::filesystem::path& folder) {
     const ordered_json json = read_entry(folder);
-    const Members members{json, (folder / kEntryName).string()};
+    const std::string file = (folder / kEntryName).string();
+    const OrderedJsonNode node = entry_node(json, file);
     RecoveryEntry entry;
     entry.folder = folder;
-    entry.stage = members.path("stage");
-    entry.when_s = static_cast<int64_t>(members.number("when", INT64_MAX));
-    entry.process = static_cast<int64_t>(members.number("process", INT64_MAX));
-    entry.on_disk = members.boolean("on_disk");
+    entry.stage = path_of(node["stage"]);
+    entry.when_s = static_cast<int64_t>(json_count(node["when"], INT64_MAX));
+    entry.process = static_cast<int64_t>(json_count(node["process"], INT64_MAX));
+    entry.on_disk = json_flag(node["on_disk"]);
     entry.alive = is_file_locked(folder / kLockName);
-    entry.changed = is_changed(entry, members.hex("disk_hash"));
+    entry.changed = is_changed(entry, hex_of(node["disk_hash"]));
     return entry;
 }
 
@@ -125,13 +110,15 @@ int64_t now_s() {
 }
 
 void restore_layer(Document& document, const ordered_json& json, const RecoveryEntry& entry) {
-    const Members members{json, (entry.folder / kEntryName).string()};
-    const std::filesystem::path name = members.text("file");
-    if (!name.has_filename() || name.filename() != name || name == ".." || name == ".") members.fail("file");
-    const voctree::PaintedField field{members.hex("topology"),
-                                      static_cast<uint32_t>(members.number("leaves", UINT32_MAX)),
-                                      static_cast<uint32_t>(members.number("frames", UINT32_MAX))};
-    document.paint[members.path("path")] =
+    const std::string file = (entry.folder / kEntryName).string();
+    const OrderedJsonNode node = entry_node(json, file);
+    const std::filesystem::path name = json_string(node["file"]);
+    if (!name.has_filename() || name.filename() != name || name == ".." || name == ".")
+        node["file"].fail("is no name of a file");
+    const voctree::PaintedField field{hex_of(node["topology"]),
+                                      static_cast<uint32_t>(json_count(node["leaves"], UINT32_MAX)),
+                                      static_cast<uint32_t>(json_count(node["frames"], UINT32_MAX))};
+    document.paint[path_of(node["path"])] =
         std::make_shared<const voctree::EditLayer>(voctree::read_paint(entry.folder / name, field));
 }
 
@@ -253,11 +240,12 @@ bool has_anothers_file(const RecoveryEntry& entry) {
 
 Document restore(const RecoveryEntry& entry) {
     const ordered_json json = read_entry(entry.folder);
-    const Members members{json, (entry.folder / kEntryName).string()};
-    const ordered_json stored = stage::parse_document(members.text("document"), members.file);
-    const std::filesystem::path stage = members.path("stage");
+    const std::string file = (entry.folder / kEntryName).string();
+    const OrderedJsonNode node = entry_node(json, file);
+    const ordered_json stored = stage::parse_document(json_string(node["document"]), file);
+    const std::filesystem::path stage = path_of(node["stage"]);
     std::error_code error;
-    const bool on_disk = members.boolean("on_disk");
+    const bool on_disk = json_flag(node["on_disk"]);
     Document document;
     // The text of a .gltf is all of it; a .glb has its buffers beside.
     if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
@@ -268,8 +256,9 @@ Document restore(const RecoveryEntry& entry) {
     }
     document.file.json = stored;
     stage::expect_sound_document(document.file);
-    if (!members.at("paint").is_array()) members.fail("paint");
-    for (const ordered_json& layer : members.at("paint")) restore_layer(document, layer, entry);
+    const OrderedJsonNode paint = node["paint"];
+    if (!paint.value.is_array()) paint.fail_type("an array");
+    for (const ordered_json& layer : paint.value) restore_layer(document, layer, entry);
     return document;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "stage/json_members.h"
+#include "base/json.h"
 #include "stage/stage_settings.h"
 
 namespace neuvv::stage {

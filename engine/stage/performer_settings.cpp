@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "stage/json_members.h"
+#include "base/json.h"
 
 namespace neuvv::stage {
 

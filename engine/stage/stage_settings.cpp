@@ -1,8 +1,10 @@
 #include "stage/stage_settings.h"
 
+#include <cmath>
+
 #include "base/error.h"
+#include "base/json.h"
 #include "stage/camera_path_json.h"
-#include "stage/json_members.h"
 
 namespace neuvv::stage {
 
@@ -10,10 +12,24 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kMaxIntensity = 1e6, kMaxRotation = 1e6;
+constexpr double kMaxColor = 1e6, kMaxIntensity = 1e6, kMaxRotation = 1e6;
 
 ordered_json color_json(const glm::dvec3& color) {
     return {color.r, color.g, color.b};
+}
+
+// Three numbers from 0. A missing colour leaves `value` as it is.
+void read_color(const JsonMembers& members, const char* name, glm::dvec3& value) {
+    const ordered_json* found = members.find(name);
+    if (!found) return;
+    const bool whole = found->is_array() && found->size() == 3;
+    for (int i = 0; i < 3; ++i) {
+        const auto channel = static_cast<size_t>(i);
+        const double given = whole && (*found)[channel].is_number() ? (*found)[channel].get<double>() : NAN;
+        if (!(given >= 0 && given <= kMaxColor))
+            members[name].fail("is not three numbers from 0, linear red, green and blue");
+        value[i] = given;
+    }
 }
 
 StageEnvironment environment_of(const ordered_json& json, const std::string& file, const std::string& place) {
@@ -33,10 +49,10 @@ StageSettings stage_settings_of(const ordered_json& json, const std::string& fil
     StageSettings settings;
     if (members.find("duration")) members.number("duration", 0, kMaxStageSeconds, settings.duration_s.emplace());
     if (members.find("fps")) members.number("fps", kMinStageFps, kMaxStageFps, settings.fps.emplace());
-    members.color("background", settings.background);
+    read_color(members, "background", settings.background);
     if (const ordered_json* environment = members.find("environment"))
         settings.environment = environment_of(*environment, file, place + "/environment");
-    if (members.find("ambient")) members.color("ambient", settings.ambient.emplace());
+    if (members.find("ambient")) read_color(members, "ambient", settings.ambient.emplace());
     members.choice("blend", kStageBlendNames, settings.blend);
     members.boolean("shadows", settings.shadows);
     members.boolean("falloff", settings.falloff);
