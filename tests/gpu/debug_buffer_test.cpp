@@ -21,7 +21,7 @@ struct DebugBuffers : GpuTest {
 
     std::vector<DebugRecord> run(uint32_t count, uint32_t bad, uint64_t& lost) {
         gpu::run_once(device(), "debug probe", [&](gpu::Commands& commands) {
-            gpu::dispatch(commands, probe, set, (count + 63) / 64, ProbePush{count, bad});
+            gpu::dispatch(commands, probe, set, count, ProbePush{count, bad});
         });
         return device().debug_buffer().drain(lost);
     }
