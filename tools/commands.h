@@ -60,7 +60,6 @@ void add_dataset(CLI::App& app, CommonOptions& common);
 void add_matte(CLI::App& app, CommonOptions& common);
 void add_train(CLI::App& app, CommonOptions& common);
 void add_eval(CLI::App& app, CommonOptions& common);
-void add_bench(CLI::App& app, CommonOptions& common);
 void add_convert(CLI::App& app, CommonOptions& common);
 void add_render(CLI::App& app, CommonOptions& common);
 void add_stage(CLI::App& app, CommonOptions& common);

@@ -33,17 +33,6 @@ TEST_F(Cli, EveryVerbHelpsWithExamples) {
     }
 }
 
-TEST_F(Cli, EveryBenchHelpsWithExamples) {
-    const std::string overview = run_neuvv({"bench", "--help"}).out;
-    for (const char* what : {"open", "render", "walk", "slice", "stereo", "instances", "train"}) {
-        EXPECT_NE(overview.find(what), std::string::npos) << what;
-        const ProgramResult result = run_neuvv({"bench", what, "--help"});
-        EXPECT_EQ(result.code, 0) << what;
-        EXPECT_NE(result.out.find(std::string("neuvv bench ") + what, result.out.find("Examples")), std::string::npos)
-            << what;
-    }
-}
-
 TEST_F(Cli, EvalHelpDefinesTheMetrics) {
     const std::string help = run_neuvv({"eval", "--help"}).out;
     for (const char* word : {"PSNR", "SSIM", "MAE", "FLIP", "over white", "11x11", "sRGB"})

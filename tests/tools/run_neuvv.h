@@ -1,4 +1,4 @@
-// The built program as a user runs it: arguments in, exit code and both streams out.
+// The built program, NEUVV_PROGRAM, as a user runs it: arguments in, exit code and both streams out.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ inline void expect_refused(const std::vector<std::string>& arguments, int code, 
     const ProgramResult result = run_neuvv(arguments);
     EXPECT_EQ(result.code, code) << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_EQ(result.err.rfind("neuvv: ", 0), 0u) << result.err;
+    const std::string name = std::filesystem::path(NEUVV_PROGRAM).filename().string();
+    EXPECT_EQ(result.err.rfind(name + ": ", 0), 0u) << result.err;
     for (const std::string& part : parts)
         EXPECT_NE(result.err.find(part), std::string::npos) << part << " not in: " << result.err;
 }

@@ -1,4 +1,4 @@
-// The rival of `neuvv bench render --rival raster`: leaves as sparse voxels in place of tile ranges and trace.
+// The rival of `neuvv-bench render --rival raster`: leaves as sparse voxels in place of tile ranges and trace.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,7 +7,7 @@
 
 #include "render/frame.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 struct RivalTimes {
     std::vector<double> project_ms, sort_ms, composite_ms;  // of each picture
@@ -23,4 +23,4 @@ void measure_rival(const gpu::Device& device, const render::Field& field, const 
 std::string rival_text(const RivalTimes& times, double trace_ms);
 nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms);
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

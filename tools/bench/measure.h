@@ -1,4 +1,4 @@
-// What the measurements of `neuvv bench` share.
+// What the measurements of neuvv-bench share.
 #pragma once
 
 #include <vector>
@@ -6,17 +6,7 @@
 #include "gpu/commands.h"
 #include "tools/commands.h"
 
-namespace neuvv::tools {
-
-void add_bench_instances(CLI::App& bench, CommonOptions& common);
-void add_bench_stereo(CLI::App& bench, CommonOptions& common);
-void add_bench_walk(CLI::App& bench, CommonOptions& common);
-void add_bench_train(CLI::App& bench, CommonOptions& common);
-void add_bench_open(CLI::App& bench, CommonOptions& common);
-void add_bench_render(CLI::App& bench, CommonOptions& common);
-void add_bench_slice(CLI::App& bench, CommonOptions& common);
-void add_bench_stage(CLI::App& bench, CommonOptions& common);
-void add_bench_xr(CLI::App& bench, CommonOptions& common);
+namespace neuvv::bench {
 
 // The value that a share `p` of the values does not exceed; 0 of none.
 double quantile(std::vector<double> values, double p);
@@ -38,4 +28,4 @@ void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& p
 // "shade 1.2 trace 3.4": medians.
 std::string passes_text(const std::vector<PassSum>& sums);
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-// neuvv bench xr: what a frame of a headset costs on the device, and the second eye beside the first.
+// neuvv-bench xr: what a frame of a headset costs on the device, and the second eye beside the first.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,7 +8,8 @@
 #include "base/platform.h"
 #include "edit/operations.h"
 #include "render/stage_renderer.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
@@ -16,7 +17,7 @@
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -29,7 +30,7 @@ struct BenchXrOptions {
 
 // A floor, a spotlight and a performer, or a stage as it is.
 stage::Stage stage_of(const BenchXrOptions& options) {
-    if (is_stage(options.scene)) return stage::load_stage(options.scene);
+    if (tools::is_stage(options.scene)) return stage::load_stage(options.scene);
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
     stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
     const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
@@ -59,7 +60,7 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
 }
 
 struct EyeTargets {
-    EyeTargets(const gpu::Device& device, PictureSize size)
+    EyeTargets(const gpu::Device& device, tools::PictureSize size)
         : colour(device, "eyes",
                  {size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                   VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes}),
@@ -85,14 +86,14 @@ double milliseconds(const gpu::Device& device, const render::FrameRenderer& fram
 }
 
 Result measure(const gpu::Device& device, const stage::Stage& stage, const BenchXrOptions& options) {
-    const PictureSize size = parse_size(options.size);
+    const tools::PictureSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
     const EyeTargets images(device, size);
     xr::EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
     Result result;
-    Progress progress("frames", options.frames);
+    tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
     for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
         const double time_s = i / options.hz;
@@ -165,40 +166,42 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"passes_ms", passes}};
 }
 
-void run(const BenchXrOptions& options, const CommonOptions& common) {
+void run(const BenchXrOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const stage::Stage stage = stage_of(options);
     const gpu::Device device(common.device);
     const Result result = measure(device, stage, options);
     expect_not_stopped();
     if (options.json)
-        fmt::print("{}", json_text(json_of(result, device, options)));
+        fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
         print(result, device, options);
 }
 
 }  // namespace
 
-void add_bench_xr(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("xr", "A frame in a headset, of a stage");
+void add_xr(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("xr", "A frame in a headset, of a stage");
     const auto options = std::make_shared<BenchXrOptions>();
     verb->add_option("scene", options->scene, "A stage, or a .nvv that is put on one")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
     verb->add_option("--frames", options->frames, "Frames that are drawn")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
-    verb->add_option("--hz", options->hz, "Of the display")->check(number_between(1, 1000))->capture_default_str();
+    verb->add_option("--hz", options->hz, "Of the display")
+        ->check(tools::number_between(1, 1000))
+        ->capture_default_str();
     verb->add_option("--scale", options->scale, "Rays a pixel along each side")
-        ->check(number_between(0.2, 1))
+        ->check(tools::number_between(0.2, 1))
         ->capture_default_str();
     verb->add_flag("--json", options->json, "Print JSON");
     verb->footer(
         std::string("Plays the stage before a head that sways, with slices made ahead, and prints the device's "
                     "time of each frame.\nNo headset and no OpenXR runtime are needed.\n") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv bench xr demo/performer.nvv\n"
-        "  neuvv bench xr demo/stage.gltf --size 516x552 --frames 40");
+        tools::kDeviceHelp + tools::kExamplesHead +
+        "  neuvv-bench xr demo/performer.nvv\n"
+        "  neuvv-bench xr demo/stage.gltf --size 516x552 --frames 40");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

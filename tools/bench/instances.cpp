@@ -1,4 +1,4 @@
-// neuvv bench instances: copies of one performer against one of them, in memory and in time for what is covered.
+// neuvv-bench instances: copies of one performer against one of them, in memory and in time for what is covered.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +9,14 @@
 
 #include "base/platform.h"
 #include "render/frame.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -53,7 +54,7 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
 }
 
 // Sees a square of `count` copies from +Z.
-stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, PictureSize size) {
+stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, tools::PictureSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
     stage::Camera camera;
@@ -117,10 +118,10 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     Result result;
     result.field_bytes = device.buffer_bytes() - before;
-    const auto box = occupied_box(tree);
+    const auto box = tools::occupied_box(tree);
     const std::vector<render::Instance> copies = copies_of(tree, box, options.count);
-    const stage::Camera camera = camera_of(box, options.count, parse_size(options.size));
-    Progress progress("bench", 2);
+    const stage::Camera camera = camera_of(box, options.count, tools::parse_size(options.size));
+    tools::Progress progress("bench", 2);
     result.count = options.count;
     std::vector<std::vector<render::Instance>> alone;
     for (const render::Instance& copy : copies) alone.push_back({copy});
@@ -165,30 +166,30 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"memory_ratio", result.memory_ratio()}};
 }
 
-void run(const BenchInstancesOptions& options, const CommonOptions& common) {
+void run(const BenchInstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
+    if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (!options.picture.empty()) media::write_png(options.picture, result.all.picture);
     if (options.json)
-        fmt::print("{}", json_text(json_of(result, device, options)));
+        fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
         print(result, device, options);
 }
 
 }  // namespace
 
-void add_bench_instances(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("instances", "Copies of a performer, each at its own place and time");
+void add_instances(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("instances", "Copies of a performer, each at its own place and time");
     const auto options = std::make_shared<BenchInstancesOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--count", options->count, "Copies, each turned and at its own time")
         ->check(CLI::Range(2u, render::kMaxInstances))
         ->capture_default_str();
-    add_slice_budget_option(*verb, options->slice_budget_mb);
+    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
     verb->add_option("--repeats", options->repeats, "Pictures of each that the means are over")
         ->check(CLI::Range(1, 1000))
@@ -199,10 +200,10 @@ void add_bench_instances(CLI::App& bench, CommonOptions& common) {
         std::string(
             "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
             "covered rays and device memory of both.\n") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv bench instances build/performer.nvv\n"
-        "  neuvv bench instances build/performer.nvv --count 32 --slice-budget 0");
+        tools::kDeviceHelp + tools::kExamplesHead +
+        "  neuvv-bench instances build/performer.nvv\n"
+        "  neuvv-bench instances build/performer.nvv --count 32 --slice-budget 0");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-// neuvv bench train: a training step pass by pass, and against the paper's way within the same run.
+// neuvv-bench train: a training step pass by pass, and against the paper's way within the same run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/progress.h"
@@ -19,7 +20,7 @@
 #include "training/train.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -75,7 +76,7 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
     BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
     result.busy_planes = step.field().busy_planes;
     result.weight_bytes = step.field().weights.bytes;
-    Progress progress("bench", options.repeats);
+    tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         const training::Batch batch = sampler.next();
         training::StepSettings settings;  // rates are 0: weights stay as they are
@@ -142,7 +143,7 @@ void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
                    sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
-void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
+void run_train(const BenchTrainOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const training::Dataset dataset =
@@ -166,12 +167,12 @@ void run_train(const BenchTrainOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_train(CLI::App& bench, CommonOptions& common) {
-    CLI::App* training = bench.add_subcommand("train", "A training step, pass by pass");
+void add_train(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* training = app.add_subcommand("train", "A training step, pass by pass");
     const auto options = std::make_shared<BenchTrainOptions>();
     training->add_option("scene", options->scene, "The .nvv file")->required();
     training->add_option("dataset", options->dataset, "The data set's folder")->required();
-    add_format_option(*training, options->format);
+    tools::add_format_option(*training, options->format);
     training->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
     training->add_option("--repeats", options->repeats, "Steps that the medians are over")->check(CLI::Range(1, 10000));
     training->footer(
@@ -180,8 +181,9 @@ void add_bench_train(CLI::App& bench, CommonOptions& common) {
                     "and prints the median GPU time of each pass, their ratio, and the share of the device's "
                     "bandwidth that the\n"
                     "optimiser reaches. Weights stay as they are. ") +
-        kDeviceHelp + kExamplesHead + "  neuvv bench train build/performer.nvv build/performer --repeats 50");
+        tools::kDeviceHelp + tools::kExamplesHead +
+        "  neuvv-bench train build/performer.nvv build/performer --repeats 50");
     training->callback([options, &common] { run_train(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

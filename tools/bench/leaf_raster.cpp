@@ -1,4 +1,4 @@
-#include "render/leaf_raster.h"
+#include "tools/bench/leaf_raster.h"
 
 #include "render/tile_range.h"
 
@@ -10,17 +10,17 @@
 #include "spirv/leaf_pairs.comp.h"
 #include "spirv/leaf_tiles.comp.h"
 
-namespace neuvv::render {
+namespace neuvv::bench {
 
 namespace {
 
-uint32_t bits_of_key(const Field& field, const RayBatch& rays) {
+uint32_t bits_of_key(const render::Field& field, const render::RayBatch& rays) {
     return 6 * field.node_levels + static_cast<uint32_t>(std::bit_width(rays.tile_capacity - 1));
 }
 
-LeafRasterPush raster_push(const Field& field, const SliceTrees& trees, uint32_t slice, const ShaderCamera& camera,
-                           uint32_t capacity, float stop) {
-    const RangeView view = range_view(camera);
+LeafRasterPush raster_push(const render::Field& field, const render::SliceTrees& trees, uint32_t slice,
+                           const ShaderCamera& camera, uint32_t capacity, float stop) {
+    const RangeView view = render::range_view(camera);
     return {glm::vec4(glm::vec3(camera.origin), camera.corner.w),
             view.row_x,
             view.row_y,
@@ -36,8 +36,8 @@ LeafRasterPush raster_push(const Field& field, const SliceTrees& trees, uint32_t
 
 }  // namespace
 
-LeafRasterizer::LeafRasterizer(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
-                               const gpu::Buffer& shaded, const RayBatch& given_rays, uint32_t pair_capacity)
+LeafRasterizer::LeafRasterizer(const gpu::Device& device, const render::Field& given_field, const render::SliceTrees& given_trees,
+                               const gpu::Buffer& shaded, const render::RayBatch& given_rays, uint32_t pair_capacity)
     : field(given_field),
       trees(given_trees),
       rays(given_rays),
@@ -89,7 +89,7 @@ void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32
         record_pair_sort(commands, r.sorter, r.key_bits);
     }
     const gpu::PassScope scope(commands, "composite");
-    record_clear(commands, r.rays, r.rays.tile_capacity);
+    render::record_clear(commands, r.rays, r.rays.tile_capacity);
     gpu::fill(commands, r.tile_pairs, 0);
     gpu::fill(commands, r.tile_list, kNoTile);
     gpu::update(commands, r.tiles_listed, LiveCount{0, 1, 1, 0, 0});
@@ -106,4 +106,4 @@ uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterize
     return count.slots;
 }
 
-}  // namespace neuvv::render
+}  // namespace neuvv::bench

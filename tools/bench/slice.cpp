@@ -1,4 +1,4 @@
-// neuvv bench slice: how long a frame's slice takes, pass by pass, and the share of the device's bandwidth it reaches.
+// neuvv-bench slice: how long a frame's slice takes, pass by pass, and the share of the device's bandwidth it reaches.
 #include <fmt/format.h>
 
 #include <memory>
@@ -6,12 +6,13 @@
 
 #include "base/platform.h"
 #include "render/slice_tree.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -45,7 +46,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     const gpu::Buffer target(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
     gpu::Commands commands(device, "slice");
     SliceTimes times;
-    Progress progress("bench", options.frames * options.repeats);
+    tools::Progress progress("bench", options.frames * options.repeats);
     for (uint32_t i = 0; i <= options.frames * options.repeats && !stop_requested(); i++) {
         const uint32_t step = (i + options.frames - 1) % options.frames;
         const float frame = static_cast<float>(field.frames - 1) * static_cast<float>(step) /
@@ -74,7 +75,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     return times;
 }
 
-void run(const BenchSliceOptions& options, const CommonOptions& common) {
+void run(const BenchSliceOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -85,27 +86,27 @@ void run(const BenchSliceOptions& options, const CommonOptions& common) {
     const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
     const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
     if (options.json) {
-        fmt::print(
-            "{}",
-            json_text({{"device", device.summary().name},
-                       {"scene", options.scene},
-                       {"leaves", field.leaf_count},
-                       {"live_leaves", live},
-                       {"slice_bytes", render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
-                       {"density_ms", median(times.density)},
-                       {"nodes_ms", median(times.nodes)},
-                       {"entries_ms", median(times.entries)},
-                       {"slice_ms", median(times.whole)},
-                       {"slice_p99_ms", quantile(times.whole, 0.99)},
-                       {"slots_ms", median(times.slots)},
-                       {"density_gb_s", density_rate},
-                       {"entries_gb_s", entry_rate},
-                       {"copy_gb_s", copied}}));
+        fmt::print("{}",
+                   tools::json_text(
+                       {{"device", device.summary().name},
+                        {"scene", options.scene},
+                        {"leaves", field.leaf_count},
+                        {"live_leaves", live},
+                        {"slice_bytes", render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
+                        {"density_ms", median(times.density)},
+                        {"nodes_ms", median(times.nodes)},
+                        {"entries_ms", median(times.entries)},
+                        {"slice_ms", median(times.whole)},
+                        {"slice_p99_ms", quantile(times.whole, 0.99)},
+                        {"slots_ms", median(times.slots)},
+                        {"density_gb_s", density_rate},
+                        {"entries_gb_s", entry_rate},
+                        {"copy_gb_s", copied}}));
         return;
     }
     fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name,
                options.scene, field.leaf_count, live,
-               size_text(render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
+               tools::size_text(render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
     const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
         fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
         if (rate > 0) fmt::print(" {:>7.1f} GB/s, {:.0f} % of a copy's", rate, 100 * rate / copied);
@@ -121,8 +122,8 @@ void run(const BenchSliceOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_slice(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("slice", "A frame's slice, pass by pass");
+void add_slice(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("slice", "A frame's slice, pass by pass");
     const auto options = std::make_shared<BenchSliceOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--frames", options->frames, "Instants, spread over the clip")->check(CLI::Range(1, 10000));
@@ -133,8 +134,8 @@ void add_bench_slice(CLI::App& bench, CommonOptions& common) {
     verb->footer(
         std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "
                     "has. ") +
-        kDeviceHelp + kExamplesHead + "  neuvv bench slice build/performer.nvv");
+        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench slice build/performer.nvv");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

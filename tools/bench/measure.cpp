@@ -1,5 +1,4 @@
-// neuvv bench: how fast passes run on a device, as medians over repeats and ratios within one run.
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +8,7 @@
 #include "base/platform.h"
 #include "gpu/commands.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 double quantile(std::vector<double> values, double p) {
     if (values.empty()) return 0;
@@ -61,18 +60,4 @@ std::string passes_text(const std::vector<PassSum>& sums) {
     return text;
 }
 
-void add_bench(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("bench", "Measure how fast passes run on a device");
-    verb->require_subcommand(1);
-    add_bench_open(*verb, common);
-    add_bench_render(*verb, common);
-    add_bench_slice(*verb, common);
-    add_bench_walk(*verb, common);
-    add_bench_instances(*verb, common);
-    add_bench_stereo(*verb, common);
-    add_bench_stage(*verb, common);
-    add_bench_xr(*verb, common);
-    add_bench_train(*verb, common);
-}
-
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

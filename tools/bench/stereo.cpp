@@ -1,4 +1,4 @@
-// neuvv bench stereo: both eyes of a headset, with and without what saves rays.
+// neuvv-bench stereo: both eyes of a headset, with and without what saves rays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,14 +9,15 @@
 
 #include "base/platform.h"
 #include "render/frame.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -41,7 +42,8 @@ struct Way {
 constexpr double kEyeDistance_m = 0.063;
 
 // Seen by a person who stands one height away, upright, with 90° from side to side.
-std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, PictureSize size, double turn) {
+std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, tools::PictureSize size,
+                                       double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
     std::vector<stage::Camera> eyes(2);
@@ -155,13 +157,13 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchStereoOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const PictureSize size = parse_size(options.size);
-    const std::vector<stage::Camera> eyes = eyes_before(occupied_box(tree), size, 0.4);
+    const tools::PictureSize size = tools::parse_size(options.size);
+    const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
     result.ways = ways_to_draw();
     std::vector<media::Image> truth;
-    Progress progress("bench", result.ways.size() + 2);
+    tools::Progress progress("bench", result.ways.size() + 2);
     for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
         measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
         progress.update(i + 1);
@@ -219,22 +221,22 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"passes_ms", passes}};
 }
 
-void run(const BenchStereoOptions& options, const CommonOptions& common) {
+void run(const BenchStereoOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (options.json)
-        fmt::print("{}", json_text(json_of(result, device, options)));
+        fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
         print(result, device, options);
 }
 
 }  // namespace
 
-void add_bench_stereo(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("stereo", "Both eyes of a headset");
+void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("stereo", "Both eyes of a headset");
     const auto options = std::make_shared<BenchStereoOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
@@ -246,10 +248,10 @@ void add_bench_stereo(CLI::App& bench, CommonOptions& common) {
         std::string("Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
                     "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far pictures of "
                     "fewer rays are from those of all.\n") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv bench stereo build/performer.nvv\n"
-        "  neuvv bench stereo build/performer.nvv --size 1032x1104 --repeats 5");
+        tools::kDeviceHelp + tools::kExamplesHead +
+        "  neuvv-bench stereo build/performer.nvv\n"
+        "  neuvv-bench stereo build/performer.nvv --size 1032x1104 --repeats 5");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

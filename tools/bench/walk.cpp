@@ -1,4 +1,4 @@
-// neuvv bench walk: what each part of the walk through the tree is worth, as a table of traces that do without.
+// neuvv-bench walk: what each part of the walk through the tree is worth, as a table of traces that do without.
 #include <fmt/format.h>
 
 #include <bit>
@@ -7,13 +7,14 @@
 
 #include "base/platform.h"
 #include "render/performer.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -56,7 +57,7 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
 // One slice of the field, shaded, and what walks need to trace it.
 class WalkBench {
   public:
-    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, PictureSize size)
+    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, tools::PictureSize size)
         : device_(device),
           field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
@@ -76,7 +77,7 @@ class WalkBench {
     }
 
     // GPU milliseconds of the trace of each step, for one view.
-    void measure(const ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
+    void measure(const tools::ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
         const ShaderCamera camera = render::shader_camera(view.camera);
         std::fill_n(target_.rays.cameras.as<ShaderCamera>(), 2, camera);
         std::fill_n(target_.ranges.views.as<RangeView>(), 2, render::range_view(camera));
@@ -148,31 +149,31 @@ nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, cons
             {"trace_ms", walk}};
 }
 
-void run(const BenchWalkOptions& options, const CommonOptions& common) {
+void run(const BenchWalkOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
-    const PictureSize size = parse_size(options.size);
-    const std::vector<ViewStep> path =
-        orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const tools::PictureSize size = tools::parse_size(options.size);
+    const std::vector<tools::ViewStep> path =
+        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     WalkBench bench(device, tree, size);
     std::vector<Step> all = steps();
-    Progress progress("bench", options.views);
+    tools::Progress progress("bench", options.views);
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
         bench.measure(path[i * path.size() / options.views], options.repeats, all);
         progress.update(i + 1);
     }
     expect_not_stopped();
     if (options.json)
-        fmt::print("{}", json_text(json_of(all, bench.rays(), device, options)));
+        fmt::print("{}", tools::json_text(json_of(all, bench.rays(), device, options)));
     else
         print(all, bench.rays(), device, options);
 }
 
 }  // namespace
 
-void add_bench_walk(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("walk", "What each part of the walk through the tree is worth");
+void add_walk(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("walk", "What each part of the walk through the tree is worth");
     const auto options = std::make_shared<BenchWalkOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
@@ -186,8 +187,8 @@ void add_bench_walk(CLI::App& bench, CommonOptions& common) {
     verb->footer(
         std::string("Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU "
                     "time.\n") +
-        kDeviceHelp + kExamplesHead + "  neuvv bench walk build/performer.nvv");
+        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench walk build/performer.nvv");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-// neuvv bench open: how long until a scene's first picture, of the coarse tree, and until that of the whole.
+// neuvv-bench open: how long until a scene's first picture, of the coarse tree, and until that of the whole.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -11,15 +11,16 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "render/frame.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/synthetic_scene.h"
+#include "tools/bench/verbs.h"
 #include "tools/report.h"
-#include "tools/synthetic_scene.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
 #include "voctree/coarse.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -43,8 +44,8 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
 }
 
 // `view`: that of both pictures, found with the first tree; finding it takes no part in the times.
-Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read, std::optional<ViewStep>& view,
-             PictureSize size) {
+Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read,
+             std::optional<tools::ViewStep>& view, tools::PictureSize size) {
     Opening result;
     auto mark = std::chrono::steady_clock::now();
     const voctree::VOctree tree = read();
@@ -52,7 +53,8 @@ Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>&
     if (!voctree::defect_of(tree).empty()) throw std::logic_error("a tree that was read has no defect");
     result.check = seconds_since(mark);
     result.leaves = tree.leaf_count;
-    if (!view) view = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size)[0];
+    if (!view)
+        view = tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size)[0];
 
     seconds_since(mark);
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
@@ -86,17 +88,18 @@ void report(const BenchOpenOptions& options, const gpu::Device& device, uint64_t
     const double share = first ? first->total() / whole.total() : 1;
     const double psnr = first ? training::compare(whole.picture, first->picture).psnr : 99;
     if (options.json) {
-        fmt::print("{}", json_text({{"device", device.summary().name},
-                                    {"scene", options.scene},
-                                    {"bytes", bytes},
-                                    {"size", options.size},
-                                    {"first", first ? json_of(*first) : nlohmann::ordered_json()},
-                                    {"whole", json_of(whole)},
-                                    {"share", share},
-                                    {"psnr_db", psnr}}));
+        fmt::print("{}", tools::json_text({{"device", device.summary().name},
+                                           {"scene", options.scene},
+                                           {"bytes", bytes},
+                                           {"size", options.size},
+                                           {"first", first ? json_of(*first) : nlohmann::ordered_json()},
+                                           {"whole", json_of(whole)},
+                                           {"share", share},
+                                           {"psnr_db", psnr}}));
         return;
     }
-    fmt::print("{}: {}, {}, pictures of {}\n", device.summary().name, options.scene, size_text(bytes), options.size);
+    fmt::print("{}: {}, {}, pictures of {}\n", device.summary().name, options.scene, tools::size_text(bytes),
+               options.size);
     fmt::print("{:<12} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "seconds", "leaves", "total", "read", "checks",
                "upload", "prepare", "render");
     if (first) print("coarse tree", *first);
@@ -111,19 +114,19 @@ void report(const BenchOpenOptions& options, const gpu::Device& device, uint64_t
 void write_synthetic(const BenchOpenOptions& options) {
     if (std::filesystem::exists(options.scene))
         throw InputError(options.scene, "", "is there already", "name a new file, or leave --synthetic out");
-    prepare_output_file("scene", options.scene);
+    tools::prepare_output_file("scene", options.scene);
     const voctree::VOctree tree = synthetic_scene(options.synthetic_megabytes);
     voctree::write_nvv(options.scene, tree, {}, 1, voctree::coarse_tree(tree));
 }
 
-void run(const BenchOpenOptions& options, const CommonOptions& common) {
-    const PictureSize size = parse_size(options.size);
-    if (!options.pictures.empty()) prepare_output_folder("--pictures", options.pictures);
+void run(const BenchOpenOptions& options, const tools::CommonOptions& common) {
+    const tools::PictureSize size = tools::parse_size(options.size);
+    if (!options.pictures.empty()) tools::prepare_output_folder("--pictures", options.pictures);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
     const gpu::Device device(common.device);
-    std::optional<ViewStep> view;
+    std::optional<tools::ViewStep> view;
     std::optional<Opening> first;
     if (has_coarse)
         first = open(
@@ -139,15 +142,15 @@ void run(const BenchOpenOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_open(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("open", "From a scene's path to its first picture, and to the whole");
+void add_open(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("open", "From a scene's path to its first picture, and to the whole");
     const auto options = std::make_shared<BenchOpenOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--synthetic", options->synthetic_megabytes,
                      "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
                      "hold in one "
                      "buffer")
-        ->check(number_between(1, 1000));
+        ->check(tools::number_between(1, 1000));
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
     verb->add_option("--pictures", options->pictures, "A folder for the two pictures: coarse.png and whole.png");
     verb->add_flag("--json", options->json, "Print JSON");
@@ -157,10 +160,10 @@ void add_bench_open(CLI::App& bench, CommonOptions& common) {
                     "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
                     "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
                     "the coarse opening, which is first, also compiles the pipelines. ") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv bench open build/performer.nvv\n"
-        "  neuvv bench open build/large.nvv --synthetic 1000");
+        tools::kDeviceHelp + tools::kExamplesHead +
+        "  neuvv-bench open build/performer.nvv\n"
+        "  neuvv-bench open build/large.nvv --synthetic 1000");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

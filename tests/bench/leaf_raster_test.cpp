@@ -1,5 +1,5 @@
 // Leaves as sparse voxels against the reference's march, and the order in which each tile has them.
-#include "render/leaf_raster.h"
+#include "tools/bench/leaf_raster.h"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ class Drawn {
 
     Rays raster(const stage::Camera& camera, float stop, uint32_t samples = 1) {
         return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
-            render::record_leaf_raster(commands, rasterizer, kSlice, seen, stop);
+            bench::record_leaf_raster(commands, rasterizer, kSlice, seen, stop);
         });
     }
 
@@ -69,7 +69,7 @@ class Drawn {
 
     // Leaves of a tile in the order in which they are composited.
     std::vector<std::vector<uint32_t>> leaves_of_tiles() const {
-        const uint32_t sorted = render::sorted_buffer(rasterizer.key_bits);
+        const uint32_t sorted = bench::sorted_buffer(rasterizer.key_bits);
         std::vector<glm::uvec2> bounds(tiles.size());
         std::vector<uint32_t> entries(rasterizer.pairs.capacity), leaf_of(size_t{2} * trees.capacity);
         gpu::download(device_, rasterizer.tile_pairs, bounds.data(), bounds.size() * sizeof(glm::uvec2));
@@ -92,7 +92,7 @@ class Drawn {
     const std::vector<Tile> tiles;
     const render::RayTarget target;
     const render::RayBatch& rays;
-    const render::LeafRasterizer rasterizer;
+    const bench::LeafRasterizer rasterizer;
 
   private:
     template <typename Record>
@@ -221,7 +221,7 @@ TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
         for (const View& view : views(tree)) {
             SCOPED_TRACE(std::string(view.name) + ", node levels " + std::to_string(options.node_levels));
             const Rays raster = drawn.raster(view.camera, 0);
-            ASSERT_LE(render::pairs_wanted(device(), drawn.rasterizer), kPairs);
+            ASSERT_LE(bench::pairs_wanted(device(), drawn.rasterizer), kPairs);
             const Difference found = difference(raster, shade_by_reference(tree, view.camera, raster.radiance.size()));
             EXPECT_LE(found.light, kHalfLight);
             EXPECT_LE(found.depth_m, kDepth_m);
@@ -290,9 +290,9 @@ TEST_F(LeafRasterTest, PairsWithoutRoomAreCounted) {
     const stage::Camera camera = views(tree)[0].camera;
     Drawn all(device(), tree, kWidth, kHeight), some(device(), tree, kWidth, kHeight, 50);
     const Rays truth = all.raster(camera, 0), part = some.raster(camera, 0);
-    const uint32_t wanted = render::pairs_wanted(device(), all.rasterizer);
+    const uint32_t wanted = bench::pairs_wanted(device(), all.rasterizer);
     EXPECT_GT(wanted, 50u);
-    EXPECT_EQ(render::pairs_wanted(device(), some.rasterizer), wanted);
+    EXPECT_EQ(bench::pairs_wanted(device(), some.rasterizer), wanted);
     EXPECT_GT(difference(part, truth).light, 0.1) << "as if nothing were missing";
     Drawn fitting(device(), tree, kWidth, kHeight, wanted);
     EXPECT_EQ(fitting.raster(camera, 0).radiance, truth.radiance);

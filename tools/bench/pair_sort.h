@@ -7,7 +7,7 @@
 #include "shared/field.h"
 #include "shared/pair_sort.h"
 
-namespace neuvv::render {
+namespace neuvv::bench {
 
 // Pairs on the device, twice: the sort goes to and fro.
 struct SortPairs {
@@ -38,4 +38,4 @@ constexpr uint32_t sorted_buffer(uint32_t key_bits) {
     return (key_bits + kSortDigitBits - 1) / kSortDigitBits % 2;
 }
 
-}  // namespace neuvv::render
+}  // namespace neuvv::bench

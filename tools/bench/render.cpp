@@ -1,4 +1,4 @@
-// neuvv bench render: pictures of a scene the paper's way and ours, in one run, with what the pictures differ by.
+// neuvv-bench render: pictures of a scene the paper's way and ours, in one run, with what the pictures differ by.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -9,9 +9,10 @@
 
 #include "base/platform.h"
 #include "render/frame.h"
-#include "tools/bench.h"
-#include "tools/bench_rival.h"
-#include "tools/cpu_marcher.h"
+#include "tools/bench/cpu_marcher.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/rival.h"
+#include "tools/bench/verbs.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
@@ -19,7 +20,7 @@
 #include "voctree/half.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -125,7 +126,7 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
 }
 
 // Adds to a way's times; returns the last picture.
-media::Image measure(render::FrameRenderer& renderer, Way& way, const ViewStep& view, uint32_t repeats,
+media::Image measure(render::FrameRenderer& renderer, Way& way, const tools::ViewStep& view, uint32_t repeats,
                      Result& result) {
     render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(view.frame);
@@ -155,8 +156,9 @@ double covered_share(const std::vector<glm::vec4>& rays) {
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchRenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const PictureSize size = parse_size(options.size);
-    std::vector<ViewStep> path = orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const tools::PictureSize size = tools::parse_size(options.size);
+    std::vector<tools::ViewStep> path =
+        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     Result result;
     result.rays = uint64_t{size.width} * size.height;
     result.ways = {{"the paper's: from the root, all numbers", "paper", render::TraceMode::kPaper, {}, {}},
@@ -165,10 +167,10 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
                    {"slice tree and tile ranges", "tree", render::TraceMode::kTree, {}, {}},
                    {"the same, shaded", "shaded", render::TraceMode::kShaded, {}, {}}};
     render::FrameRenderer renderer(device, field, {size.width, size.height});
-    Progress progress("bench", options.views * result.ways.size());
+    tools::Progress progress("bench", options.views * result.ways.size());
     double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
-        const ViewStep& view = path[i * path.size() / options.views];
+        const tools::ViewStep& view = path[i * path.size() / options.views];
         media::Image truth;
         for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
             const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
@@ -283,7 +285,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"psnr_db", result.psnr}};
 }
 
-void run(const BenchRenderOptions& options, const CommonOptions& common) {
+void run(const BenchRenderOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -292,13 +294,13 @@ void run(const BenchRenderOptions& options, const CommonOptions& common) {
     if (!options.json) return print(result, device, options, tree);
     nlohmann::ordered_json json = json_of(result, device, options);
     if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
-    fmt::print("{}", json_text(json));
+    fmt::print("{}", tools::json_text(json));
 }
 
 }  // namespace
 
-void add_bench_render(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("render", "Pictures of a scene, the paper's way and ours");
+void add_render(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("render", "Pictures of a scene, the paper's way and ours");
     const auto options = std::make_shared<BenchRenderOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
@@ -315,8 +317,8 @@ void add_bench_render(CLI::App& bench, CommonOptions& common) {
     verb->footer(std::string("Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
                              "time of a picture,\nits slice included, its ratio to the paper's path and what the "
                              "pictures differ by. ") +
-                 kDeviceHelp + kExamplesHead + "  neuvv bench render build/performer.nvv --views 2");
+                 tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench render build/performer.nvv --views 2");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

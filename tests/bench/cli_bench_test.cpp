@@ -1,4 +1,4 @@
-// neuvv bench: that each measurement runs, prints what it promises, and refuses what it cannot do.
+// neuvv-bench: that each measurement runs, prints what it promises, and refuses what it cannot do.
 #include "tests/tools/cli_gpu.h"
 
 namespace neuvv {
@@ -19,6 +19,20 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
     return result.code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
 }
 
+TEST(Bench, EveryVerbHelpsWithExamples) {
+    const std::string overview = run_neuvv({"--help"}).out;
+    for (const char* verb : {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train"}) {
+        EXPECT_NE(overview.find(verb), std::string::npos) << verb;
+        const ProgramResult result = run_neuvv({verb, "--help"});
+        EXPECT_EQ(result.code, 0) << verb;
+        const size_t examples = result.out.find("Examples");
+        ASSERT_NE(examples, std::string::npos) << verb;
+        EXPECT_NE(result.out.find(std::string("neuvv-bench ") + verb, examples), std::string::npos) << verb;
+    }
+    expect_refused({}, 2, {"neuvv-bench --help"});
+    expect_refused({"sing"}, 2, {"sing", "stereo"});
+}
+
 TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     {
         const gpu::Device device;
@@ -27,18 +41,16 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
     std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
                                std::filesystem::copy_options::overwrite_existing);
     for (const char* repeats : {"1", "6"}) {  // one step alone has no pass "slice"
-        const ProgramResult result =
-            run_neuvv({"bench", "train", scene, file("data"), "--repeats", repeats, "--tiles", "2"});
+        const ProgramResult result = run_neuvv({"train", scene, file("data"), "--repeats", repeats, "--tiles", "2"});
         ASSERT_EQ(result.code, 0) << result.err;
         for (const char* word : {"trace adjoint", "direct adjoint", "times as fast as direct", "rays/s", "GB/s"})
             EXPECT_NE(result.out.find(word), std::string::npos) << word << " in\n" << result.out;
     }
-    expect_refused({"bench", "train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
+    expect_refused({"train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
 }
 
 TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
-    const std::vector<std::string> command = {"bench",   "render", scene,       "--size", "64x48",
-                                              "--views", "2",      "--repeats", "1"};
+    const std::vector<std::string> command = {"render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
     expect_words(command, {"the paper's", "shaded", "playing", "Mrays/s", "C++", "PSNR", "% of the pixels covered"});
     const nlohmann::json json = json_of(command);
     EXPECT_GT(json["covered"], 0.02);
@@ -48,13 +60,13 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     EXPECT_GT(json["bytes_a_ray"], 40.0 + 20.0 * json["nodes_a_ray"].get<double>());
     EXPECT_LT(json["mean_difference_of_255"], 1.0);
     EXPECT_LT(json["host_difference"], 0.01);
-    expect_refused({"bench", "render", scene, "--size", "0x9"}, 2, {"--size"});
-    expect_refused({"bench", "render", scene, "--views", "0"}, 2, {"--views"});
-    expect_refused({"bench", "render", file("none.nvv")}, 2, {"none.nvv"});
+    expect_refused({"render", scene, "--size", "0x9"}, 2, {"--size"});
+    expect_refused({"render", scene, "--views", "0"}, 2, {"--views"});
+    expect_refused({"render", file("none.nvv")}, 2, {"none.nvv"});
 }
 
 TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
-    std::vector<std::string> command = {"bench", "render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
+    std::vector<std::string> command = {"render", scene, "--size", "64x48", "--views", "2", "--repeats", "1"};
     EXPECT_EQ(run_neuvv(command).out.find("rival"), std::string::npos);
     command.insert(command.end(), {"--rival", "raster"});
     expect_words(command, {"rival: sparse voxels rasterised", "project", "sort", "composite", "pairs"});
@@ -63,13 +75,13 @@ TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
     EXPECT_GT(rival["pairs"], 10.0);
     EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same picture";
     EXPECT_LT(rival["mean_difference_of_255"], 0.01);
-    expect_refused({"bench", "render", scene, "--rival", "splats"}, 2, {"--rival"});
+    expect_refused({"render", scene, "--rival", "splats"}, 2, {"--rival"});
 }
 
 TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     const std::string large = file("large.nvv");
-    const ProgramResult result = run_neuvv(
-        {"bench", "open", large, "--synthetic", "32", "--size", "64x48", "--json", "--pictures", file("pictures")});
+    const ProgramResult result =
+        run_neuvv({"open", large, "--synthetic", "32", "--size", "64x48", "--json", "--pictures", file("pictures")});
     ASSERT_EQ(result.code, 0) << result.err;
     const nlohmann::json json = nlohmann::json::parse(result.out);
     EXPECT_NEAR(json["bytes"], 32e6, 3e6);
@@ -82,52 +94,49 @@ TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     EXPECT_EQ(media::read_png(file("pictures/coarse.png")).width, 64u);
     EXPECT_EQ(media::read_png(file("pictures/whole.png")).height, 48u);
     EXPECT_EQ(voctree::summarise_nvv(large).chunks[1].name, "hEAD");
-    const ProgramResult again = run_neuvv({"bench", "open", large, "--size", "64x48"});
+    const ProgramResult again = run_neuvv({"open", large, "--size", "64x48"});
     for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
         EXPECT_NE(again.out.find(word), std::string::npos) << again.out;
 
-    expect_refused({"bench", "open", large, "--synthetic", "32"}, 2, {"large.nvv", "is there already"});
-    EXPECT_NE(run_neuvv({"bench", "open", scene, "--size", "64x48"}).out.find("no coarse tree"), std::string::npos);
-    expect_refused({"bench", "open", file("none.nvv")}, 2, {"none.nvv"});
+    expect_refused({"open", large, "--synthetic", "32"}, 2, {"large.nvv", "is there already"});
+    EXPECT_NE(run_neuvv({"open", scene, "--size", "64x48"}).out.find("no coarse tree"), std::string::npos);
+    expect_refused({"open", file("none.nvv")}, 2, {"none.nvv"});
 }
 
 TEST_F(CliGpu, BenchSliceTimesEachPass) {
-    const ProgramResult table = run_neuvv({"bench", "slice", scene, "--frames", "1", "--repeats", "1"});
+    const ProgramResult table = run_neuvv({"slice", scene, "--frames", "1", "--repeats", "1"});
     ASSERT_EQ(table.code, 0) << table.err;
     for (const char* word : {"density", "nodes", "entries", "slots", "GB/s", "live in a frame"})
         EXPECT_NE(table.out.find(word), std::string::npos) << word << " in\n" << table.out;
-    const nlohmann::json json =
-        nlohmann::json::parse(run_neuvv({"bench", "slice", scene, "--frames", "3", "--json"}).out);
+    const nlohmann::json json = nlohmann::json::parse(run_neuvv({"slice", scene, "--frames", "3", "--json"}).out);
     EXPECT_GT(json["live_leaves"], 1.0);
     EXPECT_LE(json["live_leaves"], json["leaves"]);
     EXPECT_GT(json["slice_ms"], 0.0);
     EXPECT_GT(json["copy_gb_s"], 0.0);
-    expect_refused({"bench", "slice", scene, "--frames", "0"}, 2, {"--frames"});
+    expect_refused({"slice", scene, "--frames", "0"}, 2, {"--frames"});
 }
 
 TEST_F(CliGpu, BenchInstancesHoldsTimeAndMemoryAgainstOne) {
-    const std::vector<std::string> command = {"bench",   "instances", scene,       "--size", "96x64",
-                                              "--count", "5",         "--repeats", "1"};
+    const std::vector<std::string> command = {"instances", scene, "--size", "96x64", "--count", "5", "--repeats", "1"};
     expect_words(command, {"instances", "covered rays", "with a slice", "time grows", "memory is"});
     const nlohmann::json json = json_of(command, {"--slice-budget", "0"});
     EXPECT_EQ(json["all"]["with_a_slice"], 0);
     EXPECT_GT(json["all"]["covered_rays"], 3 * json["one"]["covered_rays"].get<int>());
     EXPECT_EQ(json["memory_ratio"], 1.0);
-    expect_refused({"bench", "instances", scene, "--count", "1"}, 2, {"--count"});
-    expect_refused({"bench", "instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
+    expect_refused({"instances", scene, "--count", "1"}, 2, {"--count"});
+    expect_refused({"instances", scene, "--slice-budget", "-1"}, 2, {"--slice-budget"});
 }
 
 TEST_F(CliGpu, BenchWalkTimesEachStep) {
-    const std::vector<std::string> command = {"bench",   "walk", scene,       "--size", "64x48",
-                                              "--views", "1",    "--repeats", "1"};
+    const std::vector<std::string> command = {"walk", scene, "--size", "64x48", "--views", "1", "--repeats", "1"};
     expect_words(command, {"from the root to every cell", "masks in registers", "one step", "grid", "bounds"});
     const nlohmann::json json = json_of(command);
     for (const char* step : {"restart", "node", "coalesce", "grid", "ranges"}) EXPECT_GT(json["trace_ms"][step], 0.0);
-    expect_refused({"bench", "walk", scene, "--views", "0"}, 2, {"--views"});
+    expect_refused({"walk", scene, "--views", "0"}, 2, {"--views"});
 }
 
 TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
-    const std::vector<std::string> command = {"bench", "stereo", scene, "--size", "64x72", "--repeats", "2"};
+    const std::vector<std::string> command = {"stereo", scene, "--size", "64x72", "--repeats", "2"};
     expect_words(command, {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"});
     const nlohmann::json json = json_of(command);
     EXPECT_GT(json["covered"], 0.02);
@@ -135,20 +144,19 @@ TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
     EXPECT_LT(json["ways"]["foveated"]["rays"], 0.5 * 2 * 64 * 72);
     EXPECT_GT(json["ways"]["half"]["psnr_db"], 15.0);
     EXPECT_LT(json["ways"]["half"]["psnr_db"], 60.0);
-    expect_refused({"bench", "stereo", scene, "--size", "64"}, 2, {"--size"});
+    expect_refused({"stereo", scene, "--size", "64"}, 2, {"--size"});
 }
 
 TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
-    const std::vector<std::string> command = {"bench",     "stage", scene,      "--size", "64x48",
-                                              "--repeats", "1",     "--copies", "5"};
+    const std::vector<std::string> command = {"stage", scene, "--size", "64x48", "--repeats", "1", "--copies", "5"};
     expect_words(command, {"plain", "shadows and falloff", "paper", "5 copies", "times those of one"});
     const nlohmann::json json = json_of(command, {"--together", "--picture", file("stage.png")});
     ASSERT_EQ(json["ways"].size(), 5u);
     for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
     EXPECT_GT(json["one_bytes"], 10000);
     EXPECT_EQ(media::read_png(file("stage.png")).width, 64u);
-    expect_refused({"bench", "stage", scene, "--copies", "0"}, 2, {"--copies"});
-    expect_refused({"bench", "stage", file("none.nvv")}, 2, {"none.nvv"});
+    expect_refused({"stage", scene, "--copies", "0"}, 2, {"--copies"});
+    expect_refused({"stage", file("none.nvv")}, 2, {"none.nvv"});
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 
 #include "voctree/voctree.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 // A striped ball of 64 frames whose numbers differ from leaf to leaf so that they hardly pack: its .nvv has about
 // `megabytes` MB. As few leaves as that allows: devices bound the texels of a buffer.
 voctree::VOctree synthetic_scene(double megabytes);
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -6,7 +6,7 @@
 
 #include "stage/camera.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 // A shaded slice tree on the host (shared/slice_tree.h).
 struct HostSlice {
@@ -38,4 +38,4 @@ using HostTileRanges = std::vector<glm::vec2>;
 std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const stage::Camera& camera,
                                      float stop, MarchCounts& counts);
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-#include "render/pair_sort.h"
+#include "tools/bench/pair_sort.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "spirv/pair_sort_scan.comp.h"
 #include "spirv/pair_sort_scatter.comp.h"
 
-namespace neuvv::render {
+namespace neuvv::bench {
 
 namespace {
 
@@ -77,4 +77,4 @@ void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_
     }
 }
 
-}  // namespace neuvv::render
+}  // namespace neuvv::bench

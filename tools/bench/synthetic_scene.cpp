@@ -1,4 +1,4 @@
-#include "tools/synthetic_scene.h"
+#include "tools/bench/synthetic_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "voctree/half.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -84,4 +84,4 @@ voctree::VOctree synthetic_scene(double megabytes) {
     return tree;
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-// neuvv bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
+// neuvv-bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +9,14 @@
 #include "base/platform.h"
 #include "edit/operations.h"
 #include "render/stage_renderer.h"
-#include "tools/bench.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/verbs.h"
 #include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -53,7 +54,7 @@ stage::Stage make_bench_stage(const BenchStageOptions& options, uint32_t perform
     return stage::make_stage(std::move(file));
 }
 
-stage::Camera camera_of_bench(const stage::Stage& stage, PictureSize size, double distance_m) {
+stage::Camera camera_of_bench(const stage::Stage& stage, tools::PictureSize size, double distance_m) {
     stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
@@ -81,7 +82,7 @@ struct Result {
 // Ways take turns, so that what else the machine does hits all alike.
 std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions& options, media::Image& picture) {
     stage::Stage stage = make_bench_stage(options, 2);
-    const PictureSize size = parse_size(options.size);
+    const tools::PictureSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
@@ -91,7 +92,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions
                              {"falloff", false, true},
                              {"shadows and falloff"},
                              {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
-    Progress progress("bench", options.repeats);
+    tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         for (Way& way : ways) {
             media::Image shown;
@@ -109,7 +110,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions
 uint64_t bytes_with(const gpu::Device& device, const BenchStageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
-    const PictureSize size = parse_size(options.size);
+    const tools::PictureSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
@@ -146,9 +147,9 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
     return json;
 }
 
-void run(const BenchStageOptions& options, const CommonOptions& common) {
+void run(const BenchStageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.picture.empty()) prepare_output_file("--picture", options.picture);
+    if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
     const gpu::Device device(common.device);
     Result result;
     result.ways = measure_ways(device, options, result.picture);
@@ -158,15 +159,15 @@ void run(const BenchStageOptions& options, const CommonOptions& common) {
     expect_not_stopped();
     if (!options.picture.empty()) media::write_png(options.picture, result.picture);
     if (options.json)
-        fmt::print("{}", json_text(json_of(result, device, options)));
+        fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
         print(result, device, options);
 }
 
 }  // namespace
 
-void add_bench_stage(CLI::App& bench, CommonOptions& common) {
-    CLI::App* verb = bench.add_subcommand("stage", "Lights, shadows, blending and copies on a stage");
+void add_stage(CLI::App& app, const tools::CommonOptions& common) {
+    CLI::App* verb = app.add_subcommand("stage", "Lights, shadows, blending and copies on a stage");
     const auto options = std::make_shared<BenchStageOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
@@ -174,7 +175,7 @@ void add_bench_stage(CLI::App& bench, CommonOptions& common) {
     verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
-    add_slice_budget_option(*verb, options->slice_budget_mb);
+    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
     verb->add_option("--repeats", options->repeats, "Pictures of each way that the medians are over")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
@@ -184,8 +185,8 @@ void add_bench_stage(CLI::App& bench, CommonOptions& common) {
         std::string(
             "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
             "there already, and prints the time of a picture; then device memory of copies.\n") +
-        kDeviceHelp + kExamplesHead + "  neuvv bench stage build/performer.nvv");
+        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench stage build/performer.nvv");
     verb->callback([options, &common] { run(*options, common); });
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

@@ -1,4 +1,4 @@
-#include "tools/bench_rival.h"
+#include "tools/bench/rival.h"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "render/leaf_raster.h"
-#include "tools/bench.h"
+#include "tools/bench/leaf_raster.h"
+#include "tools/bench/measure.h"
 #include "training/metrics.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -32,12 +32,11 @@ render::RayBatch rays_of(const gpu::Device& device, const stage::Camera& camera)
 
 uint32_t count_pairs(const gpu::Device& device, const render::Field& field, const render::Performer& performer,
                      const render::RayBatch& rays) {
-    const render::LeafRasterizer counter(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
-                                         1);
+    const LeafRasterizer counter(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays, 1);
     gpu::run_once(device, "count pairs", [&](gpu::Commands& commands) {
-        render::record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>());
+        record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>());
     });
-    return render::pairs_wanted(device, counter);
+    return pairs_wanted(device, counter);
 }
 
 void add_times(RivalTimes& times, const std::vector<gpu::PassTime>& passes) {
@@ -70,12 +69,12 @@ void measure_rival(const gpu::Device& device, const render::Field& field, const 
     const render::Performer& performer = *renderer.performer();
     const render::RayBatch rays = rays_of(device, camera);
     const uint32_t pairs = count_pairs(device, field, performer, rays);
-    const render::LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(),
-                                            rays, pairs);
+    const LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
+                                    pairs);
     gpu::Commands commands(device, "rival");
     for (uint32_t i = 0; i < repeats + 1; i++) {
         commands.begin();
-        render::record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
+        record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
         commands.submit();
         commands.wait();
         if (i > 0) add_times(times, commands.pass_times());  // the first warms caches
@@ -109,4 +108,4 @@ nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms) {
             {"psnr_db", psnr(times)}};
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

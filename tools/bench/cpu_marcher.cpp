@@ -1,4 +1,4 @@
-#include "tools/cpu_marcher.h"
+#include "tools/bench/cpu_marcher.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "shared/trace.h"
 
-namespace neuvv::tools {
+namespace neuvv::bench {
 
 namespace {
 
@@ -161,4 +161,4 @@ std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRange
     return rays;
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::bench

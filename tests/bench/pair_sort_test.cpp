@@ -1,5 +1,5 @@
 // The pair sort against std::stable_sort.
-#include "render/pair_sort.h"
+#include "tools/bench/pair_sort.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ struct SortedPairs {
 // Values are the keys' numbers. A pair's key is (low, high) in memory, as a Key is on this host.
 SortedPairs sort_on_device(const gpu::Device& device, const std::vector<Key>& keys, uint32_t capacity,
                            uint32_t key_bits) {
-    const render::SortPairs pairs(device, capacity);
-    const render::PairSorter sorter(device, pairs);
+    const bench::SortPairs pairs(device, capacity);
+    const bench::PairSorter sorter(device, pairs);
     const auto count = static_cast<uint32_t>(keys.size());
     SortedPairs sorted{std::vector<Key>(count), std::vector<uint32_t>(count)};
     std::iota(sorted.values.begin(), sorted.values.end(), 0u);
@@ -33,10 +33,9 @@ SortedPairs sort_on_device(const gpu::Device& device, const std::vector<Key>& ke
     gpu::upload(device, pairs.values[0], sorted.values.data(), count * sizeof(uint32_t));
     gpu::upload(device, pairs.count, &live, sizeof(live));
     gpu::run_once(device, "sort",
-                  [&](gpu::Commands& commands) { render::record_pair_sort(commands, sorter, key_bits); });
-    gpu::download(device, pairs.keys[render::sorted_buffer(key_bits)], sorted.keys.data(), count * sizeof(Key));
-    gpu::download(device, pairs.values[render::sorted_buffer(key_bits)], sorted.values.data(),
-                  count * sizeof(uint32_t));
+                  [&](gpu::Commands& commands) { bench::record_pair_sort(commands, sorter, key_bits); });
+    gpu::download(device, pairs.keys[bench::sorted_buffer(key_bits)], sorted.keys.data(), count * sizeof(Key));
+    gpu::download(device, pairs.values[bench::sorted_buffer(key_bits)], sorted.values.data(), count * sizeof(uint32_t));
     return sorted;
 }
 
@@ -79,7 +78,7 @@ TEST_F(PairSortTest, ManyPairsHaveManyBlocks) {
 }
 
 TEST_F(PairSortTest, MorePairsThanADeviceHoldsAreRefused) {
-    EXPECT_THROW(render::SortPairs(device(), UINT32_MAX), RuntimeFailure);
+    EXPECT_THROW(bench::SortPairs(device(), UINT32_MAX), RuntimeFailure);
 }
 
 }  // namespace
