@@ -20,11 +20,8 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchInstancesOptions {
-    std::string scene, size = "1280x720", picture;
-    uint32_t count = 16, repeats = 5;
-    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
-    bool json = false;
+struct InstancesOptions : BenchOptions {
+    uint32_t count = 16;
 };
 
 struct Shown {
@@ -68,7 +65,7 @@ stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t c
 }
 
 // Frames of so many instances each, one after the other.
-Shown show(const gpu::Device& device, const render::Field& field, const BenchInstancesOptions& options,
+Shown show(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
            const stage::Camera& camera, const std::vector<std::vector<render::Instance>>& frames) {
     const uint64_t before = device.buffer_bytes();
     render::FrameCapacity capacity{camera.width, camera.height};
@@ -85,9 +82,7 @@ Shown show(const gpu::Device& device, const render::Field& field, const BenchIns
         renderer.render(camera, settings);  // slices, compiles
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
             shown.picture = renderer.render(camera, settings);
-            double sum = 0;
-            for (const gpu::PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
-            shown.ms.push_back(sum);
+            shown.ms.push_back(milliseconds(renderer.pass_times()));
             add_picture(shown.passes, renderer.pass_times());
         }
         for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
@@ -113,7 +108,7 @@ struct Result {
     }
 };
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchInstancesOptions& options) {
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const InstancesOptions& options) {
     const uint64_t before = device.buffer_bytes();
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     Result result;
@@ -132,7 +127,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     return result;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchInstancesOptions& options) {
+void print(const Result& result, const gpu::Device& device, const InstancesOptions& options) {
     fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
@@ -148,7 +143,7 @@ void print(const Result& result, const gpu::Device& device, const BenchInstances
                (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchInstancesOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const InstancesOptions& options) {
     const auto shown = [&](const Shown& one, uint32_t frames) {
         return nlohmann::ordered_json{{"ms", mean(one.ms)},
                                       {"covered_rays", one.covered / frames},
@@ -166,7 +161,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"memory_ratio", result.memory_ratio()}};
 }
 
-void run(const BenchInstancesOptions& options, const tools::CommonOptions& common) {
+void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
@@ -183,26 +178,23 @@ void run(const BenchInstancesOptions& options, const tools::CommonOptions& commo
 }  // namespace
 
 void add_instances(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("instances", "Copies of a performer, each at its own place and time");
-    const auto options = std::make_shared<BenchInstancesOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    const auto options = std::make_shared<InstancesOptions>();
+    CLI::App* verb = add_verb(
+        app,
+        {"instances",
+         "Copies of a performer, each at its own place and time",
+         "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
+         "covered rays and device memory of both.\n",
+         {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
+        *options);
     verb->add_option("--count", options->count, "Copies, each turned and at its own time")
         ->check(CLI::Range(2u, render::kMaxInstances))
         ->capture_default_str();
     tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--repeats", options->repeats, "Pictures of each that the means are over")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    verb->add_option("--picture", options->picture, "Write what was drawn to this PNG");
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string(
-            "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
-            "covered rays and device memory of both.\n") +
-        tools::kDeviceHelp + tools::kExamplesHead +
-        "  neuvv-bench instances build/performer.nvv\n"
-        "  neuvv-bench instances build/performer.nvv --count 32 --slice-budget 0");
+    add_size_option(*verb, *options);
+    add_repeats_option(*verb, *options, "Pictures of each that the means are over");
+    add_picture_option(*verb, *options);
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

@@ -6,9 +6,41 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "gpu/commands.h"
+#include "tools/report.h"
 
 namespace neuvv::bench {
+
+CLI::App* add_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options) {
+    CLI::App* verb = app.add_subcommand(help.name, help.summary);
+    verb->add_option("scene", options.scene, help.scene)->required();
+    std::string footer = help.explanation + tools::kDeviceHelp + tools::kExamplesHead;
+    for (const std::string& example : help.examples)
+        footer += fmt::format("{}  neuvv-bench {} {}", footer.ends_with('\n') ? "" : "\n", help.name, example);
+    verb->footer(footer);
+    return verb;
+}
+
+void add_size_option(CLI::App& verb, BenchOptions& options, const char* help) {
+    verb.add_option("--size", options.size, help)->capture_default_str();
+}
+
+void add_views_option(CLI::App& verb, BenchOptions& options) {
+    verb.add_option("--views", options.views, "Views of the orbit, as the clip plays")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+}
+
+void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help) {
+    verb.add_option("--repeats", options.repeats, help)->check(CLI::Range(1, 10000))->capture_default_str();
+}
+
+void add_picture_option(CLI::App& verb, BenchOptions& options) {
+    verb.add_option("--picture", options.picture, "Write what was drawn to this PNG");
+}
+
+void add_json_flag(CLI::App& verb, BenchOptions& options) {
+    verb.add_flag("--json", options.json, "Print JSON");
+}
 
 double quantile(std::vector<double> values, double p) {
     if (values.empty()) return 0;
@@ -37,6 +69,19 @@ double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, con
     commands.submit();
     commands.wait();
     return commands.pass_times()[0].milliseconds;
+}
+
+double copied_bytes_per_second(const gpu::Device& device, const render::Field& field) {
+    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
+    std::vector<double> copies;
+    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
+    return 2000 * static_cast<double>(field.weights.bytes) / median(copies);
+}
+
+double milliseconds(const std::vector<gpu::PassTime>& passes) {
+    double sum = 0;
+    for (const gpu::PassTime& pass : passes) sum += pass.milliseconds;
+    return sum;
 }
 
 void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes) {

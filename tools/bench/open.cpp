@@ -24,10 +24,9 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchOpenOptions {
-    std::string scene, size = "1280x720", pictures;
+struct OpenOptions : BenchOptions {
+    std::string pictures;
     double synthetic_megabytes = 0;
-    bool json = false;
 };
 
 // Seconds of what stands between a path and a picture.
@@ -83,8 +82,8 @@ void print(const char* name, const Opening& opening) {
                opening.total(), opening.read, opening.check, opening.upload, opening.prepare, opening.render);
 }
 
-void report(const BenchOpenOptions& options, const gpu::Device& device, uint64_t bytes,
-            const std::optional<Opening>& first, const Opening& whole) {
+void report(const OpenOptions& options, const gpu::Device& device, uint64_t bytes, const std::optional<Opening>& first,
+            const Opening& whole) {
     const double share = first ? first->total() / whole.total() : 1;
     const double psnr = first ? training::compare(whole.picture, first->picture).psnr : 99;
     if (options.json) {
@@ -111,7 +110,7 @@ void report(const BenchOpenOptions& options, const gpu::Device& device, uint64_t
         fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
 }
 
-void write_synthetic(const BenchOpenOptions& options) {
+void write_synthetic(const OpenOptions& options) {
     if (std::filesystem::exists(options.scene))
         throw InputError(options.scene, "", "is there already", "name a new file, or leave --synthetic out");
     tools::prepare_output_file("scene", options.scene);
@@ -119,7 +118,7 @@ void write_synthetic(const BenchOpenOptions& options) {
     voctree::write_nvv(options.scene, tree, {}, 1, voctree::coarse_tree(tree));
 }
 
-void run(const BenchOpenOptions& options, const tools::CommonOptions& common) {
+void run(const OpenOptions& options, const tools::CommonOptions& common) {
     const tools::PictureSize size = tools::parse_size(options.size);
     if (!options.pictures.empty()) tools::prepare_output_folder("--pictures", options.pictures);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
@@ -143,26 +142,26 @@ void run(const BenchOpenOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_open(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("open", "From a scene's path to its first picture, and to the whole");
-    const auto options = std::make_shared<BenchOpenOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
+    const auto options = std::make_shared<OpenOptions>();
+    CLI::App* verb =
+        add_verb(app,
+                 {"open",
+                  "From a scene's path to its first picture, and to the whole",
+                  "Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
+                  "(unpacked and checked;\nhow long the checks of the tree take of it is measured once more, apart), "
+                  "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
+                  "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
+                  "the coarse opening, which is first, also compiles the pipelines. ",
+                  {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
+                 *options);
     verb->add_option("--synthetic", options->synthetic_megabytes,
                      "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
                      "hold in one "
                      "buffer")
         ->check(tools::number_between(1, 1000));
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    add_size_option(*verb, *options);
     verb->add_option("--pictures", options->pictures, "A folder for the two pictures: coarse.png and whole.png");
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
-                    "(unpacked and checked;\nhow long the checks of the tree take of it is measured once more, apart), "
-                    "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
-                    "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
-                    "the coarse opening, which is first, also compiles the pipelines. ") +
-        tools::kDeviceHelp + tools::kExamplesHead +
-        "  neuvv-bench open build/performer.nvv\n"
-        "  neuvv-bench open build/large.nvv --synthetic 1000");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

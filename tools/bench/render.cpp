@@ -24,11 +24,8 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchRenderOptions {
-    std::string scene, size = "1280x720";
+struct RenderOptions : BenchOptions {
     std::string rival;  // raster, or none
-    uint32_t views = 4, repeats = 5;
-    bool json = false;
 };
 
 // A clip of 25 pictures a second on a display of 90 Hz for two eyes: so many views share a slice.
@@ -154,7 +151,7 @@ double covered_share(const std::vector<glm::vec4>& rays) {
     return static_cast<double>(seen) / static_cast<double>(rays.size());
 }
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchRenderOptions& options) {
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const tools::PictureSize size = tools::parse_size(options.size);
     std::vector<tools::ViewStep> path =
@@ -189,10 +186,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         result.covered += covered_share(renderer.radiance()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
-    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
-    std::vector<double> copies;
-    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
-    result.copy_gb_s = 2e-6 * static_cast<double>(field.weights.bytes) / median(copies);
+    result.copy_gb_s = 1e-9 * copied_bytes_per_second(device, field);
     result.psnr = -10 * std::log10(std::max(squares, 1e-10));
     return result;
 }
@@ -220,7 +214,7 @@ double ranges_and_trace_ms(const Result& result) {
     return sum;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchRenderOptions& options,
+void print(const Result& result, const gpu::Device& device, const RenderOptions& options,
            const voctree::VOctree& tree) {
     const auto rays = static_cast<double>(result.rays);
     fmt::print("{}: {}, {} leaves, degree {}; {} pixels, {} views, {:.0f} % of the pixels covered\n",
@@ -252,7 +246,7 @@ void print(const Result& result, const gpu::Device& device, const BenchRenderOpt
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchRenderOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const RenderOptions& options) {
     auto ways = nlohmann::ordered_json::object();
     const double paper = result.ways[0].seconds(1);
     for (const Way& way : result.ways)
@@ -285,7 +279,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"psnr_db", result.psnr}};
 }
 
-void run(const BenchRenderOptions& options, const tools::CommonOptions& common) {
+void run(const RenderOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -300,24 +294,23 @@ void run(const BenchRenderOptions& options, const tools::CommonOptions& common) 
 }  // namespace
 
 void add_render(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("render", "Pictures of a scene, the paper's way and ours");
-    const auto options = std::make_shared<BenchRenderOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    verb->add_option("--repeats", options->repeats, "Pictures of each view that the medians are over")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
+    const auto options = std::make_shared<RenderOptions>();
+    CLI::App* verb =
+        add_verb(app,
+                 {"render",
+                  "Pictures of a scene, the paper's way and ours",
+                  "Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
+                  "time of a picture,\nits slice included, its ratio to the paper's path and what the "
+                  "pictures differ by. ",
+                  {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
+                 *options);
+    add_size_option(*verb, *options);
+    add_views_option(*verb, *options);
+    add_repeats_option(*verb, *options, "Pictures of each view that the medians are over");
     verb->add_option("--rival", options->rival,
                      "Also by another way: `raster` projects leaves, sorts and composites them")
         ->check(CLI::IsMember({"raster"}));
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(std::string("Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
-                             "time of a picture,\nits slice included, its ratio to the paper's path and what the "
-                             "pictures differ by. ") +
-                 tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench render build/performer.nvv --views 2");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

@@ -16,10 +16,9 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchSliceOptions {
-    std::string scene;
-    uint32_t frames = 12, repeats = 3;
-    bool json = false;
+struct SliceOptions : BenchOptions {
+    SliceOptions() { repeats = 3; }
+    uint32_t frames = 12;
 };
 
 struct SliceTimes {
@@ -37,7 +36,7 @@ double entry_bytes(const render::Field& field, double live) {
     return live * (read + 4.0 * kEntryWords * sh_count(field.hh_degree) + 4);
 }
 
-SliceTimes measure(const gpu::Device& device, const render::Field& field, const BenchSliceOptions& options) {
+SliceTimes measure(const gpu::Device& device, const render::Field& field, const SliceOptions& options) {
     const render::LiveLeaves live(device, field, field.leaf_count);
     const render::SliceTrees trees(device, field, render::most_entries(field), 1);
     const render::TreeSlicer slicer(device, field, live, trees);
@@ -75,7 +74,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     return times;
 }
 
-void run(const BenchSliceOptions& options, const tools::CommonOptions& common) {
+void run(const SliceOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -123,18 +122,19 @@ void run(const BenchSliceOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_slice(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("slice", "A frame's slice, pass by pass");
-    const auto options = std::make_shared<BenchSliceOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("--frames", options->frames, "Instants, spread over the clip")->check(CLI::Range(1, 10000));
-    verb->add_option("--repeats", options->repeats, "Slices of each instant")
-        ->check(CLI::Range(1, 1000))
+    const auto options = std::make_shared<SliceOptions>();
+    CLI::App* verb =
+        add_verb(app,
+                 {"slice",
+                  "A frame's slice, pass by pass",
+                  "Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights has. ",
+                  {"build/performer.nvv"}},
+                 *options);
+    verb->add_option("--frames", options->frames, "Times, spread over the clip")
+        ->check(CLI::Range(1, 10000))
         ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights "
-                    "has. ") +
-        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench slice build/performer.nvv");
+    add_repeats_option(*verb, *options, "Slices of each time");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

@@ -20,11 +20,10 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchStageOptions {
-    std::string scene, size = "1280x720", picture;
-    uint32_t repeats = 15, copies = 32;
-    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
-    bool together = false, json = false;
+struct StageOptions : BenchOptions {
+    StageOptions() { repeats = 15; }
+    uint32_t copies = 32;
+    bool together = false;
 };
 
 // What one picture of it takes, in one way of drawing it.
@@ -36,7 +35,7 @@ struct Way {
 };
 
 // A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
-stage::Stage make_bench_stage(const BenchStageOptions& options, uint32_t performers) {
+stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) {
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
     stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
     const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
@@ -80,7 +79,7 @@ struct Result {
 };
 
 // Ways take turns, so that what else the machine does hits all alike.
-std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions& options, media::Image& picture) {
+std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& picture) {
     stage::Stage stage = make_bench_stage(options, 2);
     const tools::PictureSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
@@ -107,7 +106,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const BenchStageOptions
 }
 
 // Buffers of a stage with so many copies, at as many times, after a picture of it.
-uint64_t bytes_with(const gpu::Device& device, const BenchStageOptions& options, uint32_t copies) {
+uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
     const tools::PictureSize size = tools::parse_size(options.size);
@@ -124,7 +123,7 @@ double growth(const Result& result, size_t way) {
     return median(result.ways[way].ms) / median(result.ways[0].ms) - 1;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchStageOptions& options) {
+void print(const Result& result, const gpu::Device& device, const StageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
     for (size_t i = 0; i < result.ways.size(); i++) {
@@ -136,7 +135,7 @@ void print(const Result& result, const gpu::Device& device, const BenchStageOpti
                static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchStageOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const StageOptions& options) {
     nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}, {"size", options.size}};
     for (size_t i = 0; i < result.ways.size(); i++)
         json["ways"].push_back(
@@ -147,7 +146,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
     return json;
 }
 
-void run(const BenchStageOptions& options, const tools::CommonOptions& common) {
+void run(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
     const gpu::Device device(common.device);
@@ -167,25 +166,24 @@ void run(const BenchStageOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_stage(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("stage", "Lights, shadows, blending and copies on a stage");
-    const auto options = std::make_shared<BenchStageOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+    const auto options = std::make_shared<StageOptions>();
+    CLI::App* verb = add_verb(
+        app,
+        {"stage",
+         "Lights, shadows, blending and copies on a stage",
+         "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
+         "there already, and prints the time of a picture; then device memory of copies.\n",
+         {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
+        *options);
+    add_size_option(*verb, *options);
     verb->add_flag("--together", options->together, "The performers stand in each other");
     verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
     tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    verb->add_option("--repeats", options->repeats, "Pictures of each way that the medians are over")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    verb->add_option("--picture", options->picture, "Write what was drawn to this PNG");
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string(
-            "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
-            "there already, and prints the time of a picture; then device memory of copies.\n") +
-        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench stage build/performer.nvv");
+    add_repeats_option(*verb, *options, "Pictures of each way that the medians are over");
+    add_picture_option(*verb, *options);
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

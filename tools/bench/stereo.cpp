@@ -21,12 +21,6 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchStereoOptions {
-    std::string scene, size = "2064x2208";
-    uint32_t repeats = 20;
-    bool json = false;
-};
-
 // A way to draw both eyes.
 struct Way {
     std::string name;
@@ -61,12 +55,6 @@ std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& 
     return eyes;
 }
 
-double milliseconds(const render::FrameRenderer& renderer) {
-    double sum = 0;
-    for (const gpu::PassTime& pass : renderer.pass_times()) sum += pass.milliseconds;
-    return sum;
-}
-
 struct Drawn {
     std::vector<media::Image> pictures;
     double ms = 0;
@@ -76,13 +64,13 @@ Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& ey
            const render::FrameSettings& settings, bool one_by_one) {
     if (!one_by_one) {
         Drawn both{renderer.render_views(eyes, settings), 0};
-        both.ms = milliseconds(renderer);
+        both.ms = milliseconds(renderer.pass_times());
         return both;
     }
     Drawn drawn;
     for (const stage::Camera& eye : eyes) {
         drawn.pictures.push_back(renderer.render(eye, settings));
-        drawn.ms += milliseconds(renderer);
+        drawn.ms += milliseconds(renderer.pass_times());
     }
     return drawn;
 }
@@ -150,12 +138,13 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
         settings.instances[0].frame = static_cast<float>(shown % clip_frames);
         if (ahead) settings.next_slices = {{static_cast<float>((shown + 1) % clip_frames)}};
         renderer.render_views(eyes, settings);
-        if (i >= kDisplayHz / kClipFps) ms.push_back(milliseconds(renderer));  // the first slice is needed at once
+        if (i >= kDisplayHz / kClipFps)
+            ms.push_back(milliseconds(renderer.pass_times()));  // the first slice is needed at once
     }
     return ms;
 }
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchStereoOptions& options) {
+Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const tools::PictureSize size = tools::parse_size(options.size);
     const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
@@ -172,10 +161,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     progress.update(result.ways.size() + 1);
     result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
     progress.update(result.ways.size() + 2);
-    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
-    std::vector<double> copies;
-    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
-    result.copy_tb_s = 2 * static_cast<double>(field.weights.bytes) / (median(copies) / 1000) / 1e12;
+    result.copy_tb_s = 1e-12 * copied_bytes_per_second(device, field);
     return result;
 }
 
@@ -183,7 +169,7 @@ double mrays_per_second(const Way& way) {
     return way.rays / median(way.ms) / 1000;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchStereoOptions& options) {
+void print(const Result& result, const gpu::Device& device, const BenchOptions& options) {
     fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
@@ -199,7 +185,7 @@ void print(const Result& result, const gpu::Device& device, const BenchStereoOpt
     fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchStereoOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchOptions& options) {
     auto ways = nlohmann::ordered_json::object();
     for (const Way& way : result.ways)
         ways[way.key] = {{"ms", median(way.ms)},
@@ -221,7 +207,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"passes_ms", passes}};
 }
 
-void run(const BenchStereoOptions& options, const tools::CommonOptions& common) {
+void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -236,21 +222,21 @@ void run(const BenchStereoOptions& options, const tools::CommonOptions& common) 
 }  // namespace
 
 void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("stereo", "Both eyes of a headset");
-    const auto options = std::make_shared<BenchStereoOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
-    verb->add_option("--repeats", options->repeats, "Frames that the medians are over")
-        ->check(CLI::Range(1, 10000))
-        ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
-                    "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far pictures of "
-                    "fewer rays are from those of all.\n") +
-        tools::kDeviceHelp + tools::kExamplesHead +
-        "  neuvv-bench stereo build/performer.nvv\n"
-        "  neuvv-bench stereo build/performer.nvv --size 1032x1104 --repeats 5");
+    const auto options = std::make_shared<BenchOptions>();
+    options->size = "2064x2208";
+    options->repeats = 20;
+    CLI::App* verb =
+        add_verb(app,
+                 {"stereo",
+                  "Both eyes of a headset",
+                  "Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
+                  "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far pictures of "
+                  "fewer rays are from those of all.\n",
+                  {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
+                 *options);
+    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
+    add_repeats_option(*verb, *options, "Frames that the medians are over");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

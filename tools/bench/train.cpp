@@ -24,9 +24,10 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchTrainOptions {
-    std::string scene, dataset, format = training::kAnyFormat;
-    uint32_t tiles = 512, repeats = 30;
+struct TrainOptions : BenchOptions {
+    TrainOptions() { repeats = 30; }
+    std::string dataset, format = training::kAnyFormat;
+    uint32_t tiles = 512;
 };
 
 // Milliseconds of each pass over the repeats, in the order in which passes first came.
@@ -66,7 +67,7 @@ double seconds_now() {
 }
 
 BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree& tree,
-                               const training::Dataset& dataset, const BenchTrainOptions& options) {
+                               const training::Dataset& dataset, const TrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
@@ -143,7 +144,7 @@ void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
                    sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
-void run_train(const BenchTrainOptions& options, const tools::CommonOptions& common) {
+void run_train(const TrainOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const training::Dataset dataset =
@@ -168,22 +169,23 @@ void run_train(const BenchTrainOptions& options, const tools::CommonOptions& com
 }  // namespace
 
 void add_train(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* training = app.add_subcommand("train", "A training step, pass by pass");
-    const auto options = std::make_shared<BenchTrainOptions>();
-    training->add_option("scene", options->scene, "The .nvv file")->required();
-    training->add_option("dataset", options->dataset, "The data set's folder")->required();
-    tools::add_format_option(*training, options->format);
-    training->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
-    training->add_option("--repeats", options->repeats, "Steps that the medians are over")->check(CLI::Range(1, 10000));
-    training->footer(
-        std::string("Runs steps of training on the scene as it is, each also the paper's way (every number of "
-                    "a leaf at every sample),\n"
-                    "and prints the median GPU time of each pass, their ratio, and the share of the device's "
-                    "bandwidth that the\n"
-                    "optimiser reaches. Weights stay as they are. ") +
-        tools::kDeviceHelp + tools::kExamplesHead +
-        "  neuvv-bench train build/performer.nvv build/performer --repeats 50");
-    training->callback([options, &common] { run_train(*options, common); });
+    const auto options = std::make_shared<TrainOptions>();
+    CLI::App* verb =
+        add_verb(app,
+                 {"train",
+                  "A training step, pass by pass",
+                  "Runs steps of training on the scene as it is, each also the paper's way (every number of "
+                  "a leaf at every sample),\n"
+                  "and prints the median GPU time of each pass, their ratio, and the share of the device's "
+                  "bandwidth that the\n"
+                  "optimiser reaches. Weights stay as they are. ",
+                  {"build/performer.nvv build/performer --repeats 50"}},
+                 *options);
+    verb->add_option("dataset", options->dataset, "The data set's folder")->required();
+    tools::add_format_option(*verb, options->format);
+    verb->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
+    add_repeats_option(*verb, *options, "Steps that the medians are over");
+    verb->callback([options, &common] { run_train(*options, common); });
 }
 
 }  // namespace neuvv::bench

@@ -18,12 +18,6 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchWalkOptions {
-    std::string scene, size = "1280x720";
-    uint32_t views = 4, repeats = 5;
-    bool json = false;
-};
-
 struct Step {
     std::string name;
     const char* key;  // in JSON
@@ -126,7 +120,7 @@ class WalkBench {
     gpu::Commands commands_{device_, "walk"};
 };
 
-void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device, const BenchWalkOptions& options) {
+void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device, const BenchOptions& options) {
     fmt::print("{}: {}, {}, {} views; a shaded slice, each step with those before it\n", device.summary().name,
                options.scene, options.size, options.views);
     fmt::print("{:<58} {:>9} {:>8} {:>10} {:>10}\n", "", "ms (p50)", "ns a ray", "of before", "of first");
@@ -139,7 +133,7 @@ void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& devic
 }
 
 nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device,
-                               const BenchWalkOptions& options) {
+                               const BenchOptions& options) {
     auto walk = nlohmann::ordered_json::object();
     for (const Step& step : all) walk[step.key] = median(step.ms);
     return {{"device", device.summary().name},
@@ -149,7 +143,7 @@ nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, cons
             {"trace_ms", walk}};
 }
 
-void run(const BenchWalkOptions& options, const tools::CommonOptions& common) {
+void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
@@ -173,21 +167,18 @@ void run(const BenchWalkOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_walk(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("walk", "What each part of the walk through the tree is worth");
-    const auto options = std::make_shared<BenchWalkOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
-    verb->add_option("--views", options->views, "Views of the orbit, as the clip plays")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    verb->add_option("--repeats", options->repeats, "Traces of each view that the medians are over")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU "
-                    "time.\n") +
-        tools::kDeviceHelp + tools::kExamplesHead + "  neuvv-bench walk build/performer.nvv");
+    const auto options = std::make_shared<BenchOptions>();
+    CLI::App* verb = add_verb(
+        app,
+        {"walk",
+         "What each part of the walk through the tree is worth",
+         "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
+         {"build/performer.nvv"}},
+        *options);
+    add_size_option(*verb, *options);
+    add_views_option(*verb, *options);
+    add_repeats_option(*verb, *options, "Traces of each view that the medians are over");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 

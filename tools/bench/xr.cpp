@@ -21,15 +21,14 @@ namespace neuvv::bench {
 
 namespace {
 
-struct BenchXrOptions {
-    std::string scene, size = "2064x2208";
+struct XrOptions : BenchOptions {
+    XrOptions() { size = "2064x2208"; }
     uint32_t frames = 360;
     double hz = 90, scale = 1;
-    bool json = false;
 };
 
 // A floor, a spotlight and a performer, or a stage as it is.
-stage::Stage stage_of(const BenchXrOptions& options) {
+stage::Stage stage_of(const XrOptions& options) {
     if (tools::is_stage(options.scene)) return stage::load_stage(options.scene);
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
     stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
@@ -78,14 +77,12 @@ struct Result {
 };
 
 // Software devices leave compute passes out of the timestamps of frames that draw: there the host's clock counts.
-double milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
+double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
     if (device.summary().kind == "cpu") return frames.milliseconds();
-    double sum = 0;
-    for (const gpu::PassTime& pass : frames.pass_times()) sum += pass.milliseconds;
-    return sum;
+    return milliseconds(frames.pass_times());
 }
 
-Result measure(const gpu::Device& device, const stage::Stage& stage, const BenchXrOptions& options) {
+Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
     const tools::PictureSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
@@ -113,16 +110,15 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const Bench
         for (uint32_t eye = 0; eye < xr::kEyes; eye++)
             cameras[eye] = xr::eye_camera(eyes.eye[eye], {}, {size.width, size.height});
         const gpu::Buffer& pictures = renderer.frames().draw(cameras, settings);
-        const double both = milliseconds(device, renderer.frames());
+        const double both = frame_milliseconds(device, renderer.frames());
         const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
         pass.draw(renderer, pictures, cameras, {}, 0, images.target);
-        double eye_pass = 0;
-        for (const gpu::PassTime& one : pass.pass_times()) eye_pass += one.milliseconds;
+        const double eye_pass = milliseconds(pass.pass_times());
         // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
         renderer.frames().draw(cameras, settings);
-        const double again = milliseconds(device, renderer.frames());
+        const double again = frame_milliseconds(device, renderer.frames());
         renderer.frames().draw({cameras.data(), 1}, settings);
-        const double left = milliseconds(device, renderer.frames());
+        const double left = frame_milliseconds(device, renderer.frames());
         if (i < kWarm) continue;
         result.both_ms.push_back(both + eye_pass);
         result.eye_pass_ms.push_back(eye_pass);
@@ -139,7 +135,7 @@ double second_eye(const Result& result) {
     return first > 0 ? (1 - first) / first : 0;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchXrOptions& options) {
+void print(const Result& result, const gpu::Device& device, const XrOptions& options) {
     const double budget_ms = 1000 / options.hz;
     fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
     fmt::print("a frame of both eyes: {:.1f} ms median, {:.1f} ms p99, {:.0f} % of {:.0f} Hz\n", median(result.both_ms),
@@ -153,7 +149,7 @@ void print(const Result& result, const gpu::Device& device, const BenchXrOptions
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchXrOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const XrOptions& options) {
     auto passes = nlohmann::ordered_json::object();
     for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
     return {{"device", device.summary().name},
@@ -166,7 +162,7 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
             {"passes_ms", passes}};
 }
 
-void run(const BenchXrOptions& options, const tools::CommonOptions& common) {
+void run(const XrOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const stage::Stage stage = stage_of(options);
     const gpu::Device device(common.device);
@@ -181,10 +177,16 @@ void run(const BenchXrOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_xr(CLI::App& app, const tools::CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("xr", "A frame in a headset, of a stage");
-    const auto options = std::make_shared<BenchXrOptions>();
-    verb->add_option("scene", options->scene, "A stage, or a .nvv that is put on one")->required();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT of an eye")->capture_default_str();
+    const auto options = std::make_shared<XrOptions>();
+    CLI::App* verb = add_verb(app,
+                              {"xr",
+                               "A frame in a headset, of a stage",
+                               "Plays the stage before a head that sways, with slices made ahead, and prints the "
+                               "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
+                               {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
+                               "A stage, or a .nvv that is put on one"},
+                              *options);
+    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
     verb->add_option("--frames", options->frames, "Frames that are drawn")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
@@ -194,13 +196,7 @@ void add_xr(CLI::App& app, const tools::CommonOptions& common) {
     verb->add_option("--scale", options->scale, "Rays a pixel along each side")
         ->check(tools::number_between(0.2, 1))
         ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Plays the stage before a head that sways, with slices made ahead, and prints the device's "
-                    "time of each frame.\nNo headset and no OpenXR runtime are needed.\n") +
-        tools::kDeviceHelp + tools::kExamplesHead +
-        "  neuvv-bench xr demo/performer.nvv\n"
-        "  neuvv-bench xr demo/stage.gltf --size 516x552 --frames 40");
+    add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }
 
