@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "render/linear_picture.h"
+#include "render/reference_paths.h"
 #include "tools/paint_layers.h"
 #include "tools/render_job.h"
 #include "tools/view_path.h"
@@ -60,8 +61,20 @@ RenderPlan plan_render(const RenderOptions& options) {
     return plan;
 }
 
-void render_picture(render::FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan,
-                    uint32_t paint, uint32_t i, PictureSink& sink) {
+// What the renderer has just drawn.
+template <typename Renderer>
+FrameTimes add_picture(const Renderer& renderer, const media::Image& picture, const RenderPlan& plan, uint32_t i,
+                       PictureSink& sink) {
+    if (sink.exr())
+        sink.add(i, render::linear_picture(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
+                                           plan.samples, plan.resolve.background));
+    else
+        sink.add(i, picture);
+    return times_of(renderer);
+}
+
+FrameTimes render_picture(render::FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan,
+                          uint32_t paint, uint32_t i, PictureSink& sink) {
     render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
     settings.instances[0].paint = paint;
@@ -70,13 +83,17 @@ void render_picture(render::FrameRenderer& renderer, const RenderOptions& option
     settings.samples = plan.samples;
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
-    settings.mode = options.direct ? render::TraceMode::kDirect : render::TraceMode::kPlay;
-    const media::Image picture = renderer.render(plan.path[i].camera, settings);
-    if (sink.exr())
-        sink.add(i, render::linear_picture(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
-                                           plan.samples, plan.resolve.background));
-    else
-        sink.add(i, picture);
+    settings.mode = render::TraceMode::kPlay;
+    return add_picture(renderer, renderer.render(plan.path[i].camera, settings), plan, i, sink);
+}
+
+FrameTimes render_directly(render::ReferenceRenderer& renderer, const RenderPlan& plan, uint32_t i, PictureSink& sink) {
+    render::ReferenceSettings settings;
+    settings.path = render::ReferencePath::kDirect;
+    settings.frame = static_cast<float>(plan.path[i].frame);
+    settings.samples = plan.samples;
+    settings.resolve = plan.resolve;
+    return add_picture(renderer, renderer.render(plan.path[i].camera, settings), plan, i, sink);
 }
 
 void expect_no_stage_options(const RenderOptions& options) {
@@ -108,11 +125,17 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     PictureSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const gpu::Device device(common.device);
     const render::Field field = render::upload_field(device, plan.tree, render::WeightPrecision::kHalf);
+    const auto render_all = [&](const std::function<FrameTimes(uint32_t)>& render) {
+        return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, device, render);
+    };
+    if (options.direct) {
+        render::ReferenceRenderer renderer(device, field, size.width, size.height, plan.samples);
+        return render_all([&](uint32_t i) { return render_directly(renderer, plan, i, sink); });
+    }
     const auto slice_bytes = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
     const uint32_t paint = plan.paint.uses.empty() ? 0 : renderer.paints().add(plan.paint.uses);
-    return render_pictures(options, plan.output, size, plan.playback.output_fps, pictures, sink, device, renderer,
-                           [&](uint32_t i) { render_picture(renderer, options, plan, paint, i, sink); });
+    return render_all([&](uint32_t i) { return render_picture(renderer, options, plan, paint, i, sink); });
 }
 
 }  // namespace neuvv::tools

@@ -74,7 +74,7 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
 
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
                              uint32_t pictures, PictureSink& sink, const gpu::Device& device,
-                             const render::FrameRenderer& renderer, const std::function<void(uint32_t)>& render) {
+                             const std::function<FrameTimes(uint32_t)>& render) {
     catch_stop_signals();
     const bool video = output.kind == PictureOutput::Kind::kVideo;
     const PictureSize encoded{media::video_side(size.width), media::video_side(size.height)};
@@ -89,11 +89,11 @@ RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& 
         if (!sink.has(i)) {
             std::optional<gpu::FrameCapture> capture;
             if (options.capture && totals.rendered == 0) capture.emplace(device);
-            render(i);
+            const FrameTimes times = render(i);
             if (capture) fmt::print(stderr, "captured picture {}: {}\n", i, capture->finish());
             ++totals.rendered;
-            totals.seconds += renderer.milliseconds() / 1000;
-            if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(renderer.pass_times()));
+            totals.seconds += times.milliseconds / 1000;
+            if (trace_wanted()) fmt::print(stderr, "picture {}: {}\n", i, pass_times_text(times.passes));
         }
         progress.update(i + 1);
     }

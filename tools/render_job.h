@@ -50,10 +50,20 @@ inline uint32_t samples_of(const RenderOptions& options) {
 // All that the pictures depend on but scene, camera and device, whose rounding nobody sees.
 RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize size, size_t pictures);
 
+// How long a frame took: from its submission until it was there, and each pass on the device.
+struct FrameTimes {
+    double milliseconds = 0;
+    std::vector<gpu::PassTime> passes;
+};
+template <typename Renderer>
+FrameTimes times_of(const Renderer& renderer) {
+    return {renderer.milliseconds(), renderer.pass_times()};
+}
+
 // The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
 // the user stops it.
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
                              uint32_t pictures, PictureSink& sink, const gpu::Device& device,
-                             const render::FrameRenderer& renderer, const std::function<void(uint32_t)>& render);
+                             const std::function<FrameTimes(uint32_t)>& render);
 
 }  // namespace neuvv::tools

@@ -225,8 +225,10 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     const auto read = [&](size_t done, size_t) { reading.update(done); };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
-    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, device, renderer.frames(),
-                           [&](uint32_t i) { render_picture(renderer, options, plan, i, sink); });
+    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, device, [&](uint32_t i) {
+        render_picture(renderer, options, plan, i, sink);
+        return times_of(renderer.frames());
+    });
 }
 
 }  // namespace neuvv::tools

@@ -4,31 +4,12 @@
 
 namespace neuvv::render {
 
-// Cameras, tiles and instances are in their buffers, the mode's path is made.
+// Cameras, tiles and instances are in their buffers.
 void FrameRenderer::record_frame(const FrameSettings& settings) {
-    const uint32_t tiles = layout_.ray_tiles();
-    const float frame = settings.instances.empty() ? 0 : settings.instances[0].frame;  // a reference has only this one
-    switch (settings.mode) {
-        case TraceMode::kPlay:
-        case TraceMode::kShaded:
-        case TraceMode::kTree:
-            if (is_inspection(settings.resolve.show))
-                record_inspected(settings);
-            else
-                record_playing(settings);
-            break;
-        case TraceMode::kSlice:
-            record_slice(commands_, slots_->slicer, frame);
-            record_trace(commands_, slots_->tracer, tiles, settings.stop);
-            break;
-        case TraceMode::kDirect:
-        case TraceMode::kPaper:
-            record_rows(commands_, direct_->finder, frame);
-            record_direct(commands_, settings.mode == TraceMode::kPaper ? direct_->paper : direct_->direct, tiles,
-                          settings.stop);
-            break;
-    }
-    if (is_reference(settings.mode)) record_resolve(commands_, resolver_, layout_, settings.resolve);
+    if (is_inspection(settings.resolve.show))
+        record_inspected(settings);
+    else
+        record_playing(settings);
     gpu::host_barrier(commands_);  // the host looks at what had no room
 }
 

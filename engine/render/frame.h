@@ -19,15 +19,7 @@ enum class TraceMode {
     kPlay,    // slice trees, shaded where that shows the same (play_shading)
     kShaded,  // slice trees with one colour a leaf
     kTree,    // slice trees, SH along each ray
-    // References, of one instance where it was recorded, in one view:
-    kSlice,   // the slice as training has it, in single precision
-    kDirect,  // no slice: all numbers at each sample
-    kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
-
-constexpr bool is_reference(TraceMode mode) {
-    return mode == TraceMode::kSlice || mode == TraceMode::kDirect || mode == TraceMode::kPaper;
-}
 
 enum class Blend {
     kExact,  // instances whose boxes overlap along a ray are marched together, in depth order
@@ -42,12 +34,12 @@ struct NextSlice {
 struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
-    uint32_t samples = 1;  // rays a pixel, along each side: 2 averages four
-    double scale = 1;      // below 1: so many rays a pixel along each side, upscaled; samples must be 1, no reference
+    uint32_t samples = 1;                // rays a pixel, along each side: 2 averages four
+    double scale = 1;                    // below 1: so many rays a pixel along each side, upscaled; samples must be 1
     std::vector<Fovea> foveae;           // one a view, or none; as scale
     std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
     uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each picture
-    ResolveSettings resolve;             // an inspection: no reference; the set takes no part, nor do lights
+    ResolveSettings resolve;             // an inspection: the set takes no part, nor do lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
     bool lit = true;  // the set's lights shine on performers, who else show what was captured
@@ -66,21 +58,6 @@ struct FrameCapacity {
     uint64_t slice_budget =
         kSliceBudget;  // bytes, in equal shares for all fields; 0: no slices, all numbers at each sample
     uint64_t segment_budget = UINT64_MAX;  // bytes for those along rays that are merged at once
-};
-
-// What the reference paths need on the device besides rays.
-struct SlotPath {
-    SlotPath(const gpu::Device& device, const Field& field, const RayBatch& rays);
-    Slice slice;
-    Slicer slicer;
-    Tracer tracer;
-};
-
-struct DirectPath {
-    DirectPath(const gpu::Device& device, const Field& field, const RayBatch& rays);
-    LiveLeaves live;  // its rows alone
-    LiveFinder finder;
-    DirectTracer direct, paper;
 };
 
 // Everything a frame needs on the device, made once.
@@ -120,7 +97,7 @@ class FrameRenderer {
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
-    // What the last picture left on the device; no performer before the first that was not a reference.
+    // What the last picture left on the device; no performer before the first.
     const Performer* performer(uint32_t field = 0) const {
         return field < performers_.size() ? performers_[field].get() : nullptr;
     }
@@ -158,7 +135,6 @@ class FrameRenderer {
     std::vector<std::vector<uint32_t>> order_of(std::span<const stage::Camera> cameras,
                                                 const FrameSettings& settings) const;
     void prepare(const FrameSettings& settings);
-    void prepare_performers(const FrameSettings& settings);
     bool enlarge();
     const gpu::Device& device_;
     std::vector<const Field*> fields_;
@@ -171,8 +147,6 @@ class FrameRenderer {
     std::vector<std::unique_ptr<Paints>> paints_;         // by field
     std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
     std::unique_ptr<Segments> segments_;
-    std::unique_ptr<SlotPath> slots_;
-    std::unique_ptr<DirectPath> direct_;
     PictureLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
     std::unique_ptr<Resolver> upscaler_;         // made when first asked for

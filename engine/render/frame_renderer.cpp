@@ -17,38 +17,8 @@ namespace {
 // Three of an instance and five of its slice, seen by the eye and by the lights, and the rest.
 constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
 
-// Tiles of all views' rays. Throws RuntimeFailure where the device cannot address so many rays.
-uint32_t checked_tiles(const gpu::Device& device, const FrameCapacity& capacity) {
-    const uint64_t across = (uint64_t{capacity.samples} * capacity.width + kTile - 1) / kTile;
-    const uint64_t down = (uint64_t{capacity.samples} * capacity.height + kTile - 1) / kTile;
-    const uint64_t tiles = across * down * capacity.views;
-    if (tiles * kTilePixels > device.limits().maxTexelBufferElements)
-        throw RuntimeFailure(
-            fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
-                        "or --samples",
-                        capacity.width, capacity.height, capacity.samples * capacity.samples));
-    return static_cast<uint32_t>(tiles);
-}
-
 ViewLayout largest(const FrameCapacity& capacity) {
     return {capacity.width, capacity.height, capacity.samples, capacity.views};
-}
-
-// Per-ray values of one view from tile order into rows.
-template <typename T>
-std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, const ViewLayout& layout,
-                            uint32_t view) {
-    std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
-    gpu::download(device, rays, tiles.data(), tiles.size() * sizeof(T));
-    const uint32_t width = layout.rays_across(), height = layout.rays_down();
-    const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
-    std::vector<T> rows(size_t{width} * height);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++) {
-            const size_t tile = first_tile + size_t{y / kTile} * layout.tiles_across() + x / kTile;
-            rows[size_t{y} * width + x] = tiles[tile * kTilePixels + y % kTile * kTile + x % kTile];
-        }
-    return rows;
 }
 
 Surroundings surroundings_of(const SetRaster* set) {
@@ -69,22 +39,13 @@ constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, time
 
 }  // namespace
 
-SlotPath::SlotPath(const gpu::Device& device, const Field& field, const RayBatch& rays)
-    : slice(device, field, field.leaf_count), slicer(device, field, slice), tracer(device, field, slice, rays) {}
-
-DirectPath::DirectPath(const gpu::Device& device, const Field& field, const RayBatch& rays)
-    : live(device, field, 1),
-      finder(device, field, live),
-      direct(device, field, live, rays),
-      paper(device, field, live, rays, Walk::kFromRoot) {}
-
 FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                              SetRaster* set)
     : device_(device),
       fields_(std::move(fields)),
       capacity_(capacity),
       set_(set),
-      target_(device, capacity.views * (kMaxInstances + 1), checked_tiles(device, capacity),
+      target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
               largest(capacity).picture_tiles(), surroundings_of(set)),
       picture_(device, "picture", largest(capacity).picture_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "picture readback", largest(capacity).picture_bytes(), gpu::MemoryKind::kReadback),
@@ -125,8 +86,6 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
         paints[i] = std::move(paints_[at]);
         if (fields.size() == fields_.size()) performers[i] = std::move(performers_[at]);
     }
-    slots_.reset();
-    direct_.reset();
     inspector_.reset();
     drawn_.clear();
     performers_ = std::move(performers);  // before the paints that they show
@@ -151,9 +110,6 @@ void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const
         if (camera.width != settings.width || camera.height != settings.height)
             throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
                                              camera.height, settings.width, settings.height));
-    assert(!is_reference(settings.mode) || (layout.views == 1 && settings.instances.size() == 1));
-    assert(!is_reference(settings.mode) || settings.instances[0].paint == 0);
-    assert(!is_reference(settings.mode) || !is_inspection(settings.resolve.show));
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
     for (size_t i = 0; i < settings.instances.size(); i++) {
@@ -172,7 +128,7 @@ void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
     layout_ = {settings.width, settings.height, settings.samples, views};
     grids_.clear();
     if (settings.scale == 1 && settings.foveae.empty()) return;
-    assert(settings.samples == 1 && !is_reference(settings.mode));
+    assert(settings.samples == 1);
     for (uint32_t view = 0; view < views; view++) {
         const Fovea fovea = settings.foveae.empty() ? Fovea{} : settings.foveae[view];
         grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
@@ -248,23 +204,6 @@ void FrameRenderer::place_instances(std::span<const stage::Camera> cameras, cons
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
-    switch (settings.mode) {
-        case TraceMode::kPlay:
-        case TraceMode::kShaded:
-        case TraceMode::kTree:
-            prepare_performers(settings);
-            break;
-        case TraceMode::kSlice:
-            if (!slots_) slots_ = std::make_unique<SlotPath>(device_, *fields_[0], target_.rays);
-            break;
-        case TraceMode::kDirect:
-        case TraceMode::kPaper:
-            if (!direct_) direct_ = std::make_unique<DirectPath>(device_, *fields_[0], target_.rays);
-            break;
-    }
-}
-
-void FrameRenderer::prepare_performers(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show) && !inspector_)
         inspector_ = std::make_unique<Inspector>(device_, target_.rays, picture_, fields_);
     performers_.resize(fields_.size());
@@ -330,7 +269,7 @@ void FrameRenderer::draw_to(To to, std::span<const stage::Camera> cameras, const
         if (to == To::kHost) record_readback();
         commands_.submit();
         commands_.wait();
-    } while (!is_reference(settings.mode) && enlarge());
+    } while (enlarge());
 }
 
 const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings) {

@@ -1,6 +1,9 @@
 // How the rays and pictures of one frame's views stand in their buffers.
 #pragma once
 
+#include <vector>
+
+#include "gpu/commands.h"
 #include "shared/trace.h"
 
 namespace neuvv::render {
@@ -24,5 +27,26 @@ struct ViewLayout {
     uint32_t picture_tiles() const { return views * pictures_across() * pictures_down(); }
     bool operator==(const ViewLayout&) const = default;
 };
+
+// The tiles of all views' rays, one or more a pixel. Throws RuntimeFailure where the device cannot address so many
+// rays.
+uint32_t checked_ray_tiles(const gpu::Device& device, const ViewLayout& layout);
+
+// Per-ray values of one view from tile order into rows.
+template <typename T>
+std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, const ViewLayout& layout,
+                            uint32_t view) {
+    std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
+    gpu::download(device, rays, tiles.data(), tiles.size() * sizeof(T));
+    const uint32_t width = layout.rays_across(), height = layout.rays_down();
+    const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
+    std::vector<T> rows(size_t{width} * height);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            const size_t tile = first_tile + size_t{y / kTile} * layout.tiles_across() + x / kTile;
+            rows[size_t{y} * width + x] = tiles[tile * kTilePixels + y % kTile * kTile + x % kTile];
+        }
+    return rows;
+}
 
 }  // namespace neuvv::render

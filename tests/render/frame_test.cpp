@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "render/reference_paths.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -60,13 +61,28 @@ size_t wide_leaves(const voctree::VOctree& tree) {
     return count;
 }
 
-void expect_agreement(const voctree::VOctree& tree, const View& view, render::FrameRenderer& renderer, float frame) {
+Traced trace_by_path(render::ReferenceRenderer& renderer, const stage::Camera& camera, float frame,
+                     render::ReferencePath path, float stop) {
+    renderer.render(camera, {.path = path, .frame = frame, .stop = stop});
+    return {renderer.radiance(), renderer.depth()};
+}
+
+// The renderers of a field, with room for the views of this test.
+struct Renderers {
+    Renderers(const gpu::Device& device, const render::Field& field)
+        : frames(device, field, {kWidth, kHeight}), references(device, field, kWidth, kHeight) {}
+    render::FrameRenderer frames;
+    render::ReferenceRenderer references;
+};
+
+void expect_agreement(const voctree::VOctree& tree, const View& view, Renderers& renderers, float frame) {
+    using render::ReferencePath, render::TraceMode;
     const Traced truth = trace_by_reference(tree, view.camera, frame, 0);
-    const Traced trace = trace_on_device(renderer, view.camera, frame, render::TraceMode::kSlice, 0);
-    const Traced direct = trace_on_device(renderer, view.camera, frame, render::TraceMode::kDirect, 0);
-    const Traced paper = trace_on_device(renderer, view.camera, frame, render::TraceMode::kPaper, 0);
-    const Traced in_tree = trace_on_device(renderer, view.camera, frame, render::TraceMode::kTree, 0);
-    const Traced shaded = trace_on_device(renderer, view.camera, frame, render::TraceMode::kShaded, 0);
+    const Traced trace = trace_by_path(renderers.references, view.camera, frame, ReferencePath::kSlots, 0);
+    const Traced direct = trace_by_path(renderers.references, view.camera, frame, ReferencePath::kDirect, 0);
+    const Traced paper = trace_by_path(renderers.references, view.camera, frame, ReferencePath::kPaper, 0);
+    const Traced in_tree = trace_on_device(renderers.frames, view.camera, frame, TraceMode::kTree, 0);
+    const Traced shaded = trace_on_device(renderers.frames, view.camera, frame, TraceMode::kShaded, 0);
     const Traced shaded_truth = shade_by_reference(tree, view.camera, frame);
     for (const auto& [name, a, b, steps] :
          {std::tuple("trace", &trace, &truth, kSteps), std::tuple("direct", &direct, &truth, kSteps),
@@ -146,8 +162,8 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
         ASSERT_GT(wide_leaves(tree), 0u);
         ASSERT_LT(wide_leaves(tree), tree.leaf_count);
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
-        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
-        for (const View& view : views(tree)) expect_agreement(tree, view, renderer, 1.3f);
+        Renderers renderers(device(), field);
+        for (const View& view : views(tree)) expect_agreement(tree, view, renderers, 1.3f);
     }
 }
 
@@ -168,8 +184,8 @@ TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
         ASSERT_GT(tree.leaf_count, 4u);
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         EXPECT_EQ(field.box_size, 2.0f * tree.box_size);
-        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
-        expect_agreement(tree, views(tree)[0], renderer, 1.3f);
+        Renderers renderers(device(), field);
+        expect_agreement(tree, views(tree)[0], renderers, 1.3f);
     }
 }
 
@@ -180,8 +196,8 @@ TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 3;
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
-        render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
-        expect_agreement(tree, views(tree)[0], renderer, 3);
+        Renderers renderers(device(), field);
+        expect_agreement(tree, views(tree)[0], renderers, 3);
     }
 }
 
@@ -190,19 +206,19 @@ TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
-    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    render::ReferenceRenderer renderer(device(), field, kWidth, kHeight);
     const stage::Camera camera = views(tree)[0].camera;
     const Traced whole = trace_by_reference(tree, camera, 2, 0);
-    for (const render::TraceMode mode :
-         {render::TraceMode::kSlice, render::TraceMode::kDirect, render::TraceMode::kPaper}) {
-        const Traced stopped = trace_on_device(renderer, camera, 2, mode, render::kStopTransmittance);
+    for (const render::ReferencePath path :
+         {render::ReferencePath::kSlots, render::ReferencePath::kDirect, render::ReferencePath::kPaper}) {
+        const Traced stopped = trace_by_path(renderer, camera, 2, path, render::kStopTransmittance);
         EXPECT_LE(difference(stopped, whole).steps, 1);
         double lost = 0;
         for (size_t i = 0; i < whole.radiance.size(); i++)
             lost = std::max(lost, static_cast<double>(whole.radiance[i].a - stopped.radiance[i].a));
         EXPECT_GT(lost, 0.05 * render::kStopTransmittance) << "no ray was ended early";
         EXPECT_LE(lost, render::kStopTransmittance);
-        EXPECT_LE(difference(trace_on_device(renderer, camera, 2, mode, 0), whole).steps, kSteps);
+        EXPECT_LE(difference(trace_by_path(renderer, camera, 2, path, 0), whole).steps, kSteps);
     }
 }
 
@@ -218,10 +234,11 @@ TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
     std::copy(std::begin(front), std::end(front), tree.leaf(0));
     std::copy(std::begin(back), std::end(back), tree.leaf(1));
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
-    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    render::ReferenceRenderer renderer(device(), field, kWidth, kHeight);
     const stage::Camera camera = axis_camera({0.25, 0.25, 3}, 512);
     const Traced whole = trace_by_reference(tree, camera, 0, 0);
-    const Traced stopped = trace_on_device(renderer, camera, 0, render::TraceMode::kSlice, render::kStopTransmittance);
+    const Traced stopped =
+        trace_by_path(renderer, camera, 0, render::ReferencePath::kSlots, render::kStopTransmittance);
     EXPECT_GT(difference(stopped, whole).steps, 0.1) << "nothing was left out";
     EXPECT_LE(difference(stopped, whole).steps, 1);
 }
@@ -232,8 +249,8 @@ TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const stage::Camera camera =
         look_at(world_of(tree, {1.7, 1.4, 2.1}), world_of(tree, glm::dvec3(0.5)), 2402, 1763, 0.7);
-    render::FrameRenderer renderer(device(), field, {camera.width, camera.height});
-    const Traced traced = trace_on_device(renderer, camera, 0, render::TraceMode::kSlice, 0);
+    render::ReferenceRenderer renderer(device(), field, camera.width, camera.height);
+    const Traced traced = trace_by_path(renderer, camera, 0, render::ReferencePath::kSlots, 0);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     size_t hits = 0;
     for (size_t i = 0; i < traced.radiance.size(); i += 997) {
@@ -351,8 +368,8 @@ TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     ASSERT_GT(field.leaf_count, render::most_entries(field) / 4 + 4096);
-    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
-    expect_agreement(tree, views(tree)[0], renderer, 1.3f);
+    Renderers renderers(device(), field);
+    expect_agreement(tree, views(tree)[0], renderers, 1.3f);
 }
 
 TEST_F(FrameTest, ARendererRefusesLargerPictures) {
@@ -363,6 +380,9 @@ TEST_F(FrameTest, ARendererRefusesLargerPictures) {
     settings.width = 16;
     settings.height = 17;
     EXPECT_THROW(renderer.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 17), settings), RuntimeFailure);
+    render::ReferenceRenderer reference(device(), field, 16, 16);
+    EXPECT_THROW(reference.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 17), {}), RuntimeFailure);
+    EXPECT_THROW(reference.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 16), {.samples = 2}), RuntimeFailure);
 }
 
 // A volume that training made: NEUVV_TEST_NVV=scene.nvv render_test --gtest_filter='*RealTree*'
@@ -371,17 +391,19 @@ TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     if (!file || !*file) GTEST_SKIP() << "set NEUVV_TEST_NVV to a trained .nvv";
     const voctree::VOctree tree = voctree::read_nvv(file);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
-    render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
+    Renderers renderers(device(), field);
     const float frame = 0.5f * static_cast<float>(tree.frames - 1) + 0.3f;
     const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
     const double radius_m = 1.2 * glm::length(glm::dvec3(tree.box_size));
     for (const glm::dvec3 from : {glm::dvec3(0.3, 0.2, 1), glm::dvec3(-0.9, 0.1, -0.4), glm::dvec3(0.5, 0.9, -0.6)}) {
         const stage::Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
         const Traced truth = trace_by_reference(tree, camera, frame, 0);
-        for (const render::TraceMode mode :
-             {render::TraceMode::kSlice, render::TraceMode::kDirect, render::TraceMode::kTree}) {
-            const Difference found =
-                difference(trace_on_device(renderer, camera, frame, mode, render::kStopTransmittance), truth);
+        const float stop = render::kStopTransmittance;
+        for (const Traced& traced :
+             {trace_by_path(renderers.references, camera, frame, render::ReferencePath::kSlots, stop),
+              trace_by_path(renderers.references, camera, frame, render::ReferencePath::kDirect, stop),
+              trace_on_device(renderers.frames, camera, frame, render::TraceMode::kTree, stop)}) {
+            const Difference found = difference(traced, truth);
             EXPECT_LE(found.steps, 1);
             EXPECT_LE(found.depth_m, 1e-2);  // the tail that early termination leaves out counts in the mean
             EXPECT_GT(found.alpha_mean, 0.001) << "this camera sees nothing";

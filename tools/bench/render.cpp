@@ -6,9 +6,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <variant>
 
 #include "base/platform.h"
 #include "render/frame.h"
+#include "render/reference_paths.h"
 #include "tools/bench/cpu_marcher.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/rival.h"
@@ -35,7 +37,7 @@ constexpr double kViewsPerSlice = 2 * 90 / 25.0;
 struct Way {
     const char* name;
     const char* key;  // in JSON
-    render::TraceMode mode;
+    std::variant<render::TraceMode, render::ReferencePath> path;
     std::vector<double> slice_ms, rest_ms;  // of each picture; a picture's slice is made once
     double seconds(double slices) const { return (slices * median(slice_ms) + median(rest_ms)) / 1000; }
     double p99(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
@@ -122,28 +124,53 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
             host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
 }
 
-// Adds to a way's times; returns the last picture.
-media::Image measure(render::FrameRenderer& renderer, Way& way, const tools::ViewStep& view, uint32_t repeats,
-                     Result& result) {
+struct Renderers {
+    Renderers(const gpu::Device& device, const render::Field& field, tools::PictureSize size)
+        : frames(device, field, {size.width, size.height}), references(device, field, size.width, size.height) {}
+    render::FrameRenderer frames;
+    render::ReferenceRenderer references;
+};
+
+struct Drawn {
+    media::Image picture;
+    std::vector<gpu::PassTime> passes;
+};
+
+// Its slice is made anew.
+Drawn draw(Renderers& renderers, const Way& way, const tools::ViewStep& view) {
+    render::ResolveSettings resolve;
+    resolve.background = {1, 1, 1, 1};
+    const auto frame = static_cast<float>(view.frame);
+    if (const auto* path = std::get_if<render::ReferencePath>(&way.path)) {
+        const render::ReferenceSettings settings{.path = *path, .frame = frame, .resolve = resolve};
+        media::Image picture = renderers.references.render(view.camera, settings);
+        return {std::move(picture), renderers.references.pass_times()};
+    }
     render::FrameSettings settings;
-    settings.instances[0].frame = static_cast<float>(view.frame);
+    settings.instances[0].frame = frame;
     settings.width = view.camera.width;
     settings.height = view.camera.height;
-    settings.mode = way.mode;
-    settings.resolve.background = {1, 1, 1, 1};
-    media::Image image = renderer.render(view.camera, settings);  // warms caches, compiles
+    settings.mode = std::get<render::TraceMode>(way.path);
+    settings.resolve = resolve;
+    renderers.frames.forget_slices();
+    media::Image picture = renderers.frames.render(view.camera, settings);
+    return {std::move(picture), renderers.frames.pass_times()};
+}
+
+// Adds to a way's times; returns the last picture.
+media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view, uint32_t repeats, Result& result) {
+    Drawn drawn = draw(renderers, way, view);  // warms caches, compiles
+    const auto* mode = std::get_if<render::TraceMode>(&way.path);
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        renderer.forget_slices();
-        image = renderer.render(view.camera, settings);
-        const std::vector<gpu::PassTime> passes = renderer.pass_times();
-        way.slice_ms.push_back(milliseconds(passes, true));
-        way.rest_ms.push_back(milliseconds(passes, false));
-        if (way.mode != render::TraceMode::kShaded) continue;
-        add_picture(result.passes, passes);
-        for (const gpu::PassTime& pass : passes)
+        drawn = draw(renderers, way, view);
+        way.slice_ms.push_back(milliseconds(drawn.passes, true));
+        way.rest_ms.push_back(milliseconds(drawn.passes, false));
+        if (!mode || *mode != render::TraceMode::kShaded) continue;
+        add_picture(result.passes, drawn.passes);
+        for (const gpu::PassTime& pass : drawn.passes)
             if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
     }
-    return image;
+    return std::move(drawn.picture);
 }
 
 double covered_share(const std::vector<glm::vec4>& rays) {
@@ -158,12 +185,13 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     Result result;
     result.rays = uint64_t{size.width} * size.height;
-    result.ways = {{"the paper's: from the root, all numbers", "paper", render::TraceMode::kPaper, {}, {}},
-                   {"all numbers, our walk", "direct", render::TraceMode::kDirect, {}, {}},
-                   {"slice in slots, our walk", "slice", render::TraceMode::kSlice, {}, {}},
+    result.ways = {{"the paper's: from the root, all numbers", "paper", render::ReferencePath::kPaper, {}, {}},
+                   {"all numbers, our walk", "direct", render::ReferencePath::kDirect, {}, {}},
+                   {"slice in slots, our walk", "slice", render::ReferencePath::kSlots, {}, {}},
                    {"slice tree and tile ranges", "tree", render::TraceMode::kTree, {}, {}},
                    {"the same, shaded", "shaded", render::TraceMode::kShaded, {}, {}}};
-    render::FrameRenderer renderer(device, field, {size.width, size.height});
+    Renderers renderers(device, field, size);
+    const render::FrameRenderer& renderer = renderers.frames;
     tools::Progress progress("bench", options.views * result.ways.size());
     double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
@@ -171,7 +199,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         media::Image truth;
         for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
             const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
-            const media::Image picture = measure(renderer, result.ways[w], view, repeats, result);
+            const media::Image picture = measure(renderers, result.ways[w], view, repeats, result);
             if (w == 0) truth = picture;
             if (w + 1 == result.ways.size()) {
                 const training::Quality quality = training::compare(truth, picture);
