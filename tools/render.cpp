@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "render/frame_passes.h"
 #include "tools/render_job.h"
 #include "tools/report.h"
 
@@ -28,6 +29,28 @@ void run(const RenderOptions& options, const CommonOptions& common) {
         fmt::print("{}: {} pictures of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n",
                    options.output, totals.pictures, totals.size.width, totals.size.height, totals.rendered,
                    1000 * totals.seconds / static_cast<double>(std::max<size_t>(1, totals.rendered)), mrays_per_s);
+}
+
+void print_passes() {
+    for (const render::FramePass& pass : render::frame_passes())
+        fmt::print("{:<22} {} [{}]{}\n", pass.name, pass.shows, pass.unit, pass.needs_set ? ", of stages" : "");
+}
+
+// Before the verb's other arguments are looked at: `--pass list` needs none.
+CLI::Option* add_pass_option(CLI::App& verb, RenderOptions& options) {
+    return verb.add_option_function<std::string>(
+        "--pass",
+        [&options](const std::string& name) {
+            if (name == "list") {
+                print_passes();
+                throw CLI::Success();
+            }
+            if (!render::find_frame_pass(name))
+                throw CLI::ValidationError("--pass", name + " is none of the passes that --pass list prints");
+            options.pass = name;
+        },
+        "Show an intermediate buffer of each frame, a PNG in the colours of viridis, and print the range of its "
+        "values. `--pass list` prints the names, and what each shows in which unit");
 }
 
 void add_options(CLI::App& verb, RenderOptions& options) {
@@ -94,9 +117,11 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--cost-max", options.cost_max, "The cost from which --cost is brightest (default: 256)")
         ->check(number_between(1, 1e6))
         ->needs(cost);
+    add_pass_option(verb, options)->excludes(depth)->excludes(alpha)->excludes(level)->excludes(cost);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
         ->excludes(scale)
         ->excludes(paint)
+        ->excludes(verb.get_option("--pass"))
         ->excludes(level)
         ->excludes(cost);
     verb.add_option("--blend", options.blend,
@@ -134,6 +159,8 @@ void add_render(CLI::App& app, CommonOptions& common) {
                  "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
                  "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
                  "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
+                 "  neuvv render --pass list\n"
+                 "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"
                  "  neuvv stage new build/show.gltf\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv\n"
                  "  neuvv render build/show.gltf -o build/show.mp4 --camera camera --size 640x360");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "render/frame_passes.h"
 #include "render/linear_picture.h"
 #include "render/reference_paths.h"
 #include "tools/paint_layers.h"
@@ -84,7 +85,8 @@ FrameTimes render_picture(render::FrameRenderer& renderer, const RenderOptions& 
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
     settings.mode = render::TraceMode::kPlay;
-    return add_picture(renderer, renderer.render(plan.path[i].camera, settings), plan, i, sink);
+    const media::Image picture = renderer.render(plan.path[i].camera, settings);
+    return add_picture(renderer, options.pass.empty() ? picture : pass_picture(options, renderer, i), plan, i, sink);
 }
 
 FrameTimes render_directly(render::ReferenceRenderer& renderer, const RenderPlan& plan, uint32_t i, PictureSink& sink) {
@@ -102,6 +104,8 @@ void expect_no_stage_options(const RenderOptions& options) {
     if (options.blend) throw InputError("--blend", *options.blend, "is for stages", mend);
     if (options.shadows) throw InputError("--shadows", *options.shadows, "is for stages", mend);
     if (options.falloff) throw InputError("--falloff", *options.falloff, "is for stages", mend);
+    if (!options.pass.empty() && render::find_frame_pass(options.pass)->needs_set)
+        throw InputError("--pass", options.pass, "is for stages", mend);
 }
 
 }  // namespace

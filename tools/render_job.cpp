@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "gpu/frame_capture.h"
+#include "render/frame_passes.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 
@@ -42,6 +43,8 @@ void expect_fitting_output(const PictureOutput& output, size_t pictures) {
 }
 
 void expect_fitting_output(const PictureOutput& output, const RenderOptions& options) {
+    if (!options.pass.empty() && (output.exr || output.kind == PictureOutput::Kind::kVideo))
+        throw InputError("--pass", options.pass, "is written as PNG", "name out.png or out_%04d.png");
     const char* mend = "write .png or .mp4, or leave it out";
     if (!output.exr) return;
     for (const auto& [given, flag] : {std::pair(options.depth, "--depth"), std::pair(options.alpha, "--alpha"),
@@ -67,9 +70,23 @@ RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize s
             {"--depth", fmt::format("{}", options.depth)},
             {"--alpha", fmt::format("{}", options.alpha)},
             {"--level", fmt::format("{}", options.level)},
+            {"--pass", options.pass},
             {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
             {"pictures", fmt::format("{}", pictures)},
             {"program", NEUVV_VERSION}};
+}
+
+media::Image pass_picture(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i) {
+    const render::FramePass& pass = *render::find_frame_pass(options.pass);
+    const render::PassValues values = pass.read(renderer);
+    const auto range = render::range_of(values);
+    std::FILE* const to = options.json ? stderr : stdout;
+    if (range)
+        fmt::print(to, "picture {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i, pass.name, range->first,
+                   range->second, pass.unit);
+    else
+        fmt::print(to, "picture {}: {} holds nothing\n", i, pass.name);
+    return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
 RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,

@@ -12,6 +12,7 @@ namespace neuvv::tools {
 
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
+    std::string pass;                // the intermediate buffer to show, of frame_passes(); empty: the frame itself
     std::vector<std::string> paint;  // layers, of a clip
     std::optional<double> fps;       // the clip's or the stage's where not given
     uint32_t samples = kDefaultSamples;
@@ -59,6 +60,9 @@ template <typename Renderer>
 FrameTimes times_of(const Renderer& renderer) {
     return {renderer.milliseconds(), renderer.pass_times()};
 }
+
+// The buffer of --pass that the frame has just left, as a picture; tells its range.
+media::Image pass_picture(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i);
 
 // The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
 // the user stops it.

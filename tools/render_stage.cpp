@@ -210,7 +210,7 @@ void render_picture(render::StageRenderer& renderer, const RenderOptions& option
     if (sink.exr())
         sink.add(i, renderer.linear_picture_of(camera, plan.resolve.background));
     else
-        sink.add(i, picture);
+        sink.add(i, options.pass.empty() ? picture : pass_picture(options, renderer.frames(), i));
 }
 
 }  // namespace

@@ -104,6 +104,8 @@ class FrameRenderer {
     // Live leaves, and the live nodes above them, of all slices that it shows; copies share theirs.
     uint64_t live_entries() const;
     const TileRanges& ranges() const { return target_.ranges; }
+    const SetRaster* set() const { return set_; }  // null where there is none
+    const gpu::Device& device() const { return device_; }
     const RayBatch& rays() const { return target_.rays; }
     // How they and the last picture's pixels stand in their buffers.
     const ViewLayout& layout() const { return layout_; }

@@ -140,6 +140,21 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
 
 // Stopped by Ctrl-C's signal, and killed: what is gone on with is byte for byte what an uninterrupted run writes, and
 // nothing is rendered twice.
+TEST_F(CliRender, PassesAreListedAndShown) {
+    const ProgramResult list = run_neuvv({"render", "--pass", "list"});
+    EXPECT_EQ(list.code, 0) << list.err;
+    for (const char* word : {"tile-near", "depth", "set-shadow", "[m]", "of stages"})
+        EXPECT_NE(list.out.find(word), std::string::npos) << word << " in\n" << list.out;
+    const ProgramResult result = run_neuvv(command("near.png", {"--frames", "0", "--pass", "tile-near"}));
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("tile-near from "), std::string::npos) << result.out;
+    EXPECT_EQ(media::read_png(file("near.png")).width, 2 * 48u / 8);
+    expect_refused(command("x.png", {"--pass", "soup"}), 2, {"soup", "--pass list"});
+    expect_refused(command("x.mp4", {"--pass", "depth"}), 2, {"--pass", "out.png"});
+    expect_refused(command("x.png", {"--pass", "set-depth", "--frames", "0"}), 2, {"set-depth", "is for stages"});
+    expect_refused(command("x.png", {"--pass", "depth", "--direct"}), 2, {"--pass", "--direct"});
+}
+
 TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
     const std::string path = write_path(true);
     for (const char* ending : {"png", "exr"}) {
