@@ -9,16 +9,16 @@
 
 namespace neuvv::xr_runtime {
 
-#define NEUVV_XR_VULKAN_FUNCTIONS(_)                                                                                 \
-    _(vkAllocateCommandBuffers)                                                                                      \
-    _(vkAllocateMemory)                                                                                              \
-    _(vkBeginCommandBuffer)                                                                                          \
-    _(vkBindBufferMemory)                                                                                            \
-    _(vkBindImageMemory) _(vkCmdCopyImageToBuffer) _(vkCmdPipelineBarrier) _(vkCreateBuffer) _(vkCreateCommandPool)  \
-        _(vkCreateFence) _(vkCreateImage) _(vkDestroyBuffer) _(vkDestroyCommandPool) _(vkDestroyFence)               \
-            _(vkDestroyImage) _(vkEndCommandBuffer) _(vkFreeMemory) _(vkGetBufferMemoryRequirements)                 \
-                _(vkGetDeviceQueue) _(vkGetImageMemoryRequirements) _(vkMapMemory) _(vkQueueSubmit) _(vkResetFences) \
-                    _(vkUnmapMemory) _(vkWaitForFences)
+// clang-format would wrap this list in another way each time.
+// clang-format off
+#define NEUVV_XR_VULKAN_FUNCTIONS(_) \
+    _(vkAllocateCommandBuffers) _(vkAllocateMemory) _(vkBeginCommandBuffer) _(vkBindBufferMemory) \
+    _(vkBindImageMemory) _(vkCmdCopyImageToBuffer) _(vkCmdPipelineBarrier) _(vkCreateBuffer) \
+    _(vkCreateCommandPool) _(vkCreateFence) _(vkCreateImage) _(vkDestroyBuffer) _(vkDestroyCommandPool) \
+    _(vkDestroyFence) _(vkDestroyImage) _(vkEndCommandBuffer) _(vkFreeMemory) _(vkGetBufferMemoryRequirements) \
+    _(vkGetDeviceQueue) _(vkGetImageMemoryRequirements) _(vkMapMemory) _(vkQueueSubmit) _(vkResetFences) \
+    _(vkUnmapMemory) _(vkWaitForFences)
+// clang-format on
 
 struct VulkanDevice {
     VkDevice device = VK_NULL_HANDLE;
