@@ -34,10 +34,7 @@ TEST(Bench, EveryVerbHelpsWithExamples) {
 }
 
 TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
-    {
-        const gpu::Device device;
-        write_own_dataset(device, tree, folder.path / "data");
-    }
+    write_own_data();
     std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
                                std::filesystem::copy_options::overwrite_existing);
     for (const char* repeats : {"1", "6"}) {  // one step alone has no pass "slice"

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/frame.h"
+#include "support/gpu_test.h"
 #include "support/random_tree.h"
 #include "tests/tools/run_neuvv.h"
 #include "tools/view_path.h"
@@ -14,17 +15,11 @@
 
 namespace neuvv {
 
-struct CliGpu : testing::Test {
-    TemporaryFolder folder;
-    std::string scene = (folder.path / "scene.nvv").string();
-    voctree::VOctree tree = test::random_tree({.leaves = 200, .frames = 4});
+constexpr float kOwnFps = 2;  // an orbit of four frames takes four seconds: eight pictures
 
-    void SetUp() override {
-        tree.fps = 2;  // an orbit takes four seconds: eight pictures
-        voctree::write_nvv(scene, tree);
-    }
-    std::string file(const char* name) const { return (folder.path / name).string(); }
-};
+inline voctree::VOctree own_tree() {
+    return test::random_tree({.leaves = 200, .frames = 4});
+}
 
 inline nlohmann::json frame_of(const tools::ViewStep& step, const std::string& picture, double time) {
     nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
@@ -57,5 +52,24 @@ inline void write_own_dataset(const gpu::Device& device, const voctree::VOctree&
         }
     write_text(folder / "transforms_test.json", file.dump());
 }
+
+struct CliGpu : test::GpuTest {
+    TemporaryFolder folder;
+    std::string scene = (folder.path / "scene.nvv").string();
+    voctree::VOctree tree = own_tree();
+
+    void SetUp() override {
+        tree.fps = kOwnFps;
+        voctree::write_nvv(scene, tree);
+    }
+    std::string file(const char* name) const { return (folder.path / name).string(); }
+    // What write_own_dataset makes of own_tree(), in "data". Its pictures are rendered once for all cases.
+    void write_own_data() const {
+        static const TemporaryFolder made;
+        static const bool written = (write_own_dataset(device(), own_tree(), made.path), true);
+        ASSERT_TRUE(written);
+        std::filesystem::copy(made.path, folder.path / "data", std::filesystem::copy_options::recursive);
+    }
+};
 
 }  // namespace neuvv

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "media/video.h"
+#include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/metrics.h"
 #include "voctree/clip.h"
@@ -111,15 +112,15 @@ TEST_F(CliGpu, AnEmptySceneRenders) {
 }
 
 TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
-    const gpu::Device device("", gpu::Validation::kOn);
-    write_own_dataset(device, tree, folder.path / "data");
+    write_own_data();
     const training::Dataset dataset = training::load_dataset(folder.path / "data", training::Split::kTest);
     size_t calls = 0;
-    const training::Evaluation all = training::evaluate(
-        device, tree, dataset, 1, [&](size_t view, const media::Image&, const media::Image&, const training::Quality&) {
-            EXPECT_EQ(view, calls++);
-            return true;
-        });
+    const training::Evaluation all =
+        training::evaluate(device(), tree, dataset, 1,
+                           [&](size_t view, const media::Image&, const media::Image&, const training::Quality&) {
+                               EXPECT_EQ(view, calls++);
+                               return true;
+                           });
     EXPECT_EQ(calls, 6u);
     EXPECT_GT(all.mean.psnr, 40);
     EXPECT_GT(all.mean.ssim, 0.999);
@@ -129,15 +130,14 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
 
     voctree::VOctree other = tree;  // the comparison must be able to fail
     for (float& weight : other.weights) weight = -weight;
-    EXPECT_LT(training::evaluate(device, other, dataset, 1).mean.psnr, 30);
+    EXPECT_LT(training::evaluate(device(), other, dataset, 1).mean.psnr, 30);
     training::Dataset blind = dataset;  // pixels that nobody looks at do not count
     for (training::View& view : blind.views) {
         view.ignored.assign(view.image.rgba.size() / 4, true);
         std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
     }
-    EXPECT_EQ(training::evaluate(device, other, blind, 1).mean.psnr, 99);
-    EXPECT_EQ(training::evaluate(device, tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
-    EXPECT_EQ(device.drain_validation_messages(), std::vector<std::string>());
+    EXPECT_EQ(training::evaluate(device(), other, blind, 1).mean.psnr, 99);
+    EXPECT_EQ(training::evaluate(device(), tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
 }
 
 TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
@@ -148,10 +148,7 @@ TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
 }
 
 TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
-    {
-        const gpu::Device device;
-        write_own_dataset(device, tree, folder.path / "data");
-    }
+    write_own_data();
     const ProgramResult result = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"),
                                             "--images", file("pictures"), "--html", file("new/page.html")});
     ASSERT_EQ(result.code, 0) << result.err;
@@ -270,10 +267,7 @@ TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {
 }
 
 TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
-    {
-        const gpu::Device device;
-        write_own_dataset(device, tree, folder.path / "data");
-    }
+    write_own_data();
     std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
     std::vector<std::string> command = {"train", file("data"), "-o", file("run.nvv"), "--metrics", file("m.jsonl")};
     std::vector<std::string> first = command;
@@ -295,10 +289,7 @@ TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
 }
 
 TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
-    {
-        const gpu::Device device;
-        write_own_dataset(device, tree, folder.path / "data");
-    }
+    write_own_data();
     write_text(file("wall"), "a file where a folder should be");
     for (const char* option : {"--json", "--html", "--images"})
         expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
@@ -349,8 +340,7 @@ TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {
 // Copies share their clip: they take nothing more.
 TEST_F(CliGpu, StageInfoMeasuresEachClipOnce) {
     const std::string show = file("show.gltf");
-    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
-    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "anna"}).code, 0);
+    test::write_stage(show, scene, "anna");
     const auto bytes = [&](const std::string& budget) {
         const ProgramResult result = run_neuvv({"stage", "info", show, "--memory", "--json", "--slice-budget", budget});
         EXPECT_EQ(result.code, 0) << result.err;

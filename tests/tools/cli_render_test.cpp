@@ -4,6 +4,7 @@
 #include "media/exr.h"
 #include "media/video.h"
 #include "support/child_process.h"
+#include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/camera_path_file.h"
 #include "voctree/nvpaint.h"
@@ -80,8 +81,7 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
     }
     write_text(file("nerf.json"), path.dump());
     const std::string show = file("show.gltf");
-    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
-    ASSERT_EQ(run_neuvv({"stage", "add", show, scene}).code, 0);
+    test::write_stage(show, scene, "scene");
     const auto pictures = [&](const std::string& what, const std::vector<std::string>& more) {
         std::vector<std::string> words = {"render",          what,    "-o", file("p_%d.png"), "--camera",
                                           file("nerf.json"), "--json"};

@@ -3,6 +3,7 @@
 
 #include "media/exr.h"
 #include "media/video.h"
+#include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "voctree/nvpaint.h"
 
@@ -14,8 +15,9 @@ struct CliStage : CliGpu {
 
     void SetUp() override {
         CliGpu::SetUp();
-        done({"stage", "new", show});
-        done({"stage", "add", show, scene, "--name", "anna", "--at", "0,0.3,0"});
+        edit::Placement raised;
+        raised.at = glm::dvec3(0, 0.3, 0);
+        test::write_stage(show, scene, "anna", raised);
     }
     static void done(const std::vector<std::string>& arguments) {
         const ProgramResult result = run_neuvv(arguments);

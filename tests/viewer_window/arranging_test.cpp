@@ -15,7 +15,8 @@ struct Arranging : ViewerWindow {
     // Where anna is seen best: the pixel of what she adds to the empty stage that is nearest to its middle.
     Spot of_anna(const Hands& hands, const media::Image& picture) const {
         const std::string empty = file("empty.gltf");
-        done({"stage", "new", empty});
+        stage::StageFile nobody = edit::new_stage(empty);
+        stage::save_stage_file(nobody, empty);
         done({"render", empty, "-o", file("empty.png"), "--size",
               std::to_string(picture.width) + "x" + std::to_string(picture.height)});
         const media::Image without = media::read_png(file("empty.png"));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
 #include "support/waver_tree.h"
 #include "tests/tools/run_neuvv.h"
@@ -48,8 +49,7 @@ struct ViewerWindow : testing::Test {
     void SetUp() override {
         if (const std::string why = why_no_hands(); !why.empty()) GTEST_SKIP() << why;
         voctree::write_nvv(clip, waver_tree());
-        done({"stage", "new", stage});
-        done({"stage", "add", stage, clip, "--name", "anna"});
+        write_stage(stage, clip, "anna");
         screen.emplace(folder.path);
     }
     std::string file(const char* name) const { return (folder.path / name).string(); }
