@@ -23,6 +23,11 @@ struct Editing : XrSession {
         script.click(kReady + 4, "left", "y/click");
         return script;
     }
+    // The panel's items after with_panel(). One run tells all cases.
+    const json& arrange_panel() {
+        static const json items = panel_after(with_panel(), 18);
+        return items;
+    }
     // The last thing that a script does: saves by the panel, and ends.
     static void save(XrScript& script, int frame, const json& items) {
         press(script, frame, items, "save");
@@ -36,7 +41,7 @@ struct Editing : XrSession {
 };
 
 TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = selecting();
     const glm::dvec3 moved(0.4, 0.3, 0.2);
     script.input(12, "right", "squeeze/value", 1);
@@ -55,7 +60,7 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
 }
 
 TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = selecting();
     const glm::dvec3 moved(0.4, 0.1, 0);
     script.input(12, "right", "squeeze/value", 1);
@@ -68,7 +73,7 @@ TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
 }
 
 TEST_F(Editing, TwoHandsScale) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = selecting();
     const glm::dvec3 right(0.3, 0.8, -1.9), left(-0.3, 0.8, -1.9);
     script.hand(11, "right", {0.3, 1, -0.4}, right);
@@ -93,7 +98,7 @@ TEST_F(Editing, TwoHandsScale) {
 }
 
 TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     const size_t before = saved()["nodes"].size();
     XrScript script = selecting();
     script.click(12, "right", "b/click");
@@ -114,7 +119,7 @@ TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
 }
 
 TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = with_panel();
     int frame = 16;
     for (const char* item : {"slower", "spin", "shadows", "falloff"}) {
@@ -137,7 +142,7 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
 
 TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     XrScript to_paint = with_panel();
-    const json arrange = panel_after(to_paint, 18);
+    const json& arrange = arrange_panel();
     press(to_paint, 14, arrange, "paint");
     const json paint = panel_after(to_paint, 28);
     XrScript script = to_paint;
@@ -163,7 +168,7 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
 
 TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
     XrScript to_region = with_panel();
-    const json arrange = panel_after(to_region, 18);
+    const json& arrange = arrange_panel();
     press(to_region, 14, arrange, "region");
     const json region = panel_after(to_region, 28);
     XrScript script = to_region;
@@ -190,7 +195,7 @@ TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
 }
 
 TEST_F(Editing, WhatWasDeletedComesBack) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = with_panel();
     press(script, 16, items, "delete");
     script.save(25);
@@ -218,7 +223,7 @@ TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
 }
 
 TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = with_panel();
     press(script, 18, items, "smooth turn");
     script.end(30);
@@ -232,7 +237,7 @@ TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
 }
 
 TEST_F(Editing, APressThatBeganElsewherePressesNothing) {
-    const json items = panel_after(with_panel(), 18);
+    const json& items = arrange_panel();
     XrScript script = with_panel();
     script.hand(16, "right", kRightHand, {3, 1, 0});
     script.input(18, "right", "trigger/value", 1);
