@@ -39,7 +39,7 @@ std::string change_camera(stage::StageFile& file, const CameraOptions& options) 
         also(edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kUsualAngle_deg)),
                               glm::dmat4(1)));
     const uint32_t node =
-        options.add ? static_cast<uint32_t>(file.json["nodes"].size() - 1) : edit::find_node(file, *options.node);
+        options.add ? static_cast<uint32_t>(edit::node_count(file) - 1) : edit::find_node(file, *options.node);
     if (!options.add && options.angle_deg) also(edit::set_camera(file, node, glm::radians(*options.angle_deg)));
     if (options.place.any()) also(edit::place_node(file, node, options.place.placement()));
     if (change.empty()) throw InputError("stage camera", *options.node, "nothing to change", "see --help");

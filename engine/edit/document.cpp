@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
-#include <set>
+#include <utility>
 
 #include "base/error.h"
 
 namespace neuvv::edit {
 
 namespace {
-
-std::string name_of(const ordered_json& node) {
-    return node.contains("name") && node["name"].is_string() ? node["name"].get<std::string>() : "";
-}
 
 bool holds_extension(const ordered_json& json, const char* name) {
     if (json.is_object() && json.contains("extensions") && json["extensions"].is_object() &&
@@ -29,6 +25,11 @@ glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec
     return {node[name][0].get<double>(), node[name][1].get<double>(), node[name][2].get<double>()};
 }
 
+void expect_node(const stage::StageFile& file, uint32_t node) {
+    if (node >= node_count(file))
+        throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
+}
+
 }  // namespace
 
 std::optional<uint64_t> index_of(const ordered_json& value) {
@@ -37,14 +38,23 @@ std::optional<uint64_t> index_of(const ordered_json& value) {
     return {};
 }
 
+const ordered_json* find_member(const ordered_json& owner, const char* name) {
+    const auto found = owner.find(name);  // the end of what is no object
+    return found == owner.end() ? nullptr : &*found;
+}
+
 ordered_json& node_of(stage::StageFile& file, uint32_t node) {
-    if (!file.json.contains("nodes") || node >= file.json["nodes"].size())
-        throw InputError(file.path.string(), "/nodes", fmt::format("node {} does not exist", node));
+    expect_node(file, node);
+    return file.json["nodes"][node];
+}
+
+const ordered_json& node_of(const stage::StageFile& file, uint32_t node) {
+    expect_node(file, node);
     return file.json["nodes"][node];
 }
 
 std::string title_of(const stage::StageFile& file, uint32_t node) {
-    const std::string name = name_of(file.json["nodes"][node]);
+    const std::string name = name_of(file, node);
     return name.empty() ? fmt::format("node {}", node) : fmt::format("\"{}\" (node {})", name, node);
 }
 
@@ -52,6 +62,12 @@ ordered_json* find_extension(ordered_json& owner, const char* name) {
     if (!owner.contains("extensions") || !owner["extensions"].is_object()) return nullptr;
     ordered_json& extensions = owner["extensions"];
     return extensions.contains(name) && extensions[name].is_object() ? &extensions[name] : nullptr;
+}
+
+const ordered_json* find_extension(const ordered_json& owner, const char* name) {
+    const ordered_json* extensions = find_member(owner, "extensions");
+    const ordered_json* found = extensions ? find_member(*extensions, name) : nullptr;
+    return found && found->is_object() ? found : nullptr;
 }
 
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name) {
@@ -84,24 +100,17 @@ void forget_unused(stage::StageFile& file, const char* name) {
     }
 }
 
-std::vector<uint32_t> family_of(const stage::StageFile& file, uint32_t node) {
-    std::vector<uint32_t> family = {node};
-    for (size_t next = 0; next < family.size(); ++next)
-        for (const ordered_json& child : file.json["nodes"][family[next]].value("children", ordered_json::array()))
-            family.push_back(child.get<uint32_t>());
-    return family;
-}
-
-ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
-    ordered_json* performer = find_extension(node_of(file, node), "NEUVV_performer");
+const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
+    const ordered_json* performer = find_extension(node_of(file, node), stage::kPerformerExtension);
     if (!performer)
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is no performer", title_of(file, node)), "choose a node that plays a .nvv");
     return *performer;
 }
 
-const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
-    return performer_of(const_cast<stage::StageFile&>(file), node);  // which it only finds
+ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
+    performer_of(std::as_const(file), node);
+    return *find_extension(node_of(file, node), stage::kPerformerExtension);
 }
 
 ordered_json& list_in(ordered_json& json, const char* name) {
@@ -110,24 +119,24 @@ ordered_json& list_in(ordered_json& json, const char* name) {
     return json[name];
 }
 
+const ordered_json* find_scene(const stage::StageFile& file) {
+    const ordered_json* scenes = find_member(file.json, "scenes");
+    if (!scenes || scenes->empty()) return nullptr;
+    const size_t scene = file.json.value("scene", size_t{0});
+    if (scene >= scenes->size())
+        throw InputError(file.path.string(), "/scene", fmt::format("{} does not exist", scene));
+    return &(*scenes)[scene];
+}
+
 ordered_json& scene_of(stage::StageFile& file) {
     if (list_in(file.json, "scenes").empty()) {
-        std::set<uint64_t> children;
-        ordered_json roots = ordered_json::array();
-        const size_t count = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
-        for (size_t i = 0; i < count; ++i)
-            for (const ordered_json& child : file.json["nodes"][i].value("children", ordered_json::array()))
-                children.insert(child.get<uint64_t>());
-        for (size_t i = 0; i < count; ++i)
-            if (!children.contains(i)) roots.push_back(i);
+        const std::vector<uint32_t> roots = scene_roots(file);
         file.json["scene"] = 0;
         file.json["scenes"].push_back(ordered_json::object());
         if (!roots.empty()) file.json["scenes"][0]["nodes"] = roots;
     }
-    const size_t scene = file.json.value("scene", size_t{0});
-    if (scene >= file.json["scenes"].size())
-        throw InputError(file.path.string(), "/scene", fmt::format("{} does not exist", scene));
-    return file.json["scenes"][scene];
+    find_scene(file);  // throws where it does not exist
+    return file.json["scenes"][file.json.value("scene", size_t{0})];
 }
 
 uint32_t append_node(stage::StageFile& file, ordered_json node) {
@@ -138,8 +147,7 @@ uint32_t append_node(stage::StageFile& file, ordered_json node) {
 }
 
 FreeNames::FreeNames(const stage::StageFile& file) {
-    if (!file.json.contains("nodes")) return;
-    for (const ordered_json& node : file.json["nodes"]) taken_.insert(name_of(node));
+    for (uint32_t node = 0; node < node_count(file); ++node) taken_.insert(name_of(file, node));
 }
 
 std::string FreeNames::take(const std::string& wanted) {
@@ -201,15 +209,6 @@ LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle
 
 glm::dvec3 place_of(const LocalPlace& place) {
     return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
-}
-
-bool is_animated(const stage::StageFile& file, uint32_t node) {
-    for (const ordered_json& animation : file.json.value("animations", ordered_json::array()))
-        for (const ordered_json& channel : animation.value("channels", ordered_json::array()))
-            if (channel.contains("target") && channel["target"].is_object() &&
-                channel["target"].value("node", ordered_json()) == node)
-                return true;
-    return false;
 }
 
 ordered_json json_of(const glm::dvec3& v) {

@@ -1,4 +1,4 @@
-// Inside of this room only: finding one's way in a stage's JSON.
+// Inside of this room only: finding one's way in a stage's JSON, to read it and to change it.
 //
 // References into an ordered_json do not outlive a new member of an object that holds them, the document itself
 // included: declare_extension, scene_of and append_node come before references are taken.
@@ -13,7 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "stage/stage_file.h"
+#include "edit/read.h"
 
 namespace neuvv::edit {
 
@@ -36,13 +36,18 @@ std::string all_or_nothing(stage::StageFile& file, const Edit& edit) {
 // An index as JSON has it; nothing where the value is none.
 std::optional<uint64_t> index_of(const ordered_json& value);
 
+// owner[name], null where it is not there or the owner is no object.
+const ordered_json* find_member(const ordered_json& owner, const char* name);
+
 // nodes[node]; throws InputError where it does not exist.
 ordered_json& node_of(stage::StageFile& file, uint32_t node);
+const ordered_json& node_of(const stage::StageFile& file, uint32_t node);
 // "\"anna\" (node 3)".
 std::string title_of(const stage::StageFile& file, uint32_t node);
 
 // owner.extensions[name], null where it is not there.
 ordered_json* find_extension(ordered_json& owner, const char* name);
+const ordered_json* find_extension(const ordered_json& owner, const char* name);
 // The same, made where it is missing. The document must have been told: declare_extension.
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name);
 // The document says that it uses it.
@@ -52,15 +57,14 @@ void remove_extension(ordered_json& owner, const char* name);
 // The document no longer says that it uses an extension that nothing has.
 void forget_unused(stage::StageFile& file, const char* name);
 
-// The node and all below it, parents first.
-std::vector<uint32_t> family_of(const stage::StageFile& file, uint32_t node);
-
 // The performer on a node; throws InputError where there is none.
 ordered_json& performer_of(stage::StageFile& file, uint32_t node);
 const ordered_json& performer_of(const stage::StageFile& file, uint32_t node);
 // The list json[name], made where it is missing.
 ordered_json& list_in(ordered_json& json, const char* name);
-// The scene that a stage shows, made of all nodes that have no parent where the document has none.
+// The scene that a stage shows, null where the document has none.
+const ordered_json* find_scene(const stage::StageFile& file);
+// The same, made of all nodes that have no parent where the document has none.
 ordered_json& scene_of(stage::StageFile& file);
 // A node at the end of the list and of the scene; returns its index.
 uint32_t append_node(stage::StageFile& file, ordered_json node);
@@ -92,9 +96,6 @@ glm::dquat looking(const glm::dvec3& direction);
 // Turned about a vertical axis through `middle`, counter-clockwise seen from above.
 LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle_rad);
 glm::dvec3 place_of(const LocalPlace& place);
-
-// Whether an animation moves the node itself.
-bool is_animated(const stage::StageFile& file, uint32_t node);
 
 ordered_json json_of(const glm::dvec3& v);
 std::string text_of(const glm::dvec3& v);

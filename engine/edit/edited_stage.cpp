@@ -45,6 +45,10 @@ std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const st
 
 }  // namespace
 
+bool same_document(const Document& a, const Document& b) {
+    return a.file.json == b.file.json && a.paint == b.paint;
+}
+
 std::filesystem::path paint_path(const stage::StageFile& file, const std::string& uri) {
     return stage::absolute_path(stage::file_of_uri(file, uri, "paint"));
 }

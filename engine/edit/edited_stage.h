@@ -26,6 +26,9 @@ struct Document {
     bool disk_is_anothers = false;
 };
 
+// Whether both say and paint the same, wherever they lie and whatever the disk has.
+bool same_document(const Document& a, const Document& b);
+
 // The .nvpaint that a layer's uri names, absolute. Throws InputError as file_of_uri.
 std::filesystem::path paint_path(const stage::StageFile& file, const std::string& uri);
 

@@ -12,9 +12,9 @@ namespace {
 
 // extras.neuvv of a node, null where it is not there or something else.
 const ordered_json* our_extras(const ordered_json& node) {
-    if (!node.contains("extras") || !node["extras"].is_object()) return nullptr;
-    const ordered_json& extras = node["extras"];
-    return extras.contains("neuvv") && extras["neuvv"].is_object() ? &extras["neuvv"] : nullptr;
+    const ordered_json* extras = find_member(node, "extras");
+    const ordered_json* ours = extras ? find_member(*extras, "neuvv") : nullptr;
+    return ours && ours->is_object() ? ours : nullptr;
 }
 
 void remove_lock(ordered_json& node) {
@@ -51,7 +51,7 @@ std::string show_node(stage::StageFile& file, uint32_t node, bool shown) {
 }
 
 bool is_shown(const stage::StageFile& file, uint32_t node) {
-    ordered_json& json = node_of(const_cast<stage::StageFile&>(file), node);  // which is only looked at
+    const ordered_json& json = node_of(file, node);
     for (const char* extension : {stage::kVisibilityExtension, stage::kPerformerExtension})
         if (const ordered_json* found = find_extension(json, extension))
             if (!found->value("visible", true)) return false;
@@ -70,7 +70,7 @@ std::string lock_node(stage::StageFile& file, uint32_t node, bool locked) {
 }
 
 bool is_locked(const stage::StageFile& file, uint32_t node) {
-    const ordered_json* ours = our_extras(node_of(const_cast<stage::StageFile&>(file), node));
+    const ordered_json* ours = our_extras(node_of(file, node));
     return ours && ours->contains("locked") && (*ours)["locked"] == true;
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
@@ -175,31 +174,6 @@ std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
 
 }  // namespace
 
-uint32_t find_node(const stage::StageFile& file, const std::string& name_or_index) {
-    const ordered_json none = ordered_json::array();
-    const ordered_json& nodes = file.json.contains("nodes") ? file.json["nodes"] : none;
-    std::vector<std::string> found, all;
-    uint32_t index = 0;
-    for (size_t i = 0; i < nodes.size(); ++i) {
-        const std::string name =
-            nodes[i].contains("name") && nodes[i]["name"].is_string() ? nodes[i]["name"].get<std::string>() : "";
-        all.push_back(fmt::format("{} \"{}\"", i, name));
-        if (name != name_or_index) continue;
-        found.push_back(std::to_string(i));
-        index = static_cast<uint32_t>(i);
-    }
-    if (found.size() > 1)
-        throw InputError(file.path.string(), "/nodes",
-                         fmt::format("{} nodes are named \"{}\"", found.size(), name_or_index),
-                         "choose by index: " + with_commas(found));
-    if (found.size() == 1) return index;
-    const char* end = name_or_index.data() + name_or_index.size();
-    const auto [stop, error] = std::from_chars(name_or_index.data(), end, index);
-    if (error == std::errc() && stop == end && index < nodes.size()) return index;
-    throw InputError(file.path.string(), "/nodes", fmt::format("there is no node \"{}\"", name_or_index),
-                     all.empty() ? "the stage has none" : "choose from " + with_commas(all));
-}
-
 std::string place_node(stage::StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
     const LocalPlace before = local_place_of(json);
@@ -254,10 +228,6 @@ std::string set_performer(stage::StageFile& file, uint32_t node, const Performer
     std::vector<std::string> changes;
     edit_performer(file, performer_of(file, node), edit, changes);
     return title_of(file, node) + ": " + (changes.empty() ? "as it was" : with_commas(changes));
-}
-
-std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node) {
-    return stage::file_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
 }
 
 std::string set_stage(stage::StageFile& file, const StageEdit& edit) {

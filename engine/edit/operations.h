@@ -11,17 +11,11 @@
 #include <optional>
 #include <string>
 
-#include "stage/camera_path.h"
-#include "stage/performer_settings.h"
-#include "stage/stage_file.h"
-#include "stage/stage_settings.h"
+#include "edit/read.h"
 
 namespace neuvv::edit {
 
 constexpr uint32_t kMaxCopies = 511;
-
-// The node of this name, else of this index in decimal. Throws where several bear the name.
-uint32_t find_node(const stage::StageFile& file, const std::string& name_or_index);
 
 // A floor, a camera "camera", a spotlight "key" and a little ambient light; not on the disk yet.
 stage::StageFile new_stage(const std::filesystem::path& path);
@@ -50,17 +44,12 @@ struct PerformerEdit {
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement);
 std::string set_performer(stage::StageFile& file, uint32_t node, const PerformerEdit& edit);
-// The .nvv that a performer's node plays; whether it is there is not asked.
-std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node);
 
 // Shown or hidden together with all that hangs on it, by KHR_node_visibility: meshes, lights and performers; cameras
 // stay. A performer that is shown is also seen by its own `visible`.
 std::string show_node(stage::StageFile& file, uint32_t node, bool shown);
-// What the node itself says: whether those above it are shown is not asked.
-bool is_shown(const stage::StageFile& file, uint32_t node);
 // For programs in which one could move a node by mistake (extras.neuvv.locked); operations do not mind it.
 std::string lock_node(stage::StageFile& file, uint32_t node, bool locked);
-bool is_locked(const stage::StageFile& file, uint32_t node);
 
 struct StageEdit {
     std::optional<double> duration_s, fps;

@@ -27,15 +27,15 @@ std::vector<std::string> titles(const std::vector<viewer::StageRow>& rows) {
 TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
     const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
     EXPECT_EQ(titles(rows), (std::vector<std::string>{"Floor", "Camera", "Spot", "Pivot", ">Anna", ">Sun"}));
-    std::vector<viewer::NodeKind> kinds;
+    std::vector<edit::NodeKind> kinds;
     std::vector<uint32_t> below;
     for (const viewer::StageRow& row : rows) {
         kinds.push_back(row.kind);
         below.push_back(row.below);
     }
-    EXPECT_EQ(kinds, (std::vector<viewer::NodeKind>{viewer::NodeKind::kMesh, viewer::NodeKind::kCamera,
-                                                    viewer::NodeKind::kLight, viewer::NodeKind::kGroup,
-                                                    viewer::NodeKind::kPerformer, viewer::NodeKind::kLight}));
+    EXPECT_EQ(kinds, (std::vector<edit::NodeKind>{edit::NodeKind::kMesh, edit::NodeKind::kCamera,
+                                                  edit::NodeKind::kLight, edit::NodeKind::kGroup,
+                                                  edit::NodeKind::kPerformer, edit::NodeKind::kLight}));
     EXPECT_EQ(below, (std::vector<uint32_t>{0, 0, 0, 2, 0, 0}));
 }
 

@@ -3,16 +3,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "edit/read.h"
 
 namespace neuvv::viewer {
-
-namespace {
-
-bool is_same(const edit::Document& a, const edit::Document& b) {
-    return a.file.json == b.file.json && a.paint == b.paint;
-}
-
-}  // namespace
 
 void Editor::open(edit::Document document, bool modified) {
     document_ = std::move(document);
@@ -36,7 +29,7 @@ void Editor::saved(const edit::Document& as, uint64_t opened, uint64_t id) {
     follow(document_);
     if (before_drag_) follow(*before_drag_);
     if (id == id_) {
-        document_.file.json = as.file.json;
+        document_.file = as.file;
         history_.mark_saved();
     }
     changed();
@@ -66,7 +59,7 @@ bool Editor::edit(const Operation& operation) {
     edit::Document before = document_;
     std::string what;
     if (!apply(operation, what)) return false;
-    if (is_same(before, document_)) return true;
+    if (edit::same_document(before, document_)) return true;
     history_.did(std::move(before), document_, std::move(what));
     changed();
     return true;
@@ -87,7 +80,7 @@ bool Editor::drag(const Operation& operation) {
 
 void Editor::end_drag() {
     if (!before_drag_) return;
-    if (is_same(*before_drag_, document_)) return cancel_drag();
+    if (edit::same_document(*before_drag_, document_)) return cancel_drag();
     history_.did(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
     before_drag_.reset();
     changed();
@@ -120,8 +113,7 @@ void Editor::redo() {
 
 // Numbers of nodes may mean others afterwards: then nothing is selected.
 void Editor::step(const char* told, const std::function<std::optional<std::string>()>& take) {
-    const size_t count = node_count();
-    const auto before = document_.file.json.value("nodes", nlohmann::ordered_json::array());
+    const stage::StageFile before = document_.file;
     try {
         const std::optional<std::string> what = take();
         if (!what) return;
@@ -129,13 +121,9 @@ void Editor::step(const char* told, const std::function<std::optional<std::strin
     } catch (const InputError& error) {
         return tell(error.what(), true);
     }
-    if (selected_ && node_count() != count) {
-        const auto now = document_.file.json.value("nodes", nlohmann::ordered_json::array());
-        const auto end = static_cast<std::ptrdiff_t>(*selected_) + 1;
-        const bool same = *selected_ < std::min(before.size(), now.size()) &&
-                          std::equal(before.begin(), before.begin() + end, now.begin());
-        if (!same) selected_.reset();
-    }
+    if (selected_ && node_count() != edit::node_count(before) &&
+        !edit::same_nodes(before, document_.file, size_t{*selected_} + 1))
+        selected_.reset();
     changed();
 }
 
@@ -146,8 +134,7 @@ void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr
 }
 
 size_t Editor::node_count() const {
-    const auto nodes = document_.file.json.find("nodes");
-    return nodes != document_.file.json.end() ? nodes->size() : 0;
+    return edit::node_count(document_.file);
 }
 
 void Editor::changed() {

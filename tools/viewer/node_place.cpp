@@ -8,31 +8,6 @@ namespace neuvv::viewer {
 
 namespace {
 
-using nlohmann::ordered_json;
-
-glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& otherwise) {
-    const auto list = node.find(name);
-    if (list == node.end()) return otherwise;
-    return {list->at(0).get<double>(), list->at(1).get<double>(), list->at(2).get<double>()};
-}
-
-NodePlace place_of_matrix(const ordered_json& list) {
-    glm::dmat4 matrix(1);
-    for (int i = 0; i < 16; i++) matrix[i / 4][i % 4] = list.at(static_cast<size_t>(i)).get<double>();
-    const glm::dmat3 axes(matrix);
-    NodePlace place;
-    place.at = matrix[3];
-    place.scale = {glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])};
-    if (glm::determinant(axes) < 0) place.scale.x = -place.scale.x;
-    glm::dmat3 turn;
-    turn[0] = axes[0] / place.scale.x;
-    turn[1] = glm::normalize(axes[1] - glm::dot(axes[1], turn[0]) * turn[0]);
-    turn[2] = glm::cross(turn[0], turn[1]);
-    // A flat one has no turn.
-    if (std::isfinite(glm::determinant(turn))) place.turn = glm::normalize(glm::quat_cast(turn));
-    return place;
-}
-
 // Metres above the floor, of a node and what hangs on it; INFINITY where there is nothing.
 double lowest_of(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node) {
     double lowest = INFINITY;
@@ -62,18 +37,6 @@ double lowest_of(const stage::Stage& stage, const stage::StageInstant& instant, 
 
 }  // namespace
 
-NodePlace place_of_node(const stage::StageFile& file, uint32_t node) {
-    const ordered_json& json = file.json.at("nodes").at(node);
-    if (const auto matrix = json.find("matrix"); matrix != json.end()) return place_of_matrix(*matrix);
-    NodePlace place;
-    place.at = vector_in(json, "translation", place.at);
-    place.scale = vector_in(json, "scale", place.scale);
-    if (const auto q = json.find("rotation"); q != json.end())
-        place.turn = glm::normalize(
-            glm::dquat(q->at(3).get<double>(), q->at(0).get<double>(), q->at(1).get<double>(), q->at(2).get<double>()));
-    return place;
-}
-
 // R = Rz · Ry · Rx; at the pole of Y, where X and Z turn about the same axis, Z is 0.
 glm::dvec3 angles_of(const glm::dquat& turn) {
     const glm::dmat3 m = glm::mat3_cast(turn);
@@ -99,10 +62,10 @@ glm::dvec3 angles_like(const glm::dvec3& shown_deg, const glm::dquat& turn) {
     return 1 - std::abs(glm::dot(turn_of(shown_deg), turn)) < kSame ? shown_deg : angles_of(turn);
 }
 
-edit::Placement placement_to(const NodePlace& from, const NodePlace& to) {
+edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTransform& to) {
     edit::Placement placement;
-    if (to.at != from.at) placement.at = to.at;
-    if (to.turn != from.turn) placement.turn_deg = angles_of(to.turn * glm::conjugate(from.turn));
+    if (to.translation != from.translation) placement.at = to.translation;
+    if (to.rotation != from.rotation) placement.turn_deg = angles_of(to.rotation * glm::conjugate(from.rotation));
     if (to.scale == from.scale) return placement;
     placement.scale = glm::dvec3(1);
     for (int axis = 0; axis < 3; axis++)

@@ -1,4 +1,4 @@
-// A node's place in numbers that hands type: where it stands, turned by angles, scaled.
+// A node's transform in numbers that people type: where it stands, turned by angles, scaled.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,24 +10,14 @@
 
 namespace neuvv::viewer {
 
-// In its parent's space, metres. Of a matrix with shear: the rotation that keeps its X axis and the plane of X and Y.
-struct NodePlace {
-    glm::dvec3 at{0};
-    glm::dquat turn{1, 0, 0, 0};
-    glm::dvec3 scale{1};  // X negative where it mirrors
-};
-
-// Of the document; which is sound.
-NodePlace place_of_node(const stage::StageFile& file, uint32_t node);
-
 // Degrees about the parent's X, then Y, then Z, as Placement::turn_deg; Y from −90 to 90.
 glm::dvec3 angles_of(const glm::dquat& turn);
 glm::dquat turn_of(const glm::dvec3& angles_deg);
 // The angles that were shown as long as they mean this turn, so that fields do not jump to others that mean the same.
 glm::dvec3 angles_like(const glm::dvec3& shown_deg, const glm::dquat& turn);
 
-// For place_node: what brings a node from one place to another. A scale of 0 stays.
-edit::Placement placement_to(const NodePlace& from, const NodePlace& to);
+// For place_node: what brings a node from one transform to another. A scale of 0 stays.
+edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTransform& to);
 
 // Scales keep their sign, and enough length to be undone.
 constexpr double kSmallestScale = 1e-3;

@@ -120,18 +120,16 @@ void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::
 }  // namespace
 
 void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
-    const nlohmann::ordered_json& json =
-        viewer.editor.file().json["nodes"][node]["extensions"][stage::kPerformerExtension];
-    const stage::PerformerSettings settings =
-        stage::performer_settings_of(json, viewer.editor.file().path.string(), "performer");
+    const auto settings = edit::performer_on(viewer.editor.file(), node);
+    if (!settings) return;
     headline("Performer");
-    clip_lines(clip_on(viewer, node), group, settings);
-    time_fields(viewer, group, node, settings.time);
-    double opacity = settings.opacity;
+    clip_lines(clip_on(viewer, node), group, *settings);
+    time_fields(viewer, group, node, settings->time);
+    double opacity = settings->opacity;
     if (group.slider("opacity", opacity, 0, 1)) drag(viewer, node, {.opacity = opacity});
-    double spin = settings.spin_deg_per_s;
+    double spin = settings->spin_deg_per_s;
     if (group.number("spin", spin, {-3600, 3600, 0.5, "%.1f°/s"})) drag(viewer, node, {.spin_deg_per_s = spin});
-    bool casts = settings.casts_shadow, receives = settings.receives_shadow;
+    bool casts = settings->casts_shadow, receives = settings->receives_shadow;
     if (group.toggle("casts shadow", casts)) set(viewer, node, {.casts_shadow = casts});
     if (group.toggle("shadows on it", receives)) set(viewer, node, {.receives_shadow = receives});
 }

@@ -12,26 +12,26 @@ namespace neuvv::viewer {
 
 namespace {
 
-void drag_place(Viewer& viewer, uint32_t node, const NodePlace& to) {
+void drag_place(Viewer& viewer, uint32_t node, const edit::NodeTransform& to) {
     viewer.editor.drag([=](edit::Document& document) {
-        return edit::place_node(document.file, node, placement_to(place_of_node(document.file, node), to));
+        return edit::place_node(document.file, node, placement_to(edit::transform_of(document.file, node), to));
     });
 }
 
-void turn_field(Viewer& viewer, FieldGroup& group, uint32_t node, NodePlace place) {
+void turn_field(Viewer& viewer, FieldGroup& group, uint32_t node, edit::NodeTransform place) {
     PropertyFields::Angles& shown = viewer.fields.angles;
-    glm::dvec3 deg = shown.node == node ? angles_like(shown.deg, place.turn) : angles_of(place.turn);
+    glm::dvec3 deg = shown.node == node ? angles_like(shown.deg, place.rotation) : angles_of(place.rotation);
     for (int axis = 0; axis < 3; axis++)
         if (std::abs(deg[axis]) < 1e-9) deg[axis] = 0;  // no "-0.0"
     shown = {node, deg};
     if (!group.number("rotation", deg, {-3600, 3600, 0.5, "%.1f°"})) return;
     shown.deg = deg;
-    place.turn = turn_of(deg);
+    place.rotation = turn_of(deg);
     drag_place(viewer, node, place);
 }
 
 // Its three numbers beside a sign that ties them together.
-void scale_field(Viewer& viewer, FieldGroup& group, uint32_t node, NodePlace place) {
+void scale_field(Viewer& viewer, FieldGroup& group, uint32_t node, edit::NodeTransform place) {
     group.label("scale");
     const glm::dvec3 before = place.scale;
     const double low = -1e4, high = 1e4;
@@ -72,7 +72,7 @@ void place_buttons(Viewer& viewer, FieldGroup& group, const StageRow& row) {
     }
     if (ImGui::Button("Reset"))
         viewer.editor.edit([&](edit::Document& d) {
-            return edit::place_node(d.file, row.node, placement_to(place_of_node(d.file, row.node), NodePlace{}));
+            return edit::place_node(d.file, row.node, placement_to(edit::transform_of(d.file, row.node), {}));
         });
     group.report_last("reset");
     explain("In the middle of the stage, not turned, as large as it is");
@@ -80,11 +80,11 @@ void place_buttons(Viewer& viewer, FieldGroup& group, const StageRow& row) {
 
 void place_fields(Viewer& viewer, FieldGroup& group, const StageRow& row) {
     const uint32_t node = row.node;
-    const NodePlace place = place_of_node(viewer.editor.file(), node);
+    const edit::NodeTransform place = edit::transform_of(viewer.editor.file(), node);
     headline(row.locked ? "Place  " SIGN_LOCK : "Place");
     ImGui::BeginDisabled(row.locked);
-    NodePlace to = place;
-    if (group.number("position", to.at, {-1e6, 1e6, 0.01, "%.3f"})) drag_place(viewer, node, to);
+    edit::NodeTransform to = place;
+    if (group.number("position", to.translation, {-1e6, 1e6, 0.01, "%.3f"})) drag_place(viewer, node, to);
     explain("Metres: to the right, up, to the front");
     turn_field(viewer, group, node, place);
     scale_field(viewer, group, node, place);
@@ -94,13 +94,13 @@ void place_fields(Viewer& viewer, FieldGroup& group, const StageRow& row) {
 
 void camera_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
     headline("Camera");
-    const nlohmann::ordered_json& json = viewer.editor.file().json;
-    const nlohmann::ordered_json& camera = json["cameras"].at(json["nodes"][node]["camera"].get<size_t>());
-    if (!camera.contains("perspective")) {
+    const auto camera = edit::camera_on(viewer.editor.file(), node);
+    if (!camera) return;
+    if (camera->orthographic) {
         ImGui::TextWrapped("Orthographic: it has no angle of view.");
         return;
     }
-    double angle_deg = glm::degrees(camera["perspective"].value("yfov", 0.0));
+    double angle_deg = glm::degrees(camera->vertical_angle_rad);
     if (group.number("angle of view", angle_deg, {1, 150, 0.1, "%.1f°"}))
         viewer.editor.drag([=](edit::Document& d) { return edit::set_camera(d.file, node, glm::radians(angle_deg)); });
     explain("From the lower to the upper edge of the picture");

@@ -15,7 +15,6 @@ void headline(const char* text);
 void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node);
 
 // Of the stage as a whole; the document is open.
-stage::StageSettings stage_settings(const stage::StageFile& file);
 void stage_fields(Viewer& viewer, FieldGroup& group);
 // Those of them that light it: ambient light, environment, shadows, falloff.
 void stage_light_fields(Viewer& viewer, FieldGroup& group);

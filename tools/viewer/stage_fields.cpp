@@ -41,18 +41,8 @@ void environment_fields(Viewer& viewer, FieldGroup& group, const stage::StageEnv
 
 }  // namespace
 
-stage::StageSettings stage_settings(const stage::StageFile& file) {
-    const nlohmann::ordered_json& json = file.json;
-    const auto scenes = json.find("scenes");
-    if (scenes == json.end() || scenes->empty()) return {};
-    const nlohmann::ordered_json& scene = scenes->at(json.value("scene", size_t{0}));
-    const auto extensions = scene.find("extensions");
-    if (extensions == scene.end() || !extensions->contains(stage::kStageExtension)) return {};
-    return stage::stage_settings_of((*extensions)[stage::kStageExtension], file.path.string(), stage::kStageExtension);
-}
-
 void stage_light_fields(Viewer& viewer, FieldGroup& group) {
-    const stage::StageSettings settings = stage_settings(viewer.editor.file());
+    const stage::StageSettings settings = edit::stage_settings_of(viewer.editor.file());
     glm::dvec3 ambient = settings.ambient.value_or(viewer.stage ? viewer.stage->ambient : glm::dvec3(0));
     if (group.colour("ambient", ambient)) drag(viewer, {.ambient = ambient});
     explain("Light that comes from everywhere");
@@ -65,7 +55,7 @@ void stage_light_fields(Viewer& viewer, FieldGroup& group) {
 }
 
 void stage_fields(Viewer& viewer, FieldGroup& group) {
-    const stage::StageSettings settings = stage_settings(viewer.editor.file());
+    const stage::StageSettings settings = edit::stage_settings_of(viewer.editor.file());
     headline("Stage");
     time_fields(viewer, group, settings);
     glm::dvec3 background = settings.background;

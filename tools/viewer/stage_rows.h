@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "stage/stage_file.h"
+#include "edit/read.h"
 
 namespace neuvv::viewer {
 
-// What a node is to those who look for it; of several, the first of these.
-enum class NodeKind { kPerformer, kLight, kCamera, kMesh, kGroup };
+using edit::NodeKind;
 
 struct StageRow {
     uint32_t node = 0;  // of the document
