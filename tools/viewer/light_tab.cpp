@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "edit/light_values.h"
 #include "tools/light_shares.h"
-#include "tools/viewer/light_values.h"
 #include "tools/viewer/look.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
@@ -27,12 +27,12 @@ const char* unit_of(stage::GltfLightKind kind) {
 }
 
 // Dragged as fast as it is bright.
-FieldGroup::Numbers look_of_intensity(const LightValues& light) {
+FieldGroup::Numbers look_of_intensity(const edit::LightValues& light) {
     return {0, 1e9, std::max(0.01, light.intensity / 200), unit_of(light.kind)};
 }
 
 void row_of_light(Viewer& viewer, const StageRow& row) {
-    const LightValues light = *light_values(viewer.editor.file(), row.node);
+    const edit::LightValues light = *edit::light_on(viewer.editor.file(), row.node);
     const std::string report = "light/" + row.title;
     const bool selected = viewer.editor.selected() == row.node;
     const float width = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight();
@@ -71,7 +71,7 @@ void list_of_lights(Viewer& viewer) {
     headline("Lights");
     bool any = false;
     for (const StageRow& row : viewer.stage_tree.rows) {
-        if (!light_values(viewer.editor.file(), row.node)) continue;
+        if (!edit::light_on(viewer.editor.file(), row.node)) continue;
         any = true;
         ImGui::PushID(static_cast<int>(row.node));
         row_of_light(viewer, row);
@@ -80,24 +80,25 @@ void list_of_lights(Viewer& viewer) {
     if (!any) ImGui::TextWrapped("No lights. Add one with " SIGN_LIGHT " above the tree.");
 }
 
-void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const LightValues& light) {
+void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
     auto kind = static_cast<size_t>(light.kind);
     if (!group.choice("kind", kind, kKinds)) return;
     const auto chosen = static_cast<stage::GltfLightKind>(kind);
     edit::LightEdit edit;
-    edit.kind = kLightKindNames[kind];
+    edit.kind = edit::kLightKindNames[kind];
     // Lux and candela are no numbers of the same size.
     if ((chosen == stage::GltfLightKind::kDirectional) != (light.kind == stage::GltfLightKind::kDirectional))
-        edit.intensity = usual_intensity(chosen);
+        edit.intensity = edit::usual_intensity(chosen);
     viewer.editor.edit([&](edit::Document& d) { return edit::set_light(d.file, node, edit); });
 }
 
-void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const LightValues& light) {
-    double beam_deg = 2 * light.outer_cone_deg, softness = softness_of(light.inner_cone_deg, light.outer_cone_deg);
+void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
+    double beam_deg = 2 * light.outer_cone_deg,
+           softness = edit::softness_of(light.inner_cone_deg, light.outer_cone_deg);
     const auto change = [&] {
         edit::LightEdit edit;
         edit.outer_cone_deg = beam_deg / 2;
-        edit.inner_cone_deg = inner_cone_for(softness, beam_deg / 2);
+        edit.inner_cone_deg = edit::inner_cone_for(softness, beam_deg / 2);
         drag(viewer, node, edit);
     };
     if (group.number("beam", beam_deg, {1, 180, 0.2, "%.1f°"})) change();
@@ -127,7 +128,7 @@ void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
 void selected_light(Viewer& viewer, FieldGroup& group) {
     const auto node = viewer.editor.selected();
     const auto at = node ? row_of(viewer.stage_tree.rows, *node) : std::nullopt;
-    const auto light = at ? light_values(viewer.editor.file(), *node) : std::nullopt;
+    const auto light = at ? edit::light_on(viewer.editor.file(), *node) : std::nullopt;
     if (!light) return;
     ImGui::PushID(static_cast<int>(*node));
     headline(viewer.stage_tree.rows[*at].title.c_str());

@@ -5,21 +5,16 @@
 
 #include <fmt/format.h>
 
-#include "tools/viewer/light_values.h"
+#include "edit/light_values.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-size_t nodes_in(const stage::StageFile& file) {
-    const auto nodes = file.json.find("nodes");
-    return nodes != file.json.end() ? nodes->size() : 0;
-}
-
 // Selects the first node that the edit added.
 void add(Viewer& viewer, const Editor::Operation& operation) {
-    const size_t before = nodes_in(viewer.editor.file());
-    if (viewer.editor.edit(operation) && nodes_in(viewer.editor.file()) > before)
+    const size_t before = viewer.editor.node_count();
+    if (viewer.editor.edit(operation) && viewer.editor.node_count() > before)
         viewer.editor.select(static_cast<uint32_t>(before));
 }
 
@@ -74,11 +69,11 @@ void add_light_in_view(Viewer& viewer, stage::GltfLightKind kind) {
     placement.at = aim - 1.5 * right + glm::dvec3(0, 2.5, 0) + 1.5 * back;
     placement.aim = aim;
     edit::LightEdit edit;
-    edit.kind = kLightKindNames[static_cast<size_t>(kind)];
-    edit.intensity = usual_intensity(kind);
+    edit.kind = edit::kLightKindNames[static_cast<size_t>(kind)];
+    edit.intensity = edit::usual_intensity(kind);
     if (kind == stage::GltfLightKind::kSpot) {
         edit.outer_cone_deg = 30;
-        edit.inner_cone_deg = inner_cone_for(0.5, *edit.outer_cone_deg);
+        edit.inner_cone_deg = edit::inner_cone_for(0.5, *edit.outer_cone_deg);
     }
     const char* const name = kind == stage::GltfLightKind::kSpot    ? "spot"
                              : kind == stage::GltfLightKind::kPoint ? "lamp"

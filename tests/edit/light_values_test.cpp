@@ -1,4 +1,4 @@
-#include "tools/viewer/light_values.h"
+#include "edit/light_values.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 void expect_as_loaded(const stage::StageFile& file, uint32_t node) {
     const stage::Stage stage = stage::make_stage(file);
     const stage::GltfLight& loaded = stage.scene.lights.at(static_cast<size_t>(stage.scene.nodes.at(node).light));
-    const auto light = viewer::light_values(file, node);
+    const auto light = edit::light_on(file, node);
     ASSERT_TRUE(light);
     EXPECT_EQ(light->kind, loaded.kind);
     EXPECT_EQ(light->color, loaded.color);
@@ -29,7 +29,7 @@ TEST(LightValues, AreThoseOfTheEngine) {
     stage::StageFile file = stage::read_stage_file(test::put_foreign_stage(folder.path));
     expect_as_loaded(file, edit::find_node(file, "Spot"));
     expect_as_loaded(file, edit::find_node(file, "Sun"));
-    EXPECT_FALSE(viewer::light_values(file, edit::find_node(file, "Floor")));
+    EXPECT_FALSE(edit::light_on(file, edit::find_node(file, "Floor")));
     edit::LightEdit edit;
     edit.kind = "spot";  // with nothing else said
     edit::add_light(file, "bare", edit, {});
@@ -40,13 +40,13 @@ TEST(LightValues, AreThoseOfTheEngine) {
 }
 
 TEST(LightValues, SoftnessIsTheFadingPartOfTheCone) {
-    EXPECT_DOUBLE_EQ(viewer::softness_of(15, 30), 0.5);
-    EXPECT_DOUBLE_EQ(viewer::softness_of(0, 30), 1);
+    EXPECT_DOUBLE_EQ(edit::softness_of(15, 30), 0.5);
+    EXPECT_DOUBLE_EQ(edit::softness_of(0, 30), 1);
     for (const double softness : {0.0, 0.25, 0.5, 1.0})
         for (const double outer_deg : {0.5, 30.0, 90.0}) {
-            const double inner_deg = viewer::inner_cone_for(softness, outer_deg);
+            const double inner_deg = edit::inner_cone_for(softness, outer_deg);
             EXPECT_LT(inner_deg, outer_deg) << "no file may have them alike";
-            EXPECT_NEAR(viewer::softness_of(inner_deg, outer_deg), softness, 1e-12);
+            EXPECT_NEAR(edit::softness_of(inner_deg, outer_deg), softness, 1e-12);
         }
 }
 
@@ -58,7 +58,7 @@ TEST(LightValues, EverySoftnessMakesASoundFile) {
         for (const double outer_deg : {0.5, 90.0}) {
             edit::LightEdit edit;
             edit.outer_cone_deg = outer_deg;
-            edit.inner_cone_deg = viewer::inner_cone_for(softness, outer_deg);
+            edit.inner_cone_deg = edit::inner_cone_for(softness, outer_deg);
             edit::set_light(file, node, edit);
             EXPECT_NO_THROW(stage::expect_sound_document(file)) << softness << ' ' << outer_deg;
         }

@@ -1,4 +1,4 @@
-// A light in numbers that hands type, as the document says them.
+// Lights as a document has them, in the numbers that people type.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,7 +7,7 @@
 #include "stage/gltf_scene.h"
 #include "stage/stage_file.h"
 
-namespace neuvv::viewer {
+namespace neuvv::edit {
 
 struct LightValues {
     stage::GltfLightKind kind = stage::GltfLightKind::kPoint;
@@ -18,8 +18,8 @@ struct LightValues {
 };
 constexpr const char* kLightKindNames[] = {"directional", "point", "spot"};  // by GltfLightKind
 
-// Nothing where the node is no light. The document is sound.
-std::optional<LightValues> light_values(const stage::StageFile& file, uint32_t node);
+// The light on a node, nothing where it has none. What is expected of the document: read.h.
+std::optional<LightValues> light_on(const stage::StageFile& file, uint32_t node);
 
 // Of a new light: lux of a sun, candela of others, about as bright as that from where one hangs lamps.
 double usual_intensity(stage::GltfLightKind kind);
@@ -29,4 +29,4 @@ double softness_of(double inner_cone_deg, double outer_cone_deg);
 // The inner half angle for it; below the outer one, as files want it, also where it is 0.
 double inner_cone_for(double softness, double outer_cone_deg);
 
-}  // namespace neuvv::viewer
+}  // namespace neuvv::edit
