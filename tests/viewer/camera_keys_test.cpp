@@ -4,9 +4,6 @@
 
 #include <cmath>
 
-#include "base/error.h"
-#include "edit/operations.h"
-
 namespace neuvv {
 namespace {
 
@@ -24,21 +21,6 @@ stage::CameraPath path_at(std::initializer_list<double> times_s) {
 void expect_same(const glm::dmat4& a, const glm::dmat4& b) {
     for (int c = 0; c < 4; c++)
         for (int r = 0; r < 4; r++) EXPECT_NEAR(a[c][r], b[c][r], 1e-9) << c << " " << r;
-}
-
-TEST(CameraKeys, AreOfTheDocument) {
-    stage::StageFile file = stage::make_stage_file(
-        "/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 1, "scenes": [{}, {"nodes": []}]})");
-    EXPECT_FALSE(viewer::camera_path_in(file));
-    EXPECT_FALSE(
-        viewer::camera_path_in(stage::make_stage_file("/nowhere/none.gltf", R"({"asset": {"version": "2.0"}})")));
-    edit::add_path_key(file, path_at({1.5}).keys[0], 0.04);
-    const std::optional<stage::CameraPath> path = viewer::camera_path_in(file);
-    ASSERT_TRUE(path);
-    ASSERT_EQ(path->keys.size(), 1u);
-    EXPECT_EQ(path->keys[0].time_s, 1.5);
-    edit::remove_path_key(file, 0);
-    EXPECT_FALSE(viewer::camera_path_in(file));
 }
 
 // What was seen when the key was set is seen again when the path comes there.

@@ -3,19 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stage/camera_path_json.h"
-#include "stage/stage_settings.h"
-
 namespace neuvv::viewer {
-
-std::optional<stage::CameraPath> camera_path_in(const stage::StageFile& file) {
-    const auto scenes = file.json.find("scenes");
-    if (scenes == file.json.end() || scenes->empty()) return std::nullopt;
-    const nlohmann::ordered_json& scene = scenes->at(file.json.value("scene", size_t{0}));
-    const nlohmann::json::json_pointer place(std::string("/extensions/") + stage::kStageExtension + "/cameraPath");
-    if (!scene.contains(place)) return std::nullopt;
-    return stage::camera_path_of(scene.at(place), file.path.string(), "cameraPath");
-}
 
 stage::CameraPathKey key_of(const Eye& eye, double time_s) {
     const glm::dmat4 world_from_camera = world_from_eye(eye);

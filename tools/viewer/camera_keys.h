@@ -1,17 +1,12 @@
 // The stage's camera path, between its keys and the eye.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "stage/camera_path.h"
-#include "stage/stage_file.h"
 #include "tools/viewer/navigation.h"
 
 namespace neuvv::viewer {
-
-// Of a sound document; none where it has none.
-std::optional<stage::CameraPath> camera_path_in(const stage::StageFile& file);
 
 stage::CameraPathKey key_of(const Eye& eye, double time_s);
 // The eye that sees as the path's camera does; the pivot `distance_m` in front of it.

@@ -64,7 +64,7 @@ void add_key_here(Viewer& viewer) {
 
 void remove_key_near(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
-    const std::optional<stage::CameraPath> path = camera_path_in(viewer.editor.file());
+    const std::optional<stage::CameraPath> path = edit::camera_path_of(viewer.editor.file());
     if (!path) return viewer.editor.tell("there is no camera path");
     const size_t key = nearest_key(*path, viewer.clock.shown_s());
     viewer.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });

@@ -17,7 +17,7 @@ void read_path(TimelineState& state, const Viewer& viewer) {
     if (state.path_of == viewer.editor.id()) return;
     state.path.reset();
     state.path_line.clear();
-    if (viewer.editor.is_open()) state.path = camera_path_in(viewer.editor.file());
+    if (viewer.editor.is_open()) state.path = edit::camera_path_of(viewer.editor.file());
     if (state.path) state.path_line = line_of(*state.path, kLineSteps);
     state.path_of = viewer.editor.id();
 }
@@ -29,7 +29,7 @@ void read_tracks(TimelineState& state, const Viewer& viewer) {
         return;
     }
     if (state.tracks_of == viewer.editor.id() && state.clips_of == viewer.stage) return;
-    state.tracks = performer_tracks(viewer.editor.file(), viewer.stage->clips);
+    state.tracks = edit::performer_tracks(viewer.editor.file(), viewer.stage->clips);
     state.tracks_of = viewer.editor.id();
     state.clips_of = viewer.stage;
 }
@@ -37,7 +37,7 @@ void read_tracks(TimelineState& state, const Viewer& viewer) {
 // The end of the stage, or of who plays longer.
 double extent_of(const TimelineState& state, const StageClock& clock) {
     double extent_s = clock.duration_s();
-    for (const PerformerTrack& track : state.tracks)
+    for (const edit::PerformerTrack& track : state.tracks)
         if (std::isfinite(track.bar.end_s)) extent_s = std::max(extent_s, track.bar.end_s);
     return extent_s;
 }
@@ -87,7 +87,7 @@ void scroll_to_selected(TimelineState& state, const Viewer& viewer) {
     const auto selected = viewer.editor.selected();
     if (state.seen_selected == selected) return;
     const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
-                                    [&](const PerformerTrack& one) { return one.node == selected; });
+                                    [&](const edit::PerformerTrack& one) { return one.node == selected; });
     if (selected && track == state.tracks.end()) return;  // it may be added in this frame
     state.seen_selected = selected;
     if (!selected) return;
@@ -103,7 +103,7 @@ void rows(TimelineState& state, Viewer& viewer) {
         ImGui::SetScrollY(std::clamp(ImGui::GetScrollY() + state.scroll_y, 0.0f, ImGui::GetScrollMaxY()));
     state.scroll_y = 0;
     scroll_to_selected(state, viewer);
-    for (const PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
+    for (const edit::PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
     if (state.tracks.empty() && viewer.stage) ImGui::TextDisabled("no performers yet");
     draw_range_and_instant(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
 }

@@ -21,7 +21,7 @@ struct BarPlace {
     float left, right, top, bottom;
 };
 
-BarPlace place_of(const Viewer& viewer, const TimelineView& view, const PerformerTrack& track, float top) {
+BarPlace place_of(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, float top) {
     const double end_s = std::isfinite(track.bar.end_s) ? track.bar.end_s : std::max(viewer.clock.duration_s(), 0.0);
     const float least = std::min(viewer.ui(3 * kGrip), view.right() - view.left());
     const float left = std::clamp(view.x_at(track.bar.start_s), view.left(), view.right() - least);
@@ -29,8 +29,9 @@ BarPlace place_of(const Viewer& viewer, const TimelineView& view, const Performe
     return {left, right, top + viewer.ui(2), top + view.row_height - viewer.ui(2)};
 }
 
-void edit_now(Viewer& viewer, uint32_t node, TimeEdit edit) {
-    viewer.editor.edit([node, edit = std::move(edit)](edit::Document& d) { return edit_time(d.file, node, edit); });
+void edit_now(Viewer& viewer, uint32_t node, edit::TimeEdit edit) {
+    viewer.editor.edit(
+        [node, edit = std::move(edit)](edit::Document& d) { return edit::edit_time(d.file, node, edit); });
 }
 
 // The clip's frame over stage time: the first at the bottom, the last at the top.
@@ -52,7 +53,7 @@ void draw_curve(const Viewer& viewer, const TimelineView& view, const stage::Tim
     draw(bar.right, view.right(), kCurveHeld);
 }
 
-void draw_bar(const Viewer& viewer, const TimelineView& view, const PerformerTrack& track, const BarPlace& bar,
+void draw_bar(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, const BarPlace& bar,
               bool lit) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float round = viewer.ui(3);
@@ -63,7 +64,7 @@ void draw_bar(const Viewer& viewer, const TimelineView& view, const PerformerTra
     if (lit || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, kAccent, round);
 }
 
-void tell_times(const Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
+void tell_times(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track) {
     const double at_s = view.axis.s_at(ImGui::GetIO().MousePos.x);
     const double frame = stage::frame_at(track.timeline, at_s);
     const std::string end = std::isfinite(track.bar.end_s) ? "to " + text_of_time(track.bar.end_s) : "without end";
@@ -75,7 +76,7 @@ void tell_times(const Viewer& viewer, const TimelineView& view, const PerformerT
 }
 
 // The edit that brings the edge that is held to where the pointer is.
-void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
+void follow(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track) {
     HeldBar& drag = viewer.timeline.bar;
     if (!is_dragged(viewer) || drag.cancelled) return;
     const double edge_s = drag.part != BarPart::kEnd         ? drag.before.start_s
@@ -88,12 +89,12 @@ void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& trac
     const uint32_t node = track.node;
     if (drag.part == BarPart::kBody && drag.stagger) {
         viewer.editor.drag([node, by_s, stage = viewer.stage](edit::Document& d) {
-            return stagger_together(d.file, stage->clips, node, by_s);
+            return edit::stagger_together(d.file, stage->clips, node, by_s);
         });
         return;
     }
     viewer.editor.drag([node, by_s, to_s, rate = track.rate, part = drag.part](edit::Document& d) {
-        return edit_time(d.file, node, [&](const stage::TimeMap& map) {
+        return edit::edit_time(d.file, node, [&](const stage::TimeMap& map) {
             if (part == BarPart::kStart) return edit::trimmed_start(map, rate, to_s);
             return part == BarPart::kEnd ? edit::trimmed_end(map, rate, to_s) : edit::moved(map, rate, by_s);
         });
@@ -101,7 +102,7 @@ void follow(Viewer& viewer, const TimelineView& view, const PerformerTrack& trac
 }
 
 // Makes a part of the bar one that can be held; whether the pointer is over it.
-bool hold(Viewer& viewer, const TimelineView& view, const PerformerTrack& track, BarPart part) {
+bool hold(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, BarPart part) {
     HeldBar& drag = viewer.timeline.bar;
     if (ImGui::IsItemActivated())
         drag = {track.node, part,     ImGui::GetIO().KeyAlt, false, view.axis.s_at(ImGui::GetIO().MousePos.x),
@@ -119,38 +120,39 @@ bool hold(Viewer& viewer, const TimelineView& view, const PerformerTrack& track,
     return lit;
 }
 
-bool menu_item(Viewer& viewer, const PerformerTrack& track, const char* name, const char* text, bool on = false) {
+bool menu_item(Viewer& viewer, const edit::PerformerTrack& track, const char* name, const char* text, bool on = false) {
     const bool chosen = ImGui::MenuItem(text, nullptr, on);
     viewer.report.item(fmt::format("timeline/{}/{}", track.name, name));
     return chosen;
 }
 
-void speed_field(Viewer& viewer, const PerformerTrack& track) {
+void speed_field(Viewer& viewer, const edit::PerformerTrack& track) {
     constexpr auto kFlags = ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic;
-    auto speed = static_cast<float>(speed_of(track.map));
+    auto speed = static_cast<float>(edit::speed_of(track.map));
     ImGui::SetNextItemWidth(viewer.ui(90));
     if (ImGui::DragFloat("speed", &speed, 0.01f, 0.05f, 20, "%.2f×", kFlags))
         viewer.editor.drag([node = track.node, rate = track.rate, speed](edit::Document& d) {
-            return edit_time(d.file, node,
-                             [&](const stage::TimeMap& map) { return edit::sped(map, rate, speed / speed_of(map)); });
+            return edit::edit_time(d.file, node, [&](const stage::TimeMap& map) {
+                return edit::sped(map, rate, speed / edit::speed_of(map));
+            });
         });
     viewer.report.item(fmt::format("timeline/{}/speed", track.name));
 }
 
-void repeat_items(Viewer& viewer, const PerformerTrack& track) {
+void repeat_items(Viewer& viewer, const edit::PerformerTrack& track) {
     constexpr std::pair<const char*, const char*> kItems[] = {
         {"once", "Once"}, {"loop", "Again and again"}, {"ping-pong", "Back and forth"}};
-    for (const Repeat repeat : {Repeat::kOnce, Repeat::kLoop, Repeat::kPingPong}) {
+    for (const edit::Repeat repeat : {edit::Repeat::kOnce, edit::Repeat::kLoop, edit::Repeat::kPingPong}) {
         const auto [name, text] = kItems[static_cast<size_t>(repeat)];
-        if (menu_item(viewer, track, name, text, repeat_of(track.map) == repeat))
-            edit_now(viewer, track.node, [repeat](const stage::TimeMap& map) { return repeated(map, repeat); });
+        if (menu_item(viewer, track, name, text, edit::repeat_of(track.map) == repeat))
+            edit_now(viewer, track.node, [repeat](const stage::TimeMap& map) { return edit::repeated(map, repeat); });
     }
 }
 
-void here_items(Viewer& viewer, const PerformerTrack& track) {
+void here_items(Viewer& viewer, const edit::PerformerTrack& track) {
     const double now_s = viewer.clock.shown_s();
     const edit::ClipRate rate = track.rate;
-    const auto now = [&](TimeEdit edit) { edit_now(viewer, track.node, std::move(edit)); };
+    const auto now = [&](edit::TimeEdit edit) { edit_now(viewer, track.node, std::move(edit)); };
     if (menu_item(viewer, track, "start_here", "Begin here"))
         now([=, by_s = now_s - track.bar.start_s](const stage::TimeMap& map) { return edit::moved(map, rate, by_s); });
     if (menu_item(viewer, track, "trim_start", "Cut off what is before"))
@@ -158,18 +160,18 @@ void here_items(Viewer& viewer, const PerformerTrack& track) {
     if (menu_item(viewer, track, "trim_end", "Cut off what is after"))
         now([=](const stage::TimeMap& map) { return edit::trimmed_end(map, rate, now_s); });
     if (menu_item(viewer, track, "hold", "Hold this picture for a second"))
-        now([=](const stage::TimeMap& map) { return held_at(map, rate, now_s, 1); });
+        now([=](const stage::TimeMap& map) { return edit::held_at(map, rate, now_s, 1); });
     if (menu_item(viewer, track, "freeze", "Freeze this picture"))
-        now([=](const stage::TimeMap& map) { return frozen_at(map, rate, now_s); });
+        now([=](const stage::TimeMap& map) { return edit::frozen_at(map, rate, now_s); });
 }
 
-void time_menu(Viewer& viewer, const PerformerTrack& track) {
+void time_menu(Viewer& viewer, const edit::PerformerTrack& track) {
     if (!ImGui::BeginPopup("time")) return;
     ImGui::TextDisabled("%s: %s", track.name.c_str(),
                         track.map.empty() ? "as the clip is" : stage::text_of(track.map).c_str());
     ImGui::Separator();
     speed_field(viewer, track);
-    if (menu_item(viewer, track, "reverse", "Backwards", is_reversed(track.map)))
+    if (menu_item(viewer, track, "reverse", "Backwards", edit::is_reversed(track.map)))
         edit_now(viewer, track.node,
                  [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
     ImGui::Separator();
@@ -182,7 +184,7 @@ void time_menu(Viewer& viewer, const PerformerTrack& track) {
     ImGui::EndPopup();
 }
 
-void name_cell(Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
+void name_cell(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = view.names_width - view.row_height - viewer.ui(6), inset = viewer.ui(6);
     ImGui::SetCursorScreenPos({view.left() - view.row_height - viewer.ui(4), at.y});
@@ -205,7 +207,7 @@ void name_cell(Viewer& viewer, const TimelineView& view, const PerformerTrack& t
 
 }  // namespace
 
-void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrack& track) {
+void performer_row(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track) {
     ImGui::PushID(static_cast<int>(track.node));
     const ImVec2 at = ImGui::GetCursorScreenPos();
     name_cell(viewer, view, track);

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "edit/tracks.h"
 #include "stage/camera_path.h"
 #include "stage/stage.h"
 #include "tools/viewer/time_axis.h"
-#include "tools/viewer/timeline_tracks.h"
 
 namespace neuvv::viewer {
 
@@ -48,7 +48,7 @@ struct TimelineState {
     float scroll_y = 0;  // of the rows, to be done in the next frame
     HeldBar bar;         // the last
     std::optional<HeldKey> key;
-    std::vector<PerformerTrack> tracks;
+    std::vector<edit::PerformerTrack> tracks;
     uint64_t tracks_of = 0;                 // the document's id
     std::optional<uint32_t> seen_selected;  // already scrolled to
     std::shared_ptr<const stage::Stage> clips_of;

@@ -23,7 +23,7 @@ bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& nam
 void transport_row(Viewer& viewer);
 void ruler_row(Viewer& viewer, const TimelineView& view);
 void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<stage::CameraPath>& path);
-void performer_row(Viewer& viewer, const TimelineView& view, const PerformerTrack& track);
+void performer_row(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track);
 
 // What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's instant is a line.
 void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top, float bottom);

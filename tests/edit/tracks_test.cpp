@@ -1,4 +1,4 @@
-#include "tools/viewer/timeline_tracks.h"
+#include "edit/tracks.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ std::vector<stage::StageClip> some_clips() {
 
 TEST(TimelineTracks, AreThoseOfTheSceneWhoseClipIsKnown) {
     std::vector<stage::StageClip> clips = some_clips();
-    std::vector<viewer::PerformerTrack> tracks = viewer::performer_tracks(some_stage(), clips);
+    std::vector<edit::PerformerTrack> tracks = edit::performer_tracks(some_stage(), clips);
     ASSERT_EQ(tracks.size(), 3u);
     EXPECT_EQ(tracks[0].name, "anna");
     EXPECT_EQ(tracks[0].bar.start_s, 0);
@@ -49,27 +49,27 @@ TEST(TimelineTracks, AreThoseOfTheSceneWhoseClipIsKnown) {
     EXPECT_EQ(tracks[2].name, "bert");
     clips.push_back(clips[0]);
     clips[1].path = stage::absolute_path("/nowhere/b.nvv");
-    EXPECT_EQ(viewer::performer_tracks(some_stage(), clips).size(), 4u);
-    EXPECT_TRUE(viewer::performer_tracks(
-                    stage::make_stage_file("/nowhere/empty.gltf", R"({"asset": {"version": "2.0"}})"), clips)
-                    .empty());
+    EXPECT_EQ(edit::performer_tracks(some_stage(), clips).size(), 4u);
+    EXPECT_TRUE(
+        edit::performer_tracks(stage::make_stage_file("/nowhere/empty.gltf", R"({"asset": {"version": "2.0"}})"), clips)
+            .empty());
 }
 
 TEST(TimelineTracks, EditsChangeTheMapOfOneNode) {
     stage::StageFile file = some_stage();
-    viewer::edit_time(file, 3, [](const stage::TimeMap& map) { return edit::moved(map, {50, 25}, 0.4); });
-    const std::vector<viewer::PerformerTrack> tracks = viewer::performer_tracks(file, some_clips());
+    edit::edit_time(file, 3, [](const stage::TimeMap& map) { return edit::moved(map, {50, 25}, 0.4); });
+    const std::vector<edit::PerformerTrack> tracks = edit::performer_tracks(file, some_clips());
     EXPECT_NEAR(tracks[1].bar.start_s, 1.4, 1e-9);
     EXPECT_EQ(tracks[0].bar.start_s, 0);
-    EXPECT_THROW(viewer::edit_time(file, 0, [](const stage::TimeMap& map) { return map; }), InputError) << "a floor";
+    EXPECT_THROW(edit::edit_time(file, 0, [](const stage::TimeMap& map) { return map; }), InputError) << "a floor";
 }
 
 TEST(TimelineTracks, StaggerFollowsWhoIsDragged) {
     const auto starts = [](uint32_t node, double by_s) {
         stage::StageFile file = some_stage();
-        viewer::stagger_together(file, some_clips(), node, by_s);
+        edit::stagger_together(file, some_clips(), node, by_s);
         std::vector<double> seconds;
-        for (const viewer::PerformerTrack& track : viewer::performer_tracks(file, some_clips()))
+        for (const edit::PerformerTrack& track : edit::performer_tracks(file, some_clips()))
             seconds.push_back(track.bar.start_s);
         return seconds;
     };
@@ -81,28 +81,28 @@ TEST(TimelineTracks, StaggerFollowsWhoIsDragged) {
     EXPECT_NEAR(first[1], 1.4, 1e-9);
     EXPECT_NEAR(first[2], 0.6, 1e-9);
     stage::StageFile file = some_stage();
-    EXPECT_THROW(viewer::stagger_together(file, some_clips(), 6, 1), InputError);
+    EXPECT_THROW(edit::stagger_together(file, some_clips(), 6, 1), InputError);
 }
 
 TEST(TimelineTracks, SpeedAndDirectionAreOfAllOperators) {
-    EXPECT_DOUBLE_EQ(viewer::speed_of(map_of("speed:2,clip:0s:1s,speed:0.25")), 0.5);
-    EXPECT_EQ(viewer::speed_of({}), 1);
-    EXPECT_TRUE(viewer::is_reversed(map_of("reverse,offset:1s")));
-    EXPECT_FALSE(viewer::is_reversed(map_of("reverse,clip:0s:1s,reverse")));
+    EXPECT_DOUBLE_EQ(edit::speed_of(map_of("speed:2,clip:0s:1s,speed:0.25")), 0.5);
+    EXPECT_EQ(edit::speed_of({}), 1);
+    EXPECT_TRUE(edit::is_reversed(map_of("reverse,offset:1s")));
+    EXPECT_FALSE(edit::is_reversed(map_of("reverse,clip:0s:1s,reverse")));
 }
 
 TEST(TimelineTracks, RepeatsWhatWasShownUntilItDoesNoMore) {
-    EXPECT_EQ(viewer::repeat_of(map_of("offset:1s")), viewer::Repeat::kOnce);
-    const stage::TimeMap loop = viewer::repeated(map_of("clip:0s:1s,offset:1s,hold"), viewer::Repeat::kLoop);
+    EXPECT_EQ(edit::repeat_of(map_of("offset:1s")), edit::Repeat::kOnce);
+    const stage::TimeMap loop = edit::repeated(map_of("clip:0s:1s,offset:1s,hold"), edit::Repeat::kLoop);
     EXPECT_EQ(stage::text_of(loop), "clip:0s:1s,loop,offset:1s,hold");
-    EXPECT_EQ(viewer::repeat_of(loop), viewer::Repeat::kLoop);
-    const stage::TimeMap there_and_back = viewer::repeated(loop, viewer::Repeat::kPingPong);
+    EXPECT_EQ(edit::repeat_of(loop), edit::Repeat::kLoop);
+    const stage::TimeMap there_and_back = edit::repeated(loop, edit::Repeat::kPingPong);
     EXPECT_EQ(stage::text_of(there_and_back), "clip:0s:1s,ping-pong,offset:1s,hold");
-    EXPECT_EQ(stage::text_of(viewer::repeated(there_and_back, viewer::Repeat::kOnce)), "clip:0s:1s,offset:1s,hold");
-    EXPECT_EQ(stage::text_of(viewer::repeated(map_of("loop:1s:2s"), viewer::Repeat::kOnce)), "clip:1s:2s")
+    EXPECT_EQ(stage::text_of(edit::repeated(there_and_back, edit::Repeat::kOnce)), "clip:0s:1s,offset:1s,hold");
+    EXPECT_EQ(stage::text_of(edit::repeated(map_of("loop:1s:2s"), edit::Repeat::kOnce)), "clip:1s:2s")
         << "its part stays";
-    EXPECT_EQ(stage::text_of(viewer::repeated(map_of("loop"), viewer::Repeat::kOnce)), "");
-    EXPECT_TRUE(viewer::repeated({}, viewer::Repeat::kOnce).empty());
+    EXPECT_EQ(stage::text_of(edit::repeated(map_of("loop"), edit::Repeat::kOnce)), "");
+    EXPECT_TRUE(edit::repeated({}, edit::Repeat::kOnce).empty());
 }
 
 TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
@@ -111,8 +111,8 @@ TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
         return stage::frame_at(stage::timeline_of(map, clip.frames, clip.fps, "test", "time"), stage_s);
     };
     for (const char* text : {"", "offset:1s", "offset:10f,hold", "offset:-5f", "speed:2,offset:0.4s"}) {
-        const stage::TimeMap map = map_of(text), held = viewer::held_at(map, clip, 1.2, 0.6),
-                             frozen = viewer::frozen_at(map, clip, 1.2);
+        const stage::TimeMap map = map_of(text), held = edit::held_at(map, clip, 1.2, 0.6),
+                             frozen = edit::frozen_at(map, clip, 1.2);
         EXPECT_EQ(frame(held, 1), frame(map, 1)) << text;
         for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(held, 1.2 + later_s), frame(map, 1.2)) << text;
         EXPECT_EQ(frame(held, 2), frame(map, 1.4)) << text;

@@ -1,4 +1,4 @@
-#include "tools/viewer/timeline_tracks.h"
+#include "edit/tracks.h"
 
 #include <fmt/format.h>
 
@@ -9,55 +9,29 @@
 #include "base/error.h"
 #include "edit/operations.h"
 
-namespace neuvv::viewer {
+namespace neuvv::edit {
 
 namespace {
 
-using nlohmann::ordered_json;
-
-const ordered_json* member(const ordered_json& object, const char* name) {
-    const auto found = object.find(name);
-    return found == object.end() ? nullptr : &*found;
+std::string place_of(uint32_t node) {
+    return fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
 }
 
-// By node: whether the default scene reaches it. A document without scenes shows all.
-std::vector<bool> in_default_scene(const ordered_json& json) {
-    const ordered_json& nodes = *member(json, "nodes");
-    const ordered_json* scenes = member(json, "scenes");
-    if (!scenes || scenes->empty()) return std::vector<bool>(nodes.size(), true);
-    std::vector<bool> reached(nodes.size(), false);
-    std::vector<size_t> waiting;
-    const auto add = [&](const ordered_json* list) {
-        if (list)
-            for (const ordered_json& node : *list) waiting.push_back(node.get<size_t>());
-    };
-    add(member((*scenes)[json.value("scene", size_t{0})], "nodes"));
-    while (!waiting.empty()) {
-        const size_t node = waiting.back();
-        waiting.pop_back();
-        if (node >= nodes.size() || reached[node]) continue;
-        reached[node] = true;
-        add(member(nodes[node], "children"));
-    }
-    return reached;
-}
-
-std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t node, const ordered_json& performer,
+std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t node,
+                                       const stage::PerformerSettings& settings,
                                        const std::vector<stage::StageClip>& clips) {
-    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
-    const stage::PerformerSettings settings = stage::performer_settings_of(performer, file.path.string(), place);
     PerformerTrack track;
     track.node = node;
-    track.name = file.json["nodes"][node].value("name", std::string());
-    if (track.name.empty()) track.name = fmt::format("node {}", node);
-    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, place + "/uri"));
+    track.name = node_title(file, node);
+    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, place_of(node) + "/uri"));
     const auto clip = std::find_if(clips.begin(), clips.end(),
                                    [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;
     track.map = settings.time;
     track.rate = {clip->frames, clip->fps};
-    track.timeline = stage::timeline_of(track.map, clip->frames, clip->fps, file.path.string(), place + "/time");
-    track.bar = edit::bar_of(track.map, track.rate);
+    track.timeline =
+        stage::timeline_of(track.map, clip->frames, clip->fps, file.path.string(), place_of(node) + "/time");
+    track.bar = bar_of(track.map, track.rate);
     return track;
 }
 
@@ -73,7 +47,7 @@ size_t before_start(const stage::TimeMap& map) {
 }
 
 // With an operator that says what is shown from a stage time on.
-stage::TimeMap with_stop(stage::TimeMap map, const edit::ClipRate& clip, stage::TimeVerb verb, double stage_s,
+stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVerb verb, double stage_s,
                          double seconds) {
     const size_t at = before_start(map);
     double start_s = 0;
@@ -92,25 +66,21 @@ stage::TimeMap with_stop(stage::TimeMap map, const edit::ClipRate& clip, stage::
 
 std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips) {
     std::vector<PerformerTrack> tracks;
-    const ordered_json* nodes = member(file.json, "nodes");
-    if (!nodes) return tracks;
-    const std::vector<bool> shown = in_default_scene(file.json);
-    for (uint32_t i = 0; i < nodes->size(); i++) {
-        const ordered_json* extensions = member((*nodes)[i], "extensions");
-        const ordered_json* performer = extensions ? member(*extensions, stage::kPerformerExtension) : nullptr;
-        if (!performer || !shown[i]) continue;
-        if (auto track = track_of(file, i, *performer, clips)) tracks.push_back(std::move(*track));
+    const std::vector<bool> shown = nodes_in_scene(file);
+    for (uint32_t node = 0; node < shown.size(); node++) {
+        const auto settings = shown[node] ? performer_on(file, node) : std::nullopt;
+        if (!settings) continue;
+        if (auto track = track_of(file, node, *settings, clips)) tracks.push_back(std::move(*track));
     }
     return tracks;
 }
 
 std::string edit_time(stage::StageFile& file, uint32_t node, const TimeEdit& edit) {
-    const std::string place = fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
-    const ordered_json::json_pointer pointer(place);
-    if (!file.json.contains(pointer)) throw InputError(file.path.string(), place, "is no performer");
-    edit::PerformerEdit change;
-    change.time = edit(stage::performer_settings_of(file.json.at(pointer), file.path.string(), place).time);
-    return edit::set_performer(file, node, change);
+    const auto settings = performer_on(file, node);
+    if (!settings) throw InputError(file.path.string(), place_of(node), "is no performer");
+    PerformerEdit change;
+    change.time = edit(settings->time);
+    return set_performer(file, node, change);
 }
 
 std::string stagger_together(stage::StageFile& file, const std::vector<stage::StageClip>& clips, uint32_t node,
@@ -126,9 +96,9 @@ std::string stagger_together(stage::StageFile& file, const std::vector<stage::St
     const size_t first = order == 0 ? 1 : 0;
     const double step_s = by_s / static_cast<double>(order + first);
     for (size_t i = 0; i < same.size(); i++) {
-        edit::PerformerEdit change;
-        change.time = edit::moved(same[i].map, same[i].rate, static_cast<double>(i + first) * step_s);
-        edit::set_performer(file, same[i].node, change);
+        PerformerEdit change;
+        change.time = moved(same[i].map, same[i].rate, static_cast<double>(i + first) * step_s);
+        set_performer(file, same[i].node, change);
     }
     return fmt::format("{} performers, each {:.6g} s later than the one before", same.size(), step_s);
 }
@@ -171,12 +141,12 @@ stage::TimeMap repeated(stage::TimeMap map, Repeat repeat) {
     return map;
 }
 
-stage::TimeMap held_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s, double seconds) {
+stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds) {
     return with_stop(std::move(map), clip, stage::TimeVerb::kPause, stage_s, seconds);
 }
 
-stage::TimeMap frozen_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s) {
+stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s) {
     return with_stop(std::move(map), clip, stage::TimeVerb::kFreeze, stage_s, 0);
 }
 
-}  // namespace neuvv::viewer
+}  // namespace neuvv::edit

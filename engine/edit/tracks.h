@@ -1,5 +1,4 @@
-// The timeline's tracks: what plays when, read from the document itself, so that a track shows an edit in the frame
-// after it.
+// Performers on a time line: what plays when, read from the document itself (read.h), and edits of their time maps.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +9,20 @@
 #include "edit/time_edit.h"
 #include "stage/stage.h"
 
-namespace neuvv::viewer {
+namespace neuvv::edit {
 
 struct PerformerTrack {
     uint32_t node = 0;  // of the document
     std::string name;   // its name, or "node 3"
     std::filesystem::path clip;
-    edit::ClipRate rate;  // of the clip
+    ClipRate rate;  // of the clip
     stage::TimeMap map;
     stage::Timeline timeline;
-    edit::TimeBar bar;  // when it plays: before and after, its first and its last picture stand
+    TimeBar bar;  // when it plays: before and after, its first and its last picture stand
 };
 
-// The performers of the default scene, by node. Those whose clip is not among `clips` (not read yet) are left out. The
-// document is sound.
+// The performers of the default scene, by node. Those whose clip is not among `clips` (not read yet) are left out. What
+// is expected of the document: read.h.
 std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips);
 
 // An edit of one performer's map, as the document has it.
@@ -45,7 +44,7 @@ Repeat repeat_of(const stage::TimeMap& map);
 stage::TimeMap repeated(stage::TimeMap map, Repeat repeat);
 
 // The picture that is shown at this stage time stands from then on for so long; always.
-stage::TimeMap held_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s, double seconds);
-stage::TimeMap frozen_at(stage::TimeMap map, const edit::ClipRate& clip, double stage_s);
+stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
+stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s);
 
-}  // namespace neuvv::viewer
+}  // namespace neuvv::edit
