@@ -5,27 +5,13 @@
 #include <set>
 
 #include "base/platform.h"
-#include "edit/document.h"
-#include "stage/performer_settings.h"
+#include "edit/paint_layers.h"
 #include "stage/stage.h"
 #include "voctree/nvpaint.h"
 
 namespace neuvv::edit {
 
 namespace {
-
-// Of a sound document.
-std::set<std::filesystem::path> worn_paint(stage::StageFile& file) {
-    std::set<std::filesystem::path> paths;
-    if (!file.json.contains("nodes")) return paths;
-    for (ordered_json& node : file.json["nodes"]) {
-        const ordered_json* performer = find_extension(node, stage::kPerformerExtension);
-        if (!performer) continue;
-        for (const ordered_json& layer : performer->value("paint", ordered_json::array()))
-            paths.insert(paint_path(file, layer["uri"].get<std::string>()));
-    }
-    return paths;
-}
 
 bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
     const auto saved = document.saved_paint.find(layer.first);
@@ -64,7 +50,7 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
 
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
     stage::expect_sound_document(document.file);
-    const std::set<std::filesystem::path> worn = worn_paint(document.file);
+    const std::set<std::filesystem::path> worn = worn_layers(document.file);
     for (const auto& layer : document.paint) {
         if (!worn.contains(layer.first) || is_saved(document, layer)) continue;
         voctree::write_paint(layer.first, *layer.second);

@@ -8,6 +8,7 @@
 
 #include "edit/light_values.h"
 #include "edit/operations.h"
+#include "edit/paint_layers.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
@@ -145,6 +146,7 @@ TEST(ReadHostile, ADocumentMaySayNothing) {
     EXPECT_EQ(edit::node_count(file), 0u);
     EXPECT_TRUE(edit::scene_roots(file).empty());
     EXPECT_TRUE(edit::nodes_in_scene(file).empty());
+    EXPECT_TRUE(edit::worn_layers(file).empty());
     const stage::StageSettings settings = edit::stage_settings_of(file);
     EXPECT_FALSE(settings.duration_s || settings.fps || settings.ambient || settings.environment);
     EXPECT_TRUE(settings.shadows && settings.falloff);
@@ -165,6 +167,7 @@ TEST(ReadHostile, ANodeMaySayNothing) {
     EXPECT_TRUE(edit::is_shown(file, 0));
     EXPECT_FALSE(edit::is_locked(file, 0));
     EXPECT_FALSE(edit::light_on(file, 0) || edit::camera_on(file, 0) || edit::performer_on(file, 0));
+    EXPECT_FALSE(edit::paint_layers_of(file, 0));
 }
 
 TEST(ReadHostile, WhatANodeHasMayBeBare) {
@@ -188,6 +191,7 @@ TEST(ReadHostile, WhatANodeHasMayBeBare) {
     ASSERT_TRUE(performer);
     EXPECT_TRUE(performer->time.empty());
     EXPECT_EQ(performer->opacity, 1);
+    EXPECT_TRUE(edit::paint_layers_of(file, 2)->empty());
     EXPECT_FALSE(edit::is_animated(file, 1)) << "an animation without channels";
 }
 
@@ -200,7 +204,7 @@ TEST(ReadHostile, WhatIsNobodysMayBeAnything) {
     for (uint32_t i = 0; i < 3; i++) {
         EXPECT_EQ(edit::node_title(file, i), "node " + std::to_string(i));
         EXPECT_EQ(edit::kind_of(file, i), edit::NodeKind::kGroup);
-        EXPECT_FALSE(edit::light_on(file, i) || edit::performer_on(file, i));
+        EXPECT_FALSE(edit::light_on(file, i) || edit::performer_on(file, i) || edit::paint_layers_of(file, i));
         EXPECT_TRUE(edit::is_shown(file, i));
         EXPECT_FALSE(edit::is_locked(file, i));
         EXPECT_FALSE(edit::is_animated(file, i));
@@ -217,6 +221,7 @@ TEST(ReadHostile, WithoutScenesAllNodesAreShown) {
 TEST(ReadHostile, ANodeThatDoesNotExistHasNothingOnIt) {
     const stage::StageFile file = document(R"(, "nodes": [{}])");
     EXPECT_FALSE(edit::light_on(file, 1) || edit::camera_on(file, 1) || edit::performer_on(file, 1));
+    EXPECT_FALSE(edit::paint_layers_of(file, 1));
     const std::vector<std::function<void()>> questions = {
         [&] { edit::name_of(file, 1); },      [&] { edit::kind_of(file, 1); },  [&] { edit::children_of(file, 1); },
         [&] { edit::transform_of(file, 1); }, [&] { edit::is_shown(file, 1); }, [&] { edit::is_locked(file, 1); },

@@ -3,9 +3,9 @@
 
 #include <set>
 
+#include "edit/paint_layers.h"
 #include "edit/select.h"
 #include "headset/hands_at_a_stage.h"
-#include "tools/viewer/layer_list.h"
 
 namespace neuvv::test {
 namespace {
@@ -98,7 +98,7 @@ TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
     EXPECT_FALSE(on.editor.modified());
     dab(head_of_ben + off);
     settle();
-    const auto layers = viewer::layers_of(on.editor.file(), node("ben"));
+    const auto layers = edit::paint_layers_of(on.editor.file(), node("ben"));
     ASSERT_EQ(layers->size(), 1u);
     std::set<uint32_t> leaves;
     for (const voctree::LeafEdit& edit : on.editor.document().paint.at(layers->front().path)->edits)
@@ -172,10 +172,10 @@ TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
     on.tool = headset::HandTool::kPaint;
     settle();
     ASSERT_EQ(on.editor.document().paint.size(), 1u);
-    const auto layers = viewer::layers_of(on.editor.file(), node("ben"));
+    const auto layers = edit::paint_layers_of(on.editor.file(), node("ben"));
     ASSERT_TRUE(layers);
     EXPECT_EQ(layers->size(), 1u);
-    EXPECT_TRUE(viewer::layers_of(on.editor.file(), node("anna"))->empty());
+    EXPECT_TRUE(edit::paint_layers_of(on.editor.file(), node("anna"))->empty());
 }
 
 TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {

@@ -4,6 +4,9 @@
 
 #include "base/error.h"
 #include "edit/operations.h"
+#include "edit/paint_layers.h"
+#include "tests/stage/stage_files.h"
+#include "voctree/nvpaint.h"
 
 namespace neuvv {
 namespace {
@@ -21,7 +24,7 @@ viewer::Editor::Operation named(uint32_t node, const std::string& name) {
 }
 
 std::string name_of(const viewer::Editor& editor, uint32_t node) {
-    return editor.file().json["nodes"][node]["name"].get<std::string>();
+    return edit::name_of(editor.file(), node);
 }
 
 const viewer::Editor::Operation kRefused = [](edit::Document&) -> std::string { throw InputError("stage", "", "no"); };
@@ -118,6 +121,54 @@ TEST(Editor, FrozenItTellsWhy) {
     ASSERT_EQ(editor.take_notices().size(), 1u);
     editor.freeze({});
     EXPECT_TRUE(editor.edit(named(0, "x")));
+}
+
+TEST(Editor, LayersThatWerePaintedAreUndone) {
+    const TemporaryFolder folder;
+    edit::Document document;
+    document.file = stage::read_stage_file(test::put_foreign_stage(folder.path));
+    const uint32_t anna = edit::find_node(document.file, "Anna");
+    const voctree::PaintedField field = voctree::painted_field(voctree::read_nvv(folder.path / "anna.nvv"));
+    const auto at = [&](const char* name) { return stage::absolute_path(folder.path / name); };
+    const auto layer = [&](float red) {
+        return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {{0, 0, 1, {red, 0, 0}, 1}}});
+    };
+    viewer::Editor editor;
+    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    voctree::write_paint(at("disk.nvpaint"), *layer(0.125f));
+    edit::add_paint_layer(document.file, anna, at("disk.nvpaint"), {});
+    editor.open(document, false);
+    const auto paint = [&](const char* file, std::shared_ptr<const voctree::EditLayer> painted) {
+        return [path = at(file), anna, painted](edit::Document& edited) {
+            return edit::put_paint(edited, anna, path, "new", painted, "painted");
+        };
+    };
+    const auto before = std::make_shared<const voctree::EditLayer>(voctree::read_paint(at("disk.nvpaint"), field));
+    editor.open_layer(at("disk.nvpaint"), before);
+    EXPECT_FALSE(editor.modified()) << "reading is no edit";
+    const auto half = layer(0.5f), whole = layer(1);
+    ASSERT_TRUE(editor.drag(paint("disk.nvpaint", half)));
+    ASSERT_TRUE(editor.drag(paint("disk.nvpaint", whole)));
+    editor.end_drag();
+    EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "it is worn already";
+
+    edit::Document saved = editor.document();
+    edit::save_document(saved, saved.file.path);
+    editor.saved(saved, editor.opened(), editor.id());
+    EXPECT_FALSE(editor.modified());
+    EXPECT_EQ(voctree::read_paint(at("disk.nvpaint"), field).edits, whole->edits);
+    editor.undo();
+    EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), before) << "one step, as it was before the stroke";
+    EXPECT_TRUE(editor.modified());
+    editor.redo();
+    EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
+
+    ASSERT_TRUE(editor.edit(paint("fresh.nvpaint", half)));
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 2);
+    EXPECT_EQ(edit::title_of(edit::paint_layers_of(editor.file(), anna)->back()), "new");
+    editor.undo();
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "the layer is gone with the stroke";
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "edit/paint_layers.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/layer_list.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
@@ -102,13 +102,13 @@ std::optional<uint32_t> BrushHand::target(const OnStage& on) {
 // Its uppermost layer is painted where it is its alone, else a new one. Null while that is not known.
 std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t index) {
     const stage::StagePerformer& performer = on.stage->performers[index];
-    const auto layers = viewer::layers_of(on.editor.file(), performer.node);
+    const auto layers = edit::paint_layers_of(on.editor.file(), performer.node);
     if (!layers) return nullptr;
-    const bool own = !layers->empty() && !viewer::is_shared(on.editor.file(), performer.node, layers->back().path);
+    const bool own = !layers->empty() && !edit::is_shared(on.editor.file(), performer.node, layers->back().path);
     const std::filesystem::path clip_path = on.stage->clips[performer.clip].path;
     const bool same = ready_ && ready_->node == performer.node && ready_->clip_path == clip_path &&
                       (own ? ready_->layer_path == layers->back().path
-                           : ready_->is_new && !viewer::worn_layers(on.editor.file()).contains(ready_->layer_path) &&
+                           : ready_->is_new && !edit::worn_layers(on.editor.file()).contains(ready_->layer_path) &&
                                  !on.editor.document().paint.contains(ready_->layer_path));  // undone, it is there yet
     if (same) return ready_;
     if (failed_.id == on.editor.id() && failed_.node == performer.node) {
@@ -120,7 +120,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     auto ready = std::make_shared<Ready>();
     ready->node = performer.node;
     ready->clip_path = clip_path;
-    ready->layer_path = own ? layers->back().path : viewer::free_paint_path(on.editor.document(), performer.node);
+    ready->layer_path = own ? layers->back().path : edit::free_paint_path(on.editor.document(), performer.node);
     ready->is_new = !own;
     if (ready_ && ready_->clip_path == clip_path) ready->clip = ready_->clip;
     const bool reads_layer = own && !on.editor.document().paint.contains(ready->layer_path);
@@ -171,9 +171,9 @@ void BrushHand::update(OnStage& on, Hands& hands) {
 
 void BrushHand::say_what_is_painted(const OnStage& on, const Ready& ready) {
     const auto& node = on.stage->scene.nodes[ready.node];
-    const auto layers = viewer::layers_of(on.editor.file(), ready.node);
+    const auto layers = edit::paint_layers_of(on.editor.file(), ready.node);
     const bool worn = layers && !layers->empty() && layers->back().path == ready.layer_path;
-    says_ = worn ? fmt::format("Paints {}, on its layer \"{}\"", node.name, viewer::title_of(layers->back()))
+    says_ = worn ? fmt::format("Paints {}, on its layer \"{}\"", node.name, edit::title_of(layers->back()))
                  : fmt::format("Paints {}, on a new layer", node.name);
 }
 
@@ -254,8 +254,8 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
             stroke->met |= layer != nullptr;
             if (layer)
                 on.editor.drag([&](edit::Document& document) {
-                    return viewer::put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer,
-                                             stroke->what);
+                    return edit::put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer,
+                                           stroke->what);
                 });
             lay(on);
         };

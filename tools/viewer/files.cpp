@@ -147,7 +147,7 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
                            return [this, document, path, id, number, also, left, then, theirs] {
                                viewer_.editor.saved(*document, number, id);
                                if (left && number == viewer_.editor.opened())
-                                   viewer_.paint.leave_alone(worn_layers(document->file));
+                                   viewer_.paint.leave_alone(edit::worn_layers(document->file));
                                if (!viewer_.editor.modified()) stored_.forget();
                                viewer_.editor.tell(edit::saved_text(path, theirs) + also);
                                remember_file(viewer_.preferences, std::filesystem::absolute(path));

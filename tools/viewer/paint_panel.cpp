@@ -181,8 +181,8 @@ void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t pai
 void layer_rows(Viewer& viewer, const PaintedPerformer& performer, size_t painted) {
     if (performer.layers.empty()) ImGui::TextDisabled("None yet: the first stroke makes one.");
     for (size_t i = performer.layers.size(); i-- > 0;) {
-        const ListedLayer& layer = performer.layers[i];
-        const std::string title = title_of(layer), name = "paint/layer/" + title;
+        const edit::ListedLayer& layer = performer.layers[i];
+        const std::string title = edit::title_of(layer), name = "paint/layer/" + title;
         ImGui::PushID(static_cast<int>(i));
         if (sign_button(viewer, (name + "/eye").c_str(), layer.entry.visible ? SIGN_EYE : SIGN_EYE_OFF,
                         layer.entry.visible ? "Hide the layer" : "Show the layer"))
@@ -204,9 +204,9 @@ void layer_rows(Viewer& viewer, const PaintedPerformer& performer, size_t painte
 
 void layer_fields(Viewer& viewer, const PaintedPerformer& performer, size_t painted) {
     if (painted >= performer.layers.size()) return;
-    const ListedLayer& layer = performer.layers[painted];
+    const edit::ListedLayer& layer = performer.layers[painted];
     FieldGroup fields(viewer, "layer");
-    std::string name = title_of(layer);
+    std::string name = edit::title_of(layer);
     if (fields.text("Name", name)) set_layer(viewer, performer.node, painted, {.name = name});
     double opacity = layer.entry.opacity;
     if (fields.slider("Opacity", opacity, 0, 1)) set_layer(viewer, performer.node, painted, {.opacity = opacity}, true);

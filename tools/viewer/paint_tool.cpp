@@ -52,7 +52,7 @@ std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
     for (size_t i = 0; i < all.size(); i++)
         if (selected == all[i].node) index = i;
     if (index >= all.size() || index >= viewer.instant.performers.size()) return {};
-    auto layers = layers_of(viewer.editor.file(), all[index].node);
+    auto layers = edit::paint_layers_of(viewer.editor.file(), all[index].node);
     if (!layers) return {};
     const stage::StageClip& clip = viewer.stage->clips[all[index].clip];
     const stage::InstantPerformer& stands = viewer.instant.performers[index];
@@ -105,7 +105,7 @@ bool PaintTool::prepare(Viewer& viewer) {
     std::vector<std::filesystem::path> missing;
     const size_t painted = painted_layer(*performer);
     for (size_t i = 0; i < performer->layers.size(); i++) {
-        const ListedLayer& layer = performer->layers[i];
+        const edit::ListedLayer& layer = performer->layers[i];
         const bool needed = i == painted || (layer.entry.visible && layer.entry.opacity > 0);
         if (needed && !layer_at(viewer, layer.path)) missing.push_back(layer.path);
     }
@@ -157,19 +157,20 @@ PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer&
 std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Viewer& viewer, const PaintedPerformer& performer,
                                                                  std::filesystem::path& path) {
     if (performer.layers.empty()) {
-        path = free_paint_path(viewer.editor.document(), performer.node);
+        path = edit::free_paint_path(viewer.editor.document(), performer.node);
         return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     }
-    const ListedLayer& target = performer.layers[painted_layer(performer)];
+    const edit::ListedLayer& target = performer.layers[painted_layer(performer)];
     if (!target.entry.visible || target.entry.opacity <= 0) {
-        viewer.editor.tell(fmt::format("\"{}\" is not seen: show the layer to paint on it", title_of(target)), true);
+        viewer.editor.tell(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
+                           true);
         return nullptr;
     }
     path = target.path;
     auto layer = layer_at(viewer, path);
     if (others_.contains(path) ||
-        is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
-        path = free_paint_path(viewer.editor.document(), performer.node);
+        edit::is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
+        path = edit::free_paint_path(viewer.editor.document(), performer.node);
         own_ = {path, target.path};
         return layer;
     }
@@ -386,13 +387,13 @@ void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std
 std::string PaintTool::put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
                                  const std::shared_ptr<const voctree::EditLayer>& layer,
                                  const std::string& what) const {
-    const auto worn = layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
+    const auto worn = edit::paint_layers_of(document.file, node).value_or(std::vector<edit::ListedLayer>{});
     const auto at = [&](const std::filesystem::path& of) {
-        return std::find_if(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == of; });
+        return std::find_if(worn.begin(), worn.end(), [&](const edit::ListedLayer& one) { return one.path == of; });
     };
     if (path == own_.first && at(path) == worn.end() && at(own_.second) != worn.end())
-        own_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
-    return put_paint(document, node, path, "paint", layer, what);
+        edit::own_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
+    return edit::put_paint(document, node, path, "paint", layer, what);
 }
 
 // No device is asked: on the working thread.
@@ -416,11 +417,11 @@ void PaintTool::work_in_box(Viewer& viewer) {
 void PaintTool::add_layer(Viewer& viewer) {
     const auto performer = this->performer(viewer);
     if (!performer || busy() || !prepare(viewer)) return;
-    const auto path = free_paint_path(viewer.editor.document(), performer->node);
+    const auto path = edit::free_paint_path(viewer.editor.document(), performer->node);
     const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
     if (viewer.editor.edit([&](edit::Document& document) {
-            return put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
+            return edit::put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
         }))
         choice.layer = path;
 }

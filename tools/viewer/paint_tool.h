@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-#include "tools/viewer/layer_list.h"
+#include "edit/paint_layers.h"
 #include "tools/viewer/paint_desk.h"
 
 namespace neuvv::viewer {
@@ -46,7 +46,7 @@ struct PaintedPerformer {
     float frame = 0;
     glm::dmat4 world_from_performer{1};
     bool seen = true;
-    std::vector<ListedLayer> layers;
+    std::vector<edit::ListedLayer> layers;
 };
 
 // What of the mouse belongs to painting in this frame.

@@ -1,0 +1,86 @@
+// Layers in a document: what a performer wears, free names, and layers that are shared.
+#include "edit/paint_layers.h"
+
+#include <gtest/gtest.h>
+
+#include "edit/operations.h"
+#include "tests/stage/stage_files.h"
+#include "voctree/nvpaint.h"
+
+namespace neuvv {
+namespace {
+
+struct Layers : testing::Test {
+    TemporaryFolder folder;
+    edit::Document document;
+    uint32_t anna = 0;
+    voctree::PaintedField field;
+
+    void SetUp() override {
+        document.file = stage::read_stage_file(test::put_foreign_stage(folder.path));
+        anna = edit::find_node(document.file, "Anna");
+        field = voctree::painted_field(voctree::read_nvv(folder.path / "anna.nvv"));
+    }
+    std::shared_ptr<const voctree::EditLayer> layer(float red) const {
+        return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {{0, 0, 1, {red, 0, 0}, 1}}});
+    }
+    std::filesystem::path at(const char* name) const { return stage::absolute_path(folder.path / name); }
+};
+
+TEST_F(Layers, AreListedAsThePerformerWearsThem) {
+    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    edit::add_paint_layer(document.file, anna, folder.path / "one.nvpaint", {.opacity = 0.25});
+    edit::add_paint_layer(document.file, anna, folder.path / "two.nvpaint", {.name = "look", .visible = false});
+    const auto layers = edit::paint_layers_of(document.file, anna);
+    ASSERT_TRUE(layers);
+    ASSERT_EQ(layers->size(), worn + 2);
+    EXPECT_EQ((*layers)[worn].path, at("one.nvpaint"));
+    EXPECT_EQ((*layers)[worn].entry.opacity, 0.25);
+    EXPECT_EQ(edit::title_of((*layers)[worn]), "one");
+    EXPECT_EQ(edit::title_of((*layers)[worn + 1]), "look");
+    EXPECT_FALSE((*layers)[worn + 1].entry.visible);
+    const auto nodes = document.file.json["nodes"].size();
+    EXPECT_FALSE(edit::paint_layers_of(document.file, static_cast<uint32_t>(nodes)));
+    size_t performers = 0;
+    for (uint32_t node = 0; node < nodes; node++) performers += edit::paint_layers_of(document.file, node).has_value();
+    EXPECT_GT(performers, 0u);
+    EXPECT_LT(performers, nodes) << "not all nodes are performers";
+}
+
+TEST_F(Layers, GetNamesThatNobodyHas) {
+    edit::rename_node(document.file, anna, "An/na B.");
+    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B-.nvpaint"));
+    voctree::write_paint(at("An-na-B-.nvpaint"), *layer(1));
+    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--2.nvpaint")) << "one is on the disk";
+    document.paint[at("An-na-B--2.nvpaint")] = layer(1);
+    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--3.nvpaint")) << "one is in the document";
+    edit::add_paint_layer(document.file, anna, at("An-na-B--3.nvpaint"), {});
+    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--4.nvpaint")) << "one is worn";
+}
+
+TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
+    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    edit::add_paint_layer(document.file, anna, at("one.nvpaint"), {.name = "look", .opacity = 0.25});
+    edit::add_paint_layer(document.file, anna, at("two.nvpaint"), {});
+    EXPECT_FALSE(edit::is_shared(document.file, anna, at("one.nvpaint")));
+    edit::duplicate_node(document.file, anna, edit::CopySettings{});
+    const auto copy = static_cast<uint32_t>(document.file.json["nodes"].size() - 1);
+    EXPECT_TRUE(edit::is_shared(document.file, anna, at("one.nvpaint")));
+    EXPECT_TRUE(edit::is_shared(document.file, copy, at("one.nvpaint")));
+
+    const auto before = edit::paint_layers_of(document.file, anna).value();
+    edit::own_paint(document, copy, worn, at("own.nvpaint"), layer(0.5f));
+    const auto after = edit::paint_layers_of(document.file, copy).value();
+    ASSERT_EQ(after.size(), before.size());
+    for (size_t i = 0; i < after.size(); i++) {
+        EXPECT_EQ(after[i].path, i == worn ? at("own.nvpaint") : before[i].path) << i;
+        EXPECT_EQ(after[i].entry.opacity, before[i].entry.opacity) << i;
+    }
+    EXPECT_EQ(edit::title_of(after[worn]), "look");
+    EXPECT_EQ(edit::paint_layers_of(document.file, anna)->at(worn).path, at("one.nvpaint"));
+    EXPECT_FALSE(edit::is_shared(document.file, copy, at("own.nvpaint")));
+    EXPECT_EQ(document.paint.at(at("own.nvpaint"))->edits.size(), 1u);
+}
+
+}  // namespace
+}  // namespace neuvv
