@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "editor/open_file.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -90,7 +91,7 @@ void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
 }
 
 void run(const InfoOptions& options, const CommonOptions& common) {
-    if (is_stage(options.file)) {
+    if (editor::has_stage_ending(options.file)) {
         if (options.check)
             throw InputError("--check", options.file, "is for clips", "leave it out: stages are always checked");
         StageInfoOptions stage;

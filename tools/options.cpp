@@ -111,11 +111,6 @@ glm::vec4 parse_colour(const std::string& option, const std::string& text) {
     return colour;
 }
 
-bool is_stage(const std::string& scene) {
-    const std::string ending = lower(std::filesystem::path(scene).extension().string());
-    return ending == ".gltf" || ending == ".glb";
-}
-
 FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
     const double end = frames > 0 ? frames - 1 : 0;
     FrameRange range{0, end};

@@ -26,9 +26,6 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
 // is for the error.
 glm::vec4 parse_colour(const std::string& option, const std::string& text);
 
-// A stage by its name: .gltf or .glb.
-bool is_stage(const std::string& scene);
-
 // First and last frame of the clip, fractions allowed.
 struct FrameRange {
     double first = 0, last = 0;

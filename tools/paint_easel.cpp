@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "edit/operations.h"
+#include "editor/open_file.h"
 #include "render/trace.h"
 #include "tools/render_job.h"
 #include "tools/view_path.h"
@@ -64,7 +65,7 @@ StagePlace place_on_stage(const PaintOptions& options, Easel::Use use) {
 }
 
 std::optional<StagePlace> opened_stage(const PaintOptions& options, Easel::Use use) {
-    if (is_stage(options.scene)) return place_on_stage(options, use);
+    if (editor::has_stage_ending(options.scene)) return place_on_stage(options, use);
     if (!options.node.empty())
         throw InputError("--node", options.node, "is for stages", "leave it out: a .nvv is one performer");
     if (options.time_s)

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "editor/open_file.h"
 #include "render/frame_passes.h"
 #include "tools/render_job.h"
 #include "tools/report.h"
@@ -14,7 +15,8 @@ namespace neuvv::tools {
 namespace {
 
 void run(const RenderOptions& options, const CommonOptions& common) {
-    const RenderTotals totals = is_stage(options.scene) ? render_stage(options, common) : render_clip(options, common);
+    const RenderTotals totals =
+        editor::has_stage_ending(options.scene) ? render_stage(options, common) : render_clip(options, common);
     const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
     if (options.json)
         fmt::print("{}", json_text({{"output", options.output},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "editor/open_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -15,7 +16,8 @@ void add_target(CLI::App& verb, StageTarget& target) {
 }
 
 void expect_stage_name(const std::string& option, const std::string& file) {
-    if (!is_stage(file)) throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
+    if (!editor::has_stage_ending(file))
+        throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
 }
 
 void edit_stage(const StageTarget& target, const std::function<std::string(stage::StageFile&)>& operation) {

@@ -46,7 +46,7 @@ void add_view(CLI::App& app, CommonOptions& common) {
         viewer.report = options->report;
         viewer.screenshots = options->screenshots;
         viewer.shaders =
-            options->shaders.empty() ? viewer::shaders_of_debug_build() : std::filesystem::path(options->shaders);
+            options->shaders.empty() ? editor::shaders_of_debug_build() : std::filesystem::path(options->shaders);
         viewer.validate = options->validate;
         if (options->ui_scale > 0) viewer.ui_scale = static_cast<float>(options->ui_scale);
         if (!options->size.empty()) {

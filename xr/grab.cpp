@@ -22,15 +22,6 @@ glm::dquat shortest_turn(glm::dvec3 from, glm::dvec3 to) {
     return {0, length > kVertical ? axis / length : glm::dvec3(1, 0, 0)};
 }
 
-double lowest_of(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high) {
-    double lowest = world_from_node[3].y;
-    for (int i = 0; i < 3; ++i) {
-        const double a = world_from_node[i].y * low[i], b = world_from_node[i].y * high[i];
-        lowest += a < b ? a : b;
-    }
-    return lowest;
-}
-
 }  // namespace
 
 Grab::Grab(const glm::dmat4& world_from_node, GrabSettings settings) : settings_(settings), anchor_(world_from_node) {
@@ -145,17 +136,6 @@ void Grab::follow_line() {
     const glm::dquat step =
         settings_.upright ? turn_by(heading_of(to) - heading_of(from)) : shortest_turn(glm::normalize(from), to);
     turn_ = glm::normalize(step * turn_);
-}
-
-double above_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y) {
-    return lowest_of(world_from_node, low, high) - floor_y;
-}
-
-glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y) {
-    glm::dmat4 standing = world_from_node;
-    const double above = above_floor(world_from_node, low, high, floor_y);
-    if (std::isfinite(above)) standing[3].y -= above;
-    return standing;
 }
 
 }  // namespace neuvv::xr

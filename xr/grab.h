@@ -86,10 +86,4 @@ class Grab {
     bool turning_ = true;          // whether the hands' turns counted at the last move
 };
 
-// How far the lowest corner of its box stands above the floor; negative below it. NaN or infinite where there is none.
-double above_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y);
-
-// Moved up or down by that, to stand on the floor. As it was where that is not finite.
-glm::dmat4 on_floor(const glm::dmat4& world_from_node, glm::dvec3 low, glm::dvec3 high, double floor_y);
-
 }  // namespace neuvv::xr

@@ -7,17 +7,14 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/box.h"
+
 namespace neuvv::xr {
 
 // `world_from_hand`, as a matrix would be named. The rotation is a unit quaternion; a runtime's floats are near enough.
 struct Pose {
     glm::dvec3 position{0};
     glm::dquat rotation{1, 0, 0, 0};  // w, x, y, z
-};
-
-// From `origin` on; `direction` is a unit vector.
-struct Ray {
-    glm::dvec3 origin{0}, direction{0, 0, -1};
 };
 
 // Whether a tracker can have meant it: finite, within 1000 km, its rotation more or less of unit length.

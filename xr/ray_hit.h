@@ -1,4 +1,4 @@
-// What a pointing ray meets: boxes and flat panels.
+// Where a pointing ray meets a flat panel.
 #pragma once
 
 #include <optional>
@@ -6,11 +6,6 @@
 #include "xr/pose.h"
 
 namespace neuvv::xr {
-
-// Metres along the ray to where it enters a box that stands in the world in any affine way: turned, scaled, sheared or
-// mirrored. 0 from inside. Nothing where the ray misses it or leads away from it, where the matrix is not invertible or
-// the box is empty (low > high in some axis; a flat box is not), and where the ray or the matrix is not finite.
-std::optional<double> box_hit(const Ray& ray, const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high);
 
 struct RectangleHit {
     glm::dvec2 at{0};   // 0 to 1: to the right and down from the upper left corner

@@ -5,6 +5,7 @@
 
 #include "edit/paint_layers.h"
 #include "edit/select.h"
+#include "edit/paint_layers.h"
 #include "headset/hands_at_a_stage.h"
 
 namespace neuvv::test {
@@ -50,10 +51,10 @@ struct BrushHandTest : HandsAtAStage {
         std::set<uint32_t> leaves;
         for (const glm::dvec3& place : places) {
             const glm::vec3 middle(performer_from_world * glm::dvec4(place, 1));
-            viewer::PaintWork work;
-            work.frames = {0, 1, edit::Follow::kNot};
-            for (const viewer::ChosenLeaf& leaf :
-                 viewer::chosen_in(canvas, none, edit::sphere_region(middle, static_cast<float>(radius_m / 1.6)), work))
+            editor::PaintOperation operation;
+            operation.frames = {0, 1, edit::Follow::kNot};
+            for (const editor::SelectedLeaf& leaf : editor::leaves_for(
+                     canvas, none, edit::sphere_region(middle, static_cast<float>(radius_m / 1.6)), operation))
                 leaves.insert(leaf.leaf);
         }
         return leaves;

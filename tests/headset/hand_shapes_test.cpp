@@ -47,7 +47,7 @@ TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
 TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     headset::draw_floor(shapes, on);
     EXPECT_TRUE(shapes.clear_ones().empty()) << "a new stage has one";
-    for (int nodes = 10; nodes > 0 && headset::has_set(*on.stage); nodes--) {
+    for (int nodes = 10; nodes > 0 && editor::has_set(*on.stage); nodes--) {
         for (uint32_t i = 0; i < on.stage->scene.nodes.size(); i++)
             if (on.stage->scene.nodes[i].draws_mesh()) {
                 ASSERT_TRUE(
@@ -56,7 +56,7 @@ TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
             }
         frame();
     }
-    ASSERT_FALSE(headset::has_set(*on.stage));
+    ASSERT_FALSE(editor::has_set(*on.stage));
     headset::draw_floor(shapes, on);
     EXPECT_FALSE(shapes.clear_ones().empty());
     for (const xr::ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);

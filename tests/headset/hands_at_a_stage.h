@@ -24,7 +24,7 @@ inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
 
 class HandsAtAStage : public testing::Test {
   protected:
-    HandsAtAStage() : work([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {
+    HandsAtAStage() : jobs([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {
         voctree::write_nvv(clip, figure_tree());
         stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
         for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
@@ -39,12 +39,12 @@ class HandsAtAStage : public testing::Test {
         point(xr::kLeft, kLeftHand, kAnna);
         frame();
     }
-    ~HandsAtAStage() override { work.stop(); }
+    ~HandsAtAStage() override { jobs.stop(); }
 
     void point(int hand, glm::dvec3 from, glm::dvec3 to) { inputs[hand].aim = inputs[hand].grip = pointing(from, to); }
     // Buttons are pressed for one frame.
     void frame(double dt_s = 1.0 / 90) {
-        work.run_told();
+        jobs.run_posted();
         on.follow_document();
         on.look_at_instant();
         interaction.update(on, inputs, head, dt_s);
@@ -61,7 +61,7 @@ class HandsAtAStage : public testing::Test {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60))
                 << "it does not come to an end";
-        } while (!work.idle() || work.has_told() || interaction.brush.busy() || on.is_behind());
+        } while (!jobs.idle() || jobs.has_posted() || interaction.brush.busy() || on.is_behind());
     }
     void select(glm::dvec3 what) {
         point(xr::kRight, kRightHand, what);
@@ -80,7 +80,7 @@ class HandsAtAStage : public testing::Test {
     }
     bool was_told(const std::string& part) {
         bool told = false;
-        for (const viewer::Notice& notice : on.editor.take_notices())
+        for (const editor::Notice& notice : on.editor.take_notices())
             told |= notice.text.find(part) != std::string::npos;
         return told;
     }
@@ -90,8 +90,8 @@ class HandsAtAStage : public testing::Test {
     xr::HandInputs inputs;
     xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
     headset::OnStage on;
-    viewer::Work work;
-    headset::Interaction interaction = headset::Interaction(work);
+    JobQueue jobs;
+    headset::Interaction interaction = headset::Interaction(jobs);
 };
 
 }  // namespace neuvv::test

@@ -37,10 +37,10 @@ glm::dvec3 axis_of(const viewer::Gizmo& gizmo, int axis) {
     return unit;
 }
 glm::dvec2 seen(const viewer::Gizmo& gizmo, glm::dvec3 world) {
-    return viewer::pixel_of(gizmo.camera, world).value();
+    return editor::pixel_of(gizmo.camera, world).value();
 }
 double size_m(const viewer::Gizmo& gizmo) {
-    return viewer::metres_of_pixels(gizmo.camera, place(gizmo.world_from_node), gizmo.size_px);
+    return editor::metres_of_pixels(gizmo.camera, place(gizmo.world_from_node), gizmo.size_px);
 }
 void expect_near(const glm::dvec3& a, const glm::dvec3& b, double within = 1e-9) {
     EXPECT_LT(glm::length(a - b), within)
@@ -70,7 +70,7 @@ TEST(Gizmo, HasTheHandlesOfItsMode) {
 TEST(Gizmo, IsAsLargeAtAnyDistance) {
     for (const double distance : {0.1, 3.0, 500.0}) {
         viewer::Gizmo gizmo{test::some_camera()};
-        const viewer::ViewRay ray = viewer::ray_through(gizmo.camera, {320, 240});
+        const Ray ray = editor::ray_through(gizmo.camera, {320, 240});
         gizmo.world_from_node = glm::translate(glm::dmat4(1), ray.origin + ray.direction * distance);
         // The ring around all has this radius in the picture's plane.
         gizmo.mode = viewer::GizmoMode::kRotate;
@@ -184,7 +184,7 @@ TEST(Gizmo, TheCentreFollowsThePointer) {
     const glm::dvec2 from = seen(gizmo, middle), to(500, 77);
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, from, to, false);
     EXPECT_LT(glm::distance(seen(gizmo, place(after)), to), 1e-9);
-    EXPECT_NEAR(viewer::depth_of(gizmo.camera, place(after)), viewer::depth_of(gizmo.camera, middle), 1e-9);
+    EXPECT_NEAR(editor::depth_of(gizmo.camera, place(after)), editor::depth_of(gizmo.camera, middle), 1e-9);
 }
 
 TEST(Gizmo, RotatesByTheAngleInTheRing) {
@@ -192,7 +192,7 @@ TEST(Gizmo, RotatesByTheAngleInTheRing) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kRotate, axes);
         const glm::dvec3 middle = place(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
-            const glm::dvec3 along = axis_of(gizmo, axis), u = viewer::perpendicular_to(along),
+            const glm::dvec3 along = axis_of(gizmo, axis), u = editor::perpendicular_to(along),
                              v = glm::cross(along, u);
             const auto on_ring = [&](double angle) {
                 return seen(gizmo, middle + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
@@ -305,7 +305,7 @@ TEST(Gizmo, DragsHaveNoJumps) {
                             ASSERT_TRUE(is_finite(after));
                             // A turn by nearly half a revolution as the pointer passes the middle is none.
                             if (i > 0 && mode != viewer::GizmoMode::kRotate) {
-                                const double farthest = 5 * viewer::kFarthest;
+                                const double farthest = 5 * editor::kFarthest;
                                 ASSERT_LT(glm::length(after[3]), 2.5 * farthest);
                                 ASSERT_LT(glm::length(after[3] - before[3]), 0.2 * farthest)
                                     << handle << " yaw " << yaw << " pitch " << pitch << " at " << i;

@@ -34,7 +34,7 @@ viewer::LightGizmo from_the_front() {
 }
 
 glm::dvec2 seen(const viewer::LightGizmo& gizmo, glm::dvec3 world) {
-    return viewer::pixel_of(gizmo.camera, world).value();
+    return editor::pixel_of(gizmo.camera, world).value();
 }
 std::set<int> handles_of(const viewer::LightGizmo& gizmo) {
     std::set<int> handles;
@@ -85,7 +85,7 @@ TEST(LightGizmo, TheAimFollowsThePointer) {
     EXPECT_EQ(viewer::light_handle_at(gizmo, from), viewer::LightHandle::kAim);
     const viewer::AimedLight after = viewer::dragged(gizmo, viewer::LightHandle::kAim, from, to, false);
     EXPECT_LT(glm::distance(seen(gizmo, after.aim), to), 1e-9);
-    EXPECT_NEAR(viewer::depth_of(gizmo.camera, after.aim), viewer::depth_of(gizmo.camera, gizmo.light.aim), 1e-9);
+    EXPECT_NEAR(editor::depth_of(gizmo.camera, after.aim), editor::depth_of(gizmo.camera, gizmo.light.aim), 1e-9);
     EXPECT_EQ(after.position, gizmo.light.position);
     const glm::dvec3 right = gizmo.camera.world_from_camera[0];
     const double way =
@@ -159,7 +159,7 @@ TEST(LightGizmo, APointsRangeIsACircle) {
     gizmo.light.range_m = 0.8;
     const glm::dvec3 position = gizmo.light.position;
     const glm::dvec3 across =
-        viewer::perpendicular_to(glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - position));
+        editor::perpendicular_to(glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - position));
     const auto at = [&](double range) { return seen(gizmo, position + across * range); };
     EXPECT_EQ(viewer::light_handle_at(gizmo, at(0.8)), viewer::LightHandle::kRange);
     EXPECT_NEAR(viewer::dragged(gizmo, viewer::LightHandle::kRange, at(0.8), at(1.3), false).range_m, 1.3, 1e-9);
@@ -176,7 +176,7 @@ TEST(LightGizmo, DragsHaveNoJumps) {
                     const viewer::AimedLight after = viewer::dragged(gizmo, handle, from, to, false);
                     ASSERT_LT(glm::distance(after.aim, before.aim), 0.05);
                     ASSERT_LT(std::abs(after.outer_cone_rad - before.outer_cone_rad), 0.06);
-                    ASSERT_LT(std::abs(after.range_m - before.range_m), 0.2 * viewer::kFarthest * gizmo.light.range_m);
+                    ASSERT_LT(std::abs(after.range_m - before.range_m), 0.2 * editor::kFarthest * gizmo.light.range_m);
                     before = after;
                 }
             }

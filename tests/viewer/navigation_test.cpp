@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "editor/pointer.h"
 #include "tests/viewer/some_eye.h"
-#include "tools/viewer/pointer.h"
 
 namespace neuvv {
 namespace {
@@ -24,7 +24,7 @@ glm::dvec3 forward(const viewer::Eye& eye) {
     return -glm::dvec3(viewer::world_from_eye(eye)[2]);
 }
 glm::dvec2 seen(const viewer::Eye& eye, glm::dvec3 world) {
-    return viewer::pixel_of(viewer::camera_of(eye, kWidth, kHeight), world).value();
+    return editor::pixel_of(viewer::camera_of(eye, kWidth, kHeight), world).value();
 }
 void expect_near(glm::dvec3 a, glm::dvec3 b, double within = 1e-9) {
     EXPECT_LT(glm::length(a - b), within)
@@ -52,7 +52,7 @@ TEST(Navigation, ItsCameraHasItsAngleOfView) {
     const viewer::Eye eye = some_eye();
     const stage::Camera camera = viewer::camera_of(eye, kWidth, kHeight);
     EXPECT_LT(glm::length(seen(eye, eye.pivot) - glm::dvec2(kWidth / 2.0, kHeight / 2.0)), 1e-9);
-    const glm::dvec3 top = viewer::ray_through(camera, {kWidth / 2.0, 0}).direction;
+    const glm::dvec3 top = editor::ray_through(camera, {kWidth / 2.0, 0}).direction;
     EXPECT_NEAR(2 * std::acos(glm::dot(top, forward(eye))), eye.angle_y, 1e-12);
     EXPECT_EQ(camera.fx, camera.fy);
 }
@@ -93,7 +93,7 @@ TEST(Navigation, PanningKeepsTheGrabbedPointUnderThePointer) {
     const viewer::Eye eye = some_eye();
     const glm::dvec2 from(100, 300), to(420, 60);
     const glm::dvec3 grabbed =
-        viewer::plane_drag(viewer::camera_of(eye, kWidth, kHeight), eye.pivot, forward(eye), from).value();
+        editor::plane_drag(viewer::camera_of(eye, kWidth, kHeight), eye.pivot, forward(eye), from).value();
     const viewer::Eye after = viewer::panned(eye, to - from, kHeight);
     EXPECT_LT(glm::length(seen(after, grabbed) - to), 1e-9);
     expect_near(forward(after), forward(eye));
@@ -170,7 +170,7 @@ TEST(Navigation, AFramedBoxFillsThePicture) {
                 const stage::Camera camera = viewer::camera_of(after, width, kHeight);
                 double outermost = 0;
                 for (int i = 0; i < 8; ++i) {
-                    const auto pixel = viewer::pixel_of(
+                    const auto pixel = editor::pixel_of(
                         camera, {i & 1 ? low.x : high.x, i & 2 ? low.y : high.y, i & 4 ? low.z : high.z});
                     ASSERT_TRUE(pixel);
                     outermost =

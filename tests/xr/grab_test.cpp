@@ -345,7 +345,7 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = some_node(some);
         const double floor_y = some.number(-2, 2);
-        const glm::dmat4 standing = xr::on_floor(node, low, high, floor_y);
+        const glm::dmat4 standing = on_floor(node, low, high, floor_y);
         double lowest = kInfinite, was = kInfinite;
         for (unsigned corner = 0; corner < 8; ++corner) {
             const glm::dvec4 at((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
@@ -355,17 +355,17 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
         }
         EXPECT_NEAR(lowest, floor_y, 1e-12);
         EXPECT_LT(apart(glm::translate(glm::dmat4(1), {0, floor_y - was, 0}) * node, standing), 1e-12) << "only that";
-        EXPECT_NEAR(xr::above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
+        EXPECT_NEAR(above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
     }
 }
 
 TEST(Floor, StaysWhereThereIsNone) {
     const glm::dmat4 node = glm::translate(glm::dmat4(1), {1, 2, 3});
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
-        EXPECT_EQ(apart(xr::on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
-        EXPECT_EQ(apart(xr::on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
-        EXPECT_FALSE(std::isfinite(xr::above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
-        EXPECT_FALSE(std::isfinite(xr::above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
+        EXPECT_EQ(apart(on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
+        EXPECT_EQ(apart(on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
+        EXPECT_FALSE(std::isfinite(above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
+        EXPECT_FALSE(std::isfinite(above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
     }
 }
 

@@ -37,8 +37,8 @@ TEST(BoxHit, IsTheFirstSampleWithin) {
         const glm::dmat4 world_from_box = some_matrix(some, i % 2 == 1), box_from_world = glm::inverse(world_from_box);
         const glm::dvec3 seen = world_from_box * glm::dvec4(some.number(-0.8, 0.8), some.number(-0.5, 2.3), 0, 1);
         const glm::dvec3 from = some.vector(i % 5 == 0 ? 0.2 : 3) + (i % 5 == 0 ? seen : glm::dvec3(0));
-        const xr::Ray ray = {from, glm::normalize(i % 7 == 0 ? from - seen : seen - from)};
-        const std::optional<double> hit = xr::box_hit(ray, world_from_box, kLow, kHigh);
+        const Ray ray = {from, glm::normalize(i % 7 == 0 ? from - seen : seen - from)};
+        const std::optional<double> hit = box_hit(ray, world_from_box, kLow, kHigh);
         std::optional<double> sampled;
         for (double t = 0; t < kEnd_m && !sampled; t += kStep_m)
             if (outside(box_from_world, ray.origin + ray.direction * t) == 0) sampled = t;
@@ -62,47 +62,46 @@ TEST(BoxHit, IsTheFirstSampleWithin) {
 
 TEST(BoxHit, CountsTheWorldsMetres) {
     const glm::dmat4 large = glm::scale(glm::translate(glm::dmat4(1), {0, 0, -10}), glm::dvec3(4));
-    EXPECT_NEAR(*xr::box_hit({{0, 1, 0}, {0, 0, -1}}, large, kLow, kHigh), 9, 1e-12);
-    EXPECT_NEAR(*xr::box_hit({{0, 1, 0}, {0, 0, -5}}, large, kLow, kHigh), 9, 1e-12)
-        << "whatever the direction's length";
+    EXPECT_NEAR(*box_hit({{0, 1, 0}, {0, 0, -1}}, large, kLow, kHigh), 9, 1e-12);
+    EXPECT_NEAR(*box_hit({{0, 1, 0}, {0, 0, -5}}, large, kLow, kHigh), 9, 1e-12) << "whatever the direction's length";
     const glm::dmat4 tiny = glm::scale(glm::translate(glm::dmat4(1), {0, 0, -10}), glm::dvec3(1e-6));
-    EXPECT_NEAR(*xr::box_hit({{0, 0, 0}, {0, 0, -1}}, tiny, kLow, kHigh), 10, 1e-6) << "small is not singular";
+    EXPECT_NEAR(*box_hit({{0, 0, 0}, {0, 0, -1}}, tiny, kLow, kHigh), 10, 1e-6) << "small is not singular";
 }
 
 TEST(BoxHit, BehindAndInside) {
-    EXPECT_FALSE(xr::box_hit({{0, 1, -1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
-    EXPECT_EQ(xr::box_hit({{0, 1, 0}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh), 0.0);
-    EXPECT_FALSE(xr::box_hit({{0, 1.81, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh)) << "just above";
-    EXPECT_TRUE(xr::box_hit({{0, 1.79, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
+    EXPECT_FALSE(box_hit({{0, 1, -1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
+    EXPECT_EQ(box_hit({{0, 1, 0}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh), 0.0);
+    EXPECT_FALSE(box_hit({{0, 1.81, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh)) << "just above";
+    EXPECT_TRUE(box_hit({{0, 1.79, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
 }
 
 TEST(BoxHit, FlatAndEmptyBoxes) {
-    const xr::Ray ray = {{0, 0.5, 1}, {0, 0, -1}};
-    EXPECT_EQ(xr::box_hit(ray, glm::dmat4(1), {-1, 0, 0}, {1, 1, 0}), 1.0) << "flat";
-    EXPECT_FALSE(xr::box_hit(ray, glm::dmat4(1), {1, 0, 0}, {-1, 1, 0})) << "empty";
-    EXPECT_FALSE(xr::box_hit(ray, glm::dmat4(1), {kNan, 0, 0}, {1, 1, 1}));
+    const Ray ray = {{0, 0.5, 1}, {0, 0, -1}};
+    EXPECT_EQ(box_hit(ray, glm::dmat4(1), {-1, 0, 0}, {1, 1, 0}), 1.0) << "flat";
+    EXPECT_FALSE(box_hit(ray, glm::dmat4(1), {1, 0, 0}, {-1, 1, 0})) << "empty";
+    EXPECT_FALSE(box_hit(ray, glm::dmat4(1), {kNan, 0, 0}, {1, 1, 1}));
 }
 
 TEST(BoxHit, NothingOfWhatIsNoRayOrNoMatrix) {
-    const xr::Ray ray = {{0, 0.5, 1}, {0, 0, -1}};
-    ASSERT_TRUE(xr::box_hit(ray, glm::dmat4(1), kLow, kHigh));
+    const Ray ray = {{0, 0.5, 1}, {0, 0, -1}};
+    ASSERT_TRUE(box_hit(ray, glm::dmat4(1), kLow, kHigh));
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
-        EXPECT_FALSE(xr::box_hit({{0, bad, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
-        EXPECT_FALSE(xr::box_hit({{0, 0.5, 1}, {0, bad, -1}}, glm::dmat4(1), kLow, kHigh));
+        EXPECT_FALSE(box_hit({{0, bad, 1}, {0, 0, -1}}, glm::dmat4(1), kLow, kHigh));
+        EXPECT_FALSE(box_hit({{0, 0.5, 1}, {0, bad, -1}}, glm::dmat4(1), kLow, kHigh));
         for (int i = 0; i < 4; ++i) {
             glm::dmat4 matrix(1);
             matrix[i].y = bad;
-            EXPECT_FALSE(xr::box_hit(ray, matrix, kLow, kHigh)) << i;
+            EXPECT_FALSE(box_hit(ray, matrix, kLow, kHigh)) << i;
         }
     }
-    EXPECT_FALSE(xr::box_hit({{0, 0.5, 0}, {0, 0, 0}}, glm::dmat4(1), kLow, kHigh));
-    EXPECT_FALSE(xr::box_hit(ray, glm::dmat4(0), kLow, kHigh));
-    EXPECT_FALSE(xr::box_hit(ray, glm::scale(glm::dmat4(1), {1, 0, 1}), kLow, kHigh)) << "flattened";
+    EXPECT_FALSE(box_hit({{0, 0.5, 0}, {0, 0, 0}}, glm::dmat4(1), kLow, kHigh));
+    EXPECT_FALSE(box_hit(ray, glm::dmat4(0), kLow, kHigh));
+    EXPECT_FALSE(box_hit(ray, glm::scale(glm::dmat4(1), {1, 0, 1}), kLow, kHigh)) << "flattened";
     glm::dmat4 folded(1);
     folded[1] = folded[0];
-    EXPECT_FALSE(xr::box_hit(ray, folded, kLow, kHigh)) << "two axes alike";
+    EXPECT_FALSE(box_hit(ray, folded, kLow, kHigh)) << "two axes alike";
     folded[1].y = 1e-14;
-    EXPECT_FALSE(xr::box_hit({{0, 0, 1}, {0, 0, -1}}, folded, kLow, kHigh)) << "as good as alike";
+    EXPECT_FALSE(box_hit({{0, 0, 1}, {0, 0, -1}}, folded, kLow, kHigh)) << "as good as alike";
 }
 
 TEST(RectangleHit, FindsThePointThatWasAimedAt) {
@@ -135,7 +134,7 @@ TEST(RectangleHit, CountsFromTheUpperLeft) {
 }
 
 TEST(RectangleHit, NothingOfWhatIsNone) {
-    const xr::Ray ray = {{0, 0, 1}, {0, 0, -1}};
+    const Ray ray = {{0, 0, 1}, {0, 0, -1}};
     ASSERT_TRUE(xr::rectangle_hit(ray, {}, {1, 1}));
     for (const xr::Pose& pose : test::no_poses()) EXPECT_FALSE(xr::rectangle_hit(ray, pose, {1, 1}));
     for (const double bad : {kNan, 0.0, -1.0}) {

@@ -5,7 +5,7 @@
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
-#include "tools/viewer/preferences.h"
+#include "tools/ui/window_place.h"
 #include "viewer_window/hands.h"
 #include "xr/eye_camera.h"
 #include "xr_session/xr_session.h"
@@ -213,7 +213,7 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
 struct Fitted {
     double fits, left, top;
 };
-Fitted fitted(const media::Image& eye, const viewer::WindowPlace& window) {
+Fitted fitted(const media::Image& eye, const ui::WindowPlace& window) {
     const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
     return {fits, (window.width - fits * eye.width) / 2, (window.height - fits * eye.height) / 2};
 }
@@ -221,7 +221,7 @@ Fitted fitted(const media::Image& eye, const viewer::WindowPlace& window) {
 // Whether a picture of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
 // screen does not reach are left out. The middle of an eye's pixel lies within half a pixel of the screen's, so its
 // neighbour may have a share in that.
-bool is_mirrored(const media::Image& eye, const media::Image& screen, const viewer::WindowPlace& window) {
+bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowPlace& window) {
     const auto [fits, left, top] = fitted(eye, window);
     int most = 0;
     for (uint32_t y = 4; y < eye.height; y += 8)
@@ -235,7 +235,7 @@ bool is_mirrored(const media::Image& eye, const media::Image& screen, const view
 }
 
 // A window that shows it.
-media::Image enlarged_into(const viewer::WindowPlace& window, const media::Image& eye) {
+media::Image enlarged_into(const ui::WindowPlace& window, const media::Image& eye) {
     media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
     const auto [fits, left, top] = fitted(eye, window);
     for (uint32_t y = 0; y < shown.height; y++)

@@ -7,6 +7,7 @@
 
 #include "base/platform.h"
 #include "edit/operations.h"
+#include "editor/open_file.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/verbs.h"
@@ -29,7 +30,7 @@ struct XrOptions : BenchOptions {
 
 // A floor, a spotlight and a performer, or a stage as it is.
 stage::Stage stage_of(const XrOptions& options) {
-    if (tools::is_stage(options.scene)) return stage::load_stage(options.scene);
+    if (editor::has_stage_ending(options.scene)) return stage::load_stage(options.scene);
     const std::filesystem::path clip = std::filesystem::absolute(options.scene);
     stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
     const voctree::NvvHead head = voctree::summarise_nvv(clip).head;

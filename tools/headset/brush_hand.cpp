@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "edit/paint_layers.h"
-#include "tools/viewer/fields.h"
+#include "media/colour.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kTip_m = 0.08;  // in front of the hand
 
-viewer::PaintWork work_of(const HandBrush& brush, float frame, uint32_t frames) {
-    viewer::PaintWork work;
-    work.kind =
-        brush.does == HandBrush::Does::kErase ? viewer::PaintWork::Kind::kErase : viewer::PaintWork::Kind::kColour;
-    work.colour = viewer::linear_of_srgb(brush.colour);
-    work.opacity = static_cast<float>(brush.opacity);
-    work.frames = {frame, frame, edit::Follow::kRun};
-    if (brush.whole_clip) work.frames = {0, static_cast<float>(frames - 1), edit::Follow::kNot};
-    return work;
+editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_t frames) {
+    editor::PaintOperation operation;
+    operation.kind = brush.does == HandBrush::Does::kErase ? editor::PaintOperation::Kind::kErase
+                                                           : editor::PaintOperation::Kind::kColour;
+    operation.colour = media::linear_from_srgb(brush.colour);
+    operation.opacity = static_cast<float>(brush.opacity);
+    operation.frames = {frame, frame, edit::Follow::kRun};
+    if (brush.whole_clip) operation.frames = {0, static_cast<float>(frames - 1), edit::Follow::kNot};
+    return operation;
 }
 
 // A tip as it stood in the performer's space: its own box is the world's, however the performer stands.
@@ -48,7 +48,7 @@ struct BrushHand::Ready {
     uint32_t node = 0;
     std::filesystem::path clip_path, layer_path;
     bool is_new = false;  // the layer
-    std::shared_ptr<const viewer::PaintClip> clip;
+    std::shared_ptr<const editor::PaintClip> clip;
     std::shared_ptr<const voctree::EditLayer> layer;  // as read; none where it is new, or the document has it
 };
 
@@ -74,17 +74,17 @@ struct BrushHand::Stroke {
 // Bound by memory: all leaves' middles once a job, 12 bytes each. Null where it meets nothing new.
 std::shared_ptr<const voctree::EditLayer> BrushHand::Stroke::lay(const edit::Region& touched) {
     const edit::Canvas& canvas = ready->clip->canvas;
-    const viewer::PaintWork work = work_of(brush, frame, ready->clip->tree.frames);
+    const editor::PaintOperation operation = operation_of(brush, frame, ready->clip->tree.frames);
     bool any = false;
-    for (const viewer::ChosenLeaf& leaf : viewer::chosen_in(canvas, *before, touched, work)) {
+    for (const editor::SelectedLeaf& leaf : editor::leaves_for(canvas, *before, touched, operation)) {
         any |= !covered[leaf.leaf];
         covered[leaf.leaf] = 1;
     }
     if (!any) return nullptr;
-    std::vector<viewer::ChosenLeaf> leaves;
+    std::vector<editor::SelectedLeaf> leaves;
     for (uint32_t leaf = 0; leaf < covered.size(); leaf++)
         if (covered[leaf]) leaves.push_back({leaf});
-    return viewer::worked_on(canvas, *before, leaves, work);
+    return editor::apply_operation(canvas, *before, leaves, operation);
 }
 
 glm::dvec3 BrushHand::tip_of(const xr::Pose& world_aim) {
@@ -124,10 +124,10 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     ready->is_new = !own;
     if (ready_ && ready_->clip_path == clip_path) ready->clip = ready_->clip;
     const bool reads_layer = own && !on.editor.document().paint.contains(ready->layer_path);
-    work_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> viewer::Work::Then {
+    jobs_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> JobQueue::Then {
         try {
             if (!ready->clip)
-                ready->clip = std::make_shared<const viewer::PaintClip>(voctree::read_nvv(ready->clip_path));
+                ready->clip = std::make_shared<const editor::PaintClip>(voctree::read_nvv(ready->clip_path));
             if (reads_layer)
                 ready->layer = std::make_shared<const voctree::EditLayer>(
                     voctree::read_paint(ready->layer_path, ready->clip->field));
@@ -238,7 +238,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
             return std::any_of(tips.begin(), tips.end(), [&](const Tip& tip) { return tip.touches(place); });
         };
     }
-    work_.start("", [this, &on, stroke, touched = std::move(touched)]() -> viewer::Work::Then {
+    jobs_.start("", [this, &on, stroke, touched = std::move(touched)]() -> JobQueue::Then {
         std::shared_ptr<const voctree::EditLayer> layer;
         try {
             layer = stroke->lay(touched);

@@ -11,10 +11,10 @@
 #include <memory>
 #include <optional>
 
+#include "base/job_queue.h"
+#include "editor/paint_surface.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/on_stage.h"
-#include "tools/viewer/paint_desk.h"
-#include "tools/viewer/work.h"
 
 namespace neuvv::headset {
 
@@ -27,8 +27,8 @@ struct PaintRegion {
 
 class BrushHand {
   public:
-    // `work` must outlive it, or be stopped before.
-    explicit BrushHand(viewer::Work& work) : work_(work) {}
+    // `jobs` must outlive it, or be stopped before.
+    explicit BrushHand(JobQueue& jobs) : jobs_(jobs) {}
 
     void update(OnStage& on, Hands& hands);
     // The hand ends its stroke: one step of the history; what is still being laid comes into it.
@@ -60,7 +60,7 @@ class BrushHand {
     void finish(OnStage& on);
     void pull_region(const OnStage& on, uint32_t performer, Hand& hand);
 
-    viewer::Work& work_;
+    JobQueue& jobs_;
     std::shared_ptr<const Ready> ready_;  // what is known of the performer that is painted
     // The first is being laid, once its performer has been read; the last is the hand's until it is released.
     std::deque<std::shared_ptr<Stroke>> strokes_;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "tools/viewer/dynamic_scale.h"
+#include "editor/dynamic_scale.h"
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
@@ -60,7 +60,7 @@ class EyeImages {
     std::array<bool, xr::kEyes> old_mask_{true, true};
     std::array<XrFovf, xr::kEyes> mask_fov_{};
     std::array<std::vector<glm::vec2>, xr::kEyes> hidden_;
-    viewer::DynamicScale dynamic_;
+    editor::DynamicScale dynamic_;
     double drawn_scale_ = 1;
     xr::EyeViews drawn_;
     std::optional<gpu::DeviceImage> left_;

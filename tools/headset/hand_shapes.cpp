@@ -1,6 +1,6 @@
 #include "tools/headset/hand_shapes.h"
 
-#include "tools/viewer/fields.h"
+#include "media/colour.h"
 
 namespace neuvv::headset {
 
@@ -25,7 +25,7 @@ void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> hel
     if (!hand.aim) return;
     const bool meets = hand.at.what == PointedAt::What::kPanel || hand.at.what == PointedAt::What::kPerformer;
     const double metres = held_m ? *held_m : meets ? hand.at.metres : kIdleRay_m;
-    const xr::Ray ray = xr::ray_of(*hand.aim);
+    const Ray ray = xr::ray_of(*hand.aim);
     const glm::dvec3 end = ray.origin + metres * ray.direction;
     shapes.line(ray.origin, end, 0.003, kRay, meets || held_m ? kRay : kFaint);
     if (meets || held_m) shapes.ball(end, held_m ? 0.014 : 0.008, held_m ? kBlue : glm::vec4(0.9f, 0.9f, 0.9f, 1));
@@ -40,7 +40,7 @@ void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& int
             pointed_at |= hand.at.what == PointedAt::What::kPerformer && hand.at.performer == performer.performer;
         const bool is_selected = selected == performer.performer;
         if (!is_selected && !(pointed_at && on.tool == HandTool::kArrange)) continue;
-        const auto [low, high] = box_of(on, performer.performer);
+        const auto [low, high] = editor::box_of(on, performer.performer);
         // Around another's box, not within its edges; but on the floor as it is.
         const double out = is_selected ? kSelectedOut : 0;
         shapes.box_edges(performer.world_from_performer, low - glm::dvec3(out, 0, out), high + out,
@@ -55,7 +55,7 @@ void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& int
 
 glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
     if (brush.does == HandBrush::Does::kErase) return {0.6f, 0.6f, 0.6f, alpha};
-    return {viewer::linear_of_srgb(brush.colour), alpha};
+    return {media::linear_from_srgb(brush.colour), alpha};
 }
 
 void draw_brush(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
@@ -90,7 +90,7 @@ void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc) {
 void draw_floor(xr::EyeShapes& shapes, const OnStage& on) {
     constexpr int kReach = 4;
     constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFades{0.25f, 0.27f, 0.3f, 0};
-    if (has_set(*on.stage)) return;
+    if (editor::has_set(*on.stage)) return;
     const glm::dvec3 middle(std::round(on.rig.position.x), on.floor_m, std::round(on.rig.position.z));
     for (int i = -kReach; i <= kReach; i++)
         for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {

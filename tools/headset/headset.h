@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
+#include "editor/document_saver.h"
 #include "tools/headset/eye_images.h"
-#include "tools/headset/keeper.h"
 
 namespace neuvv::headset {
 

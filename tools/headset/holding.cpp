@@ -29,7 +29,7 @@ void Holding::take(OnStage& on, Hand& hand, int which) {
     if (grab_ && node != node_) return;  // the other hand holds another one
     if (!grab_) {
         taken_from_ = on.instant.pose.world_from_node[node];
-        const xr::Ray ray = xr::ray_of(*hand.aim);
+        const Ray ray = xr::ray_of(*hand.aim);
         taken_at_ = ray.origin + hand.at.metres * ray.direction;
         grab_.emplace(taken_from_, xr::GrabSettings{settings.upright});
     }
@@ -60,7 +60,8 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
         const double stick = hands[which].input.stick.y;
         if (std::abs(stick) > kDeadZone) grab_->reach(which, stick * kReach_m_per_s * dt_s);
     }
-    if (node_ < on.instant.pose.world_from_node.size()) carry(on.instant, *on.stage, node_, grab_->world_from_node());
+    if (node_ < on.instant.pose.world_from_node.size())
+        editor::carry(on.instant, *on.stage, node_, grab_->world_from_node());
 }
 
 // What is larger or smaller than it was hangs from where it is held, not from its feet: whether it was lifted is told
@@ -68,13 +69,13 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
 glm::dmat4 Holding::snapped(const OnStage& on, const glm::dmat4& world_from_node) const {
     for (uint32_t performer = 0; performer < on.stage->performers.size() && settings.snaps_to_floor; performer++) {
         if (on.stage->performers[performer].node != node_) continue;
-        const auto [low, high] = box_of(on, performer);
-        const double above = xr::above_floor(world_from_node, low, high, on.floor_m),
-                     before = xr::above_floor(taken_from_, low, high, on.floor_m);
+        const auto [low, high] = editor::box_of(on, performer);
+        const double above = above_floor(world_from_node, low, high, on.floor_m),
+                     before = above_floor(taken_from_, low, high, on.floor_m);
         const glm::dmat4 moved = world_from_node * glm::inverse(taken_from_);
         const double lifted = (moved * glm::dvec4(taken_at_, 1)).y - taken_at_.y;
         const bool stood = std::abs(before) < kSnap_m && std::abs(lifted) < kSnap_m;
-        if (above < kSnap_m || stood) return xr::on_floor(world_from_node, low, high, on.floor_m);
+        if (above < kSnap_m || stood) return on_floor(world_from_node, low, high, on.floor_m);
     }
     return world_from_node;
 }
@@ -85,7 +86,7 @@ void Holding::put_down(OnStage& on) {
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
     world_from_node = snapped(on, world_from_node);
-    carry(on.instant, *on.stage, node_, world_from_node);  // until the edit is shown
+    editor::carry(on.instant, *on.stage, node_, world_from_node);  // until the edit is shown
     stand_at(on, node_, world_from_node);
 }
 

@@ -130,7 +130,7 @@ void Interaction::point(const OnStage& on) {
         Hand& hand = hands[which];
         hand.at = {};
         if (!hand.aim) continue;
-        const xr::Ray ray = xr::ray_of(*hand.aim);
+        const Ray ray = xr::ray_of(*hand.aim);
         if (panel && !(on.panel_on_wrist && which == xr::kLeft))
             if (const auto hit = xr::rectangle_hit(ray, panel->world, panel->size_m)) {
                 hand.at = {PointedAt::What::kPanel, hit->metres, hit->at};
@@ -139,8 +139,8 @@ void Interaction::point(const OnStage& on) {
         double nearest = kFarthest_m;
         for (const stage::InstantPerformer& performer : on.instant.performers) {
             if (!performer.visible) continue;
-            const auto [low, high] = box_of(on, performer.performer);
-            const auto metres = xr::box_hit(ray, performer.world_from_performer, low, high);
+            const auto [low, high] = editor::box_of(on, performer.performer);
+            const auto metres = box_hit(ray, performer.world_from_performer, low, high);
             if (!metres || *metres >= nearest) continue;
             nearest = *metres;
             hand.at = {PointedAt::What::kPerformer, nearest, {}, performer.performer};

@@ -28,8 +28,8 @@ struct PanelPointer {
 
 class Interaction {
   public:
-    // `work` must outlive it, or be stopped before.
-    explicit Interaction(viewer::Work& work) : brush(work) {}
+    // `jobs` must outlive it, or be stopped before.
+    explicit Interaction(JobQueue& jobs) : brush(jobs) {}
 
     Hands hands;
     Holding holding;

@@ -4,7 +4,7 @@
 
 namespace neuvv::headset {
 
-Mirror::Mirror(const gpu::Device& device, viewer::Window& window, VkExtent2D eye)
+Mirror::Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye)
     : device_(device),
       window_(window),
       swapchain_(device, window.make_surface(device), gpu::PresentPace::kFree),  // the headset's pace alone counts

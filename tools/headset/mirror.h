@@ -3,14 +3,14 @@
 
 #include "gpu/image.h"
 #include "gpu/swapchain.h"
-#include "tools/viewer/window.h"
+#include "tools/ui/window.h"
 
 namespace neuvv::headset {
 
 class Mirror {
   public:
     // `eye`: pixels of what is shown. The window outlives it, and was made before the device.
-    Mirror(const gpu::Device& device, viewer::Window& window, VkExtent2D eye);
+    Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye);
 
     // The picture (R8G8B8A8 sRGB, layout TRANSFER_SRC) in the middle of the window, as large as it fits. False: the
     // window was closed.
@@ -19,7 +19,7 @@ class Mirror {
   private:
     void record(const gpu::DeviceImage& picture, const gpu::PresentTarget& target);
     const gpu::Device& device_;
-    viewer::Window& window_;
+    ui::Window& window_;
     gpu::Swapchain swapchain_;
     gpu::DeviceImage values_;  // the picture's sRGB values as they are
     gpu::Commands commands_;

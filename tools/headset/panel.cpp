@@ -7,7 +7,7 @@
 
 #include "edit/operations.h"
 #include "edit/time_edit.h"
-#include "tools/viewer/signs.h"
+#include "tools/ui/icons.h"
 
 namespace neuvv::headset {
 
@@ -59,20 +59,20 @@ float width_of(int of) {
 }
 
 void time_rows(Rows& rows) {
-    viewer::StageClock& clock = rows.on.clock;
+    editor::StageClock& clock = rows.on.clock;
     const float one = width_of(6);
-    if (rows.sign("start", SIGN_START, "To the start", one)) clock.scrub(clock.in_s());
+    if (rows.sign("start", ICON_START, "To the start", one)) clock.scrub(clock.in_s());
     ImGui::SameLine();
-    if (rows.sign("back", SIGN_STEP_BACK, "A picture back", one)) clock.step(-1);
+    if (rows.sign("back", ICON_STEP_BACK, "A picture back", one)) clock.step(-1);
     ImGui::SameLine();
-    if (rows.sign("play", clock.playing ? SIGN_PAUSE : SIGN_PLAY, "Play, pause", one, clock.playing))
+    if (rows.sign("play", clock.playing ? ICON_PAUSE : ICON_PLAY, "Play, pause", one, clock.playing))
         clock.play_or_pause();
     ImGui::SameLine();
-    if (rows.sign("step", SIGN_STEP, "A picture on", one)) clock.step(1);
+    if (rows.sign("step", ICON_STEP, "A picture on", one)) clock.step(1);
     ImGui::SameLine();
-    if (rows.sign("backwards", SIGN_REVERSE, "The stage backwards", one, clock.speed < 0)) clock.speed = -clock.speed;
+    if (rows.sign("backwards", ICON_REVERSE, "The stage backwards", one, clock.speed < 0)) clock.speed = -clock.speed;
     ImGui::SameLine();
-    if (rows.sign("loop", SIGN_LOOP, "Again and again", one, clock.loops)) clock.loops = !clock.loops;
+    if (rows.sign("loop", ICON_LOOP, "Again and again", one, clock.loops)) clock.loops = !clock.loops;
 
     auto seconds = static_cast<float>(clock.time_s());
     ImGui::SetNextItemWidth(-1);
@@ -92,11 +92,11 @@ void tool_row(Rows& rows) {
     const auto tool = [&](const char* name, const char* label, HandTool which) {
         if (rows.button(name, label, one, rows.on.tool == which)) rows.on.tool = which;
     };
-    tool("arrange", SIGN_MOVE " Arrange", HandTool::kArrange);
+    tool("arrange", ICON_MOVE " Arrange", HandTool::kArrange);
     ImGui::SameLine();
-    tool("paint", SIGN_BRUSH " Paint", HandTool::kPaint);
+    tool("paint", ICON_BRUSH " Paint", HandTool::kPaint);
     ImGui::SameLine();
-    tool("region", SIGN_BOX " Region", HandTool::kRegion);
+    tool("region", ICON_BOX " Region", HandTool::kRegion);
 }
 
 const stage::StagePerformer* selected(const OnStage& on) {
@@ -113,8 +113,8 @@ void snap_to_floor(OnStage& on) {
     const auto performer = on.selected_performer();
     if (!performer) return;
     const uint32_t node = on.stage->performers[*performer].node;
-    const auto [low, high] = box_of(on, *performer);
-    stand_at(on, node, xr::on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
+    const auto [low, high] = editor::box_of(on, *performer);
+    stand_at(on, node, on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
 }
 
 // Each edit of a map may find that the map cannot have it: that is told, as an operation's failure is.
@@ -169,14 +169,14 @@ void arrange_rows(Rows& rows) {
         ImGui::SameLine();
         ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", seconds_shown(on, *performer)).c_str());
         const float one = width_of(4);
-        if (rows.button("copy", SIGN_COPY " Copy", one)) duplicate_selected(on);
+        if (rows.button("copy", ICON_COPY " Copy", one)) duplicate_selected(on);
         ImGui::SameLine();
-        if (rows.button("delete", SIGN_TRASH " Delete", one)) delete_selected(on);
+        if (rows.button("delete", ICON_TRASH " Delete", one)) delete_selected(on);
         ImGui::SameLine();
-        if (rows.button("floor", SIGN_MAGNET " Floor", one)) snap_to_floor(on);
+        if (rows.button("floor", ICON_MAGNET " Floor", one)) snap_to_floor(on);
         ImGui::SameLine();
         const double spin = performer->settings.spin_deg_per_s;
-        if (rows.button("spin", SIGN_ROTATE " Spin", one, spin != 0))
+        if (rows.button("spin", ICON_ROTATE " Spin", one, spin != 0))
             set(on, {.spin_deg_per_s = spin == 0 ? kSpin_deg_per_s : 0});
         retime_row(rows, *performer);
     }
@@ -206,10 +206,10 @@ void brush_rows(Rows& rows) {
     ImGui::SameLine();
     ImGui::BeginGroup();
     const float half = width_of(2);
-    if (rows.button("colour", SIGN_BRUSH " Colour", half, brush.does == HandBrush::Does::kPaint))
+    if (rows.button("colour", ICON_BRUSH " Colour", half, brush.does == HandBrush::Does::kPaint))
         brush.does = HandBrush::Does::kPaint;
     ImGui::SameLine();
-    if (rows.button("erase", SIGN_ERASER " Erase", half, brush.does == HandBrush::Does::kErase))
+    if (rows.button("erase", ICON_ERASER " Erase", half, brush.does == HandBrush::Does::kErase))
         brush.does = HandBrush::Does::kErase;
     if (rows.on.tool == HandTool::kPaint) tip_rows(rows, half);
     auto opacity = static_cast<float>(100 * brush.opacity);
@@ -225,7 +225,7 @@ void region_rows(Rows& rows) {
     ImGui::BeginDisabled(!rows.interaction.brush.region());
     const float half = width_of(2);
     const bool erases = rows.on.brush.does == HandBrush::Does::kErase;
-    if (rows.button("do region", erases ? SIGN_ERASER " Erase the box" : SIGN_BRUSH " Colour the box", half))
+    if (rows.button("do region", erases ? ICON_ERASER " Erase the box" : ICON_BRUSH " Colour the box", half))
         rows.interaction.brush.do_region(rows.on);
     ImGui::SameLine();
     if (rows.button("forget region", "Forget the box", half)) rows.interaction.brush.forget_region();
@@ -255,18 +255,18 @@ void comfort_rows(Rows& rows) {
 }
 
 void file_row(Rows& rows) {
-    viewer::Editor& editor = rows.on.editor;
+    editor::Editor& editor = rows.on.editor;
     const float one = width_of(4);
     ImGui::BeginDisabled(!editor.history().next_undo());
-    if (rows.button("undo", SIGN_UNDO " Undo", one)) editor.undo();
+    if (rows.button("undo", ICON_UNDO " Undo", one)) editor.undo();
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!editor.history().next_redo());
-    if (rows.button("redo", SIGN_REDO " Redo", one)) editor.redo();
+    if (rows.button("redo", ICON_REDO " Redo", one)) editor.redo();
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!editor.modified() || rows.facts.saving);
-    rows.asks.save = rows.button("save", SIGN_SAVE " Save", one);
+    rows.asks.save = rows.button("save", ICON_SAVE " Save", one);
     ImGui::EndDisabled();
     ImGui::SameLine();
     rows.asks.leave = rows.button("leave", "Leave", one);
@@ -282,7 +282,7 @@ void notice_rows(const Rows& rows) {
                                       .c_str());
         return;
     }
-    const viewer::Notice& last = facts.notices.back();
+    const editor::Notice& last = facts.notices.back();
     if (last.error) ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.55f, 0.4f, 1});
     ImGui::TextWrapped("%s", last.text.c_str());
     if (last.error) ImGui::PopStyleColor();

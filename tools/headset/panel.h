@@ -16,7 +16,7 @@ struct PanelAsks {
 };
 
 struct PanelFacts {
-    std::vector<viewer::Notice> notices;  // the latest last
+    std::vector<editor::Notice> notices;  // the latest last
     double pictures_a_second = 0, scale = 1;
     bool saving = false;
 };

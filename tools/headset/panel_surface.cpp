@@ -30,7 +30,7 @@ PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session
              {kSize.width, kSize.height, unorm_of(images_.format()),
               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
       drawing_(device, drawn_.shape.format, 2, kScale),
-      framebuffer_(viewer::make_framebuffer(device, drawing_, drawn_.view, kSize)),
+      framebuffer_(ui::make_framebuffer(device, drawing_, drawn_.view, kSize)),
       commands_(device, "panel", 4) {}
 
 PanelSurface::~PanelSurface() {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "tools/headset/interaction.h"
-#include "tools/viewer/panel_drawing.h"
+#include "tools/ui/panel_drawing.h"
 #include "xr/swapchain.h"
 
 namespace neuvv::headset {
@@ -29,7 +29,7 @@ class PanelSurface {
     const gpu::Device& device_;
     xr::XrImages images_;
     gpu::DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
-    viewer::PanelDrawing drawing_;
+    ui::PanelDrawing drawing_;
     bool has_picture_ = false;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
     gpu::Commands commands_;

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "edit/operations.h"
-#include "tools/viewer/look.h"
-#include "tools/viewer/pointer.h"
+#include "editor/pointer.h"
+#include "tools/ui/theme.h"
 
 namespace neuvv::viewer {
 
@@ -17,7 +17,7 @@ constexpr float kSightPixels = 26;  // of a pyramid of sight, at scale 1
 constexpr unsigned kWay = 0xc0e8a33d, kKeyColour = 0xffd8d2cb;
 
 void draw_line(const Viewer& viewer, glm::dvec3 a, glm::dvec3 b, unsigned colour, float width) {
-    const auto seen = pixels_of(viewer.camera, a, b);
+    const auto seen = editor::pixels_of(viewer.camera, a, b);
     if (!seen) return;
     const auto at = [&](glm::dvec2 pixel) {
         return ImVec2(viewer.picture_area.left + static_cast<float>(pixel.x),
@@ -29,8 +29,8 @@ void draw_line(const Viewer& viewer, glm::dvec3 a, glm::dvec3 b, unsigned colour
 // From the camera's place to the corners of what it sees, as large in the picture wherever it stands.
 void draw_sight(const Viewer& viewer, const stage::Camera& seen, unsigned colour, float width) {
     const glm::dvec3 from(seen.world_from_camera[3]);
-    if (depth_of(viewer.camera, from) < kNearest_m) return;
-    const double high = metres_of_pixels(viewer.camera, from, viewer.ui(kSightPixels)) / 2;
+    if (editor::depth_of(viewer.camera, from) < editor::kNearest_m) return;
+    const double high = editor::metres_of_pixels(viewer.camera, from, viewer.ui(kSightPixels)) / 2;
     const double aspect = viewer.camera.height > 0 ? 1.0 * viewer.camera.width / viewer.camera.height : 1;
     glm::dvec3 corners[4];
     for (int i = 0; i < 4; i++) {
@@ -77,7 +77,7 @@ void draw_camera_path(const Viewer& viewer, const stage::CameraPath& path, const
     for (size_t i = 0; i + 1 < line.size(); i++) draw_line(viewer, line[i], line[i + 1], kWay, 2);
     for (const stage::CameraPathKey& key : path.keys)
         draw_sight(viewer, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
-    draw_sight(viewer, stage::camera_at(path, viewer.clock.shown_s(), 2, 2), kAccent, 2);
+    draw_sight(viewer, stage::camera_at(path, viewer.clock.shown_s(), 2, 2), ui::kAccent, 2);
     list.PopClipRect();
 }
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "tools/viewer/blocks.h"
+#include "editor/blocks.h"
 
 namespace neuvv::viewer {
 
@@ -39,7 +39,7 @@ bool Export::stop(std::string text, bool error) {
     return false;
 }
 
-bool Export::step(OnDevice& on_device) {
+bool Export::step(editor::OnDevice& on_device) {
     if (cancelled_) return stop(fmt::format("export cancelled after {} pictures", finished_pictures()), false);
     try {
         if (!sink_)
@@ -58,15 +58,15 @@ bool Export::step(OnDevice& on_device) {
     return stop(fmt::format("exported {}", settings_.output.path.string()), false);
 }
 
-void Export::draw_block(OnDevice& on_device) {
+void Export::draw_block(editor::OnDevice& on_device) {
     const stage::StageInstant instant = stage::stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
     const stage::Camera camera = settings_.camera(on_device.stage, instant);
     on_device.renderer.show(instant, settings_.with_background);
     render::FrameSettings settings = on_device.renderer.settings_at(instant);
     if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
-        side_ = blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
-                              std::min(settings.height, kBlockPixels) / settings_.samples);
-    const Block block = block_of(camera, block_++, side_);
+        side_ = editor::blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
+                                      std::min(settings.height, kBlockPixels) / settings_.samples);
+    const editor::Block block = editor::block_of(camera, block_++, side_);
     if (block.camera.width == 0 || block.camera.height == 0) return;
     settings.width = block.camera.width;
     settings.height = block.camera.height;

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "editor/render_thread.h"
 #include "tools/picture_sink.h"
-#include "tools/viewer/drawer.h"
 
 namespace neuvv::viewer {
 
@@ -29,7 +29,7 @@ class Export {
     explicit Export(ExportSettings settings);
 
     // A step: a block of a picture, in about the time of a moving picture. False: it is over.
-    bool step(OnDevice& on_device);
+    bool step(editor::OnDevice& on_device);
 
     void cancel() { cancelled_ = true; }
     uint32_t finished_pictures() const { return finished_; }
@@ -42,7 +42,7 @@ class Export {
     std::optional<End> end() const;
 
   private:
-    void draw_block(OnDevice& on_device);
+    void draw_block(editor::OnDevice& on_device);
     void finish_picture();
     bool stop(std::string text, bool error);
 

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "media/image.h"
+#include "media/colour.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -17,14 +17,6 @@ namespace {
 constexpr float kLabelShare = 0.36f;
 
 }  // namespace
-
-glm::dvec3 srgb_of_linear(glm::dvec3 l) {
-    return {media::srgb_from_linear(l.x), media::srgb_from_linear(l.y), media::srgb_from_linear(l.z)};
-}
-
-glm::dvec3 linear_of_srgb(glm::dvec3 s) {
-    return {media::linear_from_srgb(s.x), media::linear_from_srgb(s.y), media::linear_from_srgb(s.z)};
-}
 
 FieldGroup::FieldGroup(Viewer& viewer, std::string name) : viewer_(viewer), name_(std::move(name)) {
     ImGui::PushID(name_.c_str());
@@ -72,13 +64,13 @@ bool FieldGroup::number(const char* name, glm::dvec3& value, const Numbers& look
 
 bool FieldGroup::colour(const char* name, glm::dvec3& value) {
     label(name);
-    const glm::dvec3 shown = srgb_of_linear(value);
+    const glm::dvec3 shown = media::srgb_from_linear(value);
     float rgb[3] = {static_cast<float>(shown.x), static_cast<float>(shown.y), static_cast<float>(shown.z)};
     ImGui::PushID(name);
     const bool changed = ImGui::ColorEdit3("##", rgb, ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_Float);
     ImGui::PopID();
     report_last(name);
-    if (changed) value = linear_of_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0));
+    if (changed) value = media::linear_from_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0));
     return changed;
 }
 
@@ -142,7 +134,7 @@ bool FieldGroup::slider(const char* name, double& value, double low, double high
     return changed;
 }
 
-bool sign_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
+bool icon_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
     ImGui::PushID(name);

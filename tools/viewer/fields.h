@@ -43,10 +43,7 @@ class FieldGroup {
 };
 
 // A button of a sign, with a text that explains it; `on`: it is the chosen one. Reported by `name`.
-bool sign_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on = false,
+bool icon_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on = false,
                  bool enabled = true);
-
-glm::dvec3 srgb_of_linear(glm::dvec3 linear);
-glm::dvec3 linear_of_srgb(glm::dvec3 srgb);
 
 }  // namespace neuvv::viewer

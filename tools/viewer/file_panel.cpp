@@ -9,10 +9,11 @@
 #include <ctime>
 
 #include "base/error.h"
+#include "editor/open_file.h"
 #include "tools/options.h"
 
+#include "tools/ui/icons.h"
 #include "tools/viewer/files.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -82,7 +83,7 @@ void Files::unsaved_panel() {
     }
     if (button(viewer_, "Discard")) {
         close_question();
-        stored_.forget();
+        saver_.autosave.forget();
         afterwards();
         return;
     }
@@ -122,7 +123,7 @@ void Files::path_panel() {
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const ImVec2 list{std::min(viewer_.ui(560), window.x - viewer_.ui(60)),
                       std::min(viewer_.ui(320), window.y - viewer_.ui(190))};
-    if (ImGui::Button(SIGN_LEVEL_UP)) return list_folder(question.folder.parent_path());
+    if (ImGui::Button(ICON_LEVEL_UP)) return list_folder(question.folder.parent_path());
     viewer_.report.item("question/up");
     ImGui::SameLine();
     std::string folder = question.folder.string();
@@ -131,7 +132,7 @@ void Files::path_panel() {
     viewer_.report.item("question/folder");
     ImGui::BeginChild("files", list, true);
     for (const Listed& one : listed_) {
-        const std::string text = fmt::format("{}  {}", one.folder ? SIGN_FOLDER : SIGN_FILE, one.name);
+        const std::string text = fmt::format("{}  {}", one.folder ? ICON_FOLDER : ICON_FILE, one.name);
         const bool clicked = ImGui::Selectable(text.c_str(), !one.folder && one.name == question.name,
                                                ImGuiSelectableFlags_AllowDoubleClick);
         viewer_.report.item("question/file/" + one.name);
@@ -165,8 +166,8 @@ void Files::choose(const std::filesystem::path& chosen) {
     if (std::filesystem::is_directory(path, error)) return list_folder(path);
     const std::vector<std::string>& endings = question_->endings;
     const bool listed = std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
-    const bool ends_well =
-        listed || (!endings.empty() && tools::is_stage("x" + endings[0]) && tools::is_stage(path.string()));
+    const bool ends_well = listed || (!endings.empty() && editor::has_stage_ending("x" + endings[0]) &&
+                                      editor::has_stage_ending(path.string()));
     if (question_->to_save && !endings.empty() && !ends_well) path += endings[0];
     if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
         question_->name = path.filename().string();

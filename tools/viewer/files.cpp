@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "edit/operations.h"
+#include "editor/open_file.h"
 #include "tools/options.h"
-#include "tools/viewer/open_file.h"
 #include "tools/viewer/viewer.h"
 #include "voctree/clip.h"
 
@@ -24,7 +24,7 @@ bool is_one_of(const std::filesystem::path& path, std::initializer_list<const ch
 
 }  // namespace
 
-Files::Files(Viewer& viewer) : viewer_(viewer), stored_(viewer.editor, viewer.work) {}
+Files::Files(Viewer& viewer) : viewer_(viewer), saver_(viewer.editor, viewer.jobs) {}
 
 // An export's pictures are all of one stage.
 bool Files::refused_by_export() {
@@ -39,11 +39,8 @@ void Files::open(const std::filesystem::path& path) {
 
 // Edits of a process that is gone are offered before the stage is read.
 void Files::open_now(const std::filesystem::path& path) {
-    viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
-        std::vector<edit::RecoveryEntry> entries;
-        if (!edit::recovery_folder().empty())
-            for (edit::RecoveryEntry& entry : edit::find_recovery(edit::recovery_folder(), stage_of_file(path)))
-                if (!entry.alive) entries.push_back(std::move(entry));
+    viewer_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
+        const std::vector<edit::RecoveryEntry> entries = editor::lost_edits_of(editor::stage_of_file(path));
         return [this, path, entries] {
             if (entries.empty() || question_) return read(path);
             ask_to_recover(entries, path, [this](const std::filesystem::path& of) { read(of); });
@@ -52,12 +49,9 @@ void Files::open_now(const std::filesystem::path& path) {
 }
 
 void Files::offer_lost() {
-    if (edit::recovery_folder().empty()) return;
-    viewer_.work.start("", [this]() -> Work::Then {
-        std::vector<edit::RecoveryEntry> entries = edit::list_recovery(edit::recovery_folder());
-        std::erase_if(entries, [](const edit::RecoveryEntry& entry) { return entry.alive; });
+    viewer_.jobs.start("", [this]() -> JobQueue::Then {
+        const std::vector<edit::RecoveryEntry> entries = editor::lost_edits();
         if (entries.empty()) return {};
-        std::erase_if(entries, [stage = entries.front().stage](const auto& entry) { return entry.stage != stage; });
         return [this, entries] {
             if (!question_ && !viewer_.editor.is_open()) ask_to_recover(entries, {}, [](const auto&) {});
         };
@@ -75,8 +69,8 @@ void Files::ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::
 }
 
 void Files::read(const std::filesystem::path& path) {
-    viewer_.work.start(fmt::format("Opening {}", path.filename().string()), [this, path, number = viewer_.editor.id()] {
-        auto document = std::make_shared<edit::Document>(open_document(path));
+    viewer_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path, number = viewer_.editor.id()] {
+        auto document = std::make_shared<edit::Document>(editor::open_document(path));
         return [this, document, path, number] {
             // Edits that were made while it was read are asked about again.
             if (viewer_.editor.modified() && viewer_.editor.id() != number) return open(path);
@@ -87,7 +81,7 @@ void Files::read(const std::filesystem::path& path) {
 }
 
 void Files::recover(const edit::RecoveryEntry& entry) {
-    viewer_.work.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
+    viewer_.jobs.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
         auto document = std::make_shared<edit::Document>(edit::restore(entry));
         return [this, document, entry] {
             opened(std::move(*document), true, entry);
@@ -97,7 +91,7 @@ void Files::recover(const edit::RecoveryEntry& entry) {
 }
 
 void Files::opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from) {
-    stored_.opened(std::move(from));
+    saver_.autosave.opened(std::move(from));
     viewer_.gizmo.reset();
     viewer_.held_light.reset();
     viewer_.timeline.key.reset();
@@ -130,36 +124,20 @@ void Files::save_as() {
 }
 
 void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
-    viewer_.editor.end_drag();
-    auto document = std::make_shared<edit::Document>(viewer_.editor.document());
-    const uint64_t id = viewer_.editor.id(), number = viewer_.editor.opened();
-    std::string also;  // a stage that is left behind wears the same layers
-    const bool left =
-        document->file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(document->file.path);
-    if (left)
-        for (const auto& [file, layer] : document->saved_paint)
-            if (const auto now = document->paint.find(file); now != document->paint.end() && now->second != layer)
-                also += fmt::format("; {} wears the same {}", document->file.path.filename().string(),
-                                    file.filename().string());
-    viewer_.work.start(fmt::format("Saving {}", path.filename().string()),
-                       [this, document, path, id, number, also, left, then] {
-                           const auto theirs = edit::save_document(*document, path);
-                           return [this, document, path, id, number, also, left, then, theirs] {
-                               viewer_.editor.saved(*document, number, id);
-                               if (left && number == viewer_.editor.opened())
-                                   viewer_.paint.leave_alone(edit::worn_layers(document->file));
-                               if (!viewer_.editor.modified()) stored_.forget();
-                               viewer_.editor.tell(edit::saved_text(path, theirs) + also);
-                               remember_file(viewer_.preferences, std::filesystem::absolute(path));
-                               if (then) then();
-                           };
-                       });
+    const stage::StageFile& file = viewer_.editor.file();
+    const bool left = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
+    saver_.save(path, [this, path, left, then](const edit::Document& saved, uint64_t opened) {
+        if (left && opened == viewer_.editor.opened()) viewer_.paint.leave_alone(edit::worn_layers(saved.file));
+        remember_file(viewer_.preferences, std::filesystem::absolute(path));
+        if (then) then();
+    });
 }
 
 void Files::take(const std::filesystem::path& dropped) {
-    Editor& editor = viewer_.editor;
+    editor::Editor& editor = viewer_.editor;
     std::error_code error;
-    if (!editor.is_open() || tools::is_stage(dropped.string()) || std::filesystem::is_directory(dropped, error))
+    if (!editor.is_open() || editor::has_stage_ending(dropped.string()) ||
+        std::filesystem::is_directory(dropped, error))
         return open(dropped);
     if (voctree::has_clip_ending(dropped)) {
         edit::PerformerEdit performer;
@@ -195,7 +173,7 @@ void Files::ask_path(std::string title, std::vector<std::string> endings, bool t
 
 void Files::list_folder(const std::filesystem::path& folder) {
     question_->folder = stage::absolute_path(folder.empty() ? "." : folder);
-    viewer_.work.start("", [this, of = question_->folder, endings = question_->endings] {
+    viewer_.jobs.start("", [this, of = question_->folder, endings = question_->endings] {
         std::vector<Listed> listed;
         std::error_code error;
         for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
@@ -219,7 +197,7 @@ void Files::when_saved_or_given_up(std::function<void()> then) {
     if (question_ || refused_by_export()) return;
     viewer_.editor.end_drag();
     if (!viewer_.editor.modified()) {
-        stored_.forget();
+        saver_.autosave.forget();
         return then();
     }
     question_ = FileQuestion{};
@@ -234,17 +212,17 @@ void Files::close_question() {
 }
 
 void Files::tick() {
-    stored_.tick(viewer_.now_s);
+    saver_.autosave.tick(viewer_.now_s);
     if (viewer_.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
 }
 
 // A training run writes its clip anew with each checkpoint.
 void Files::watch_clips() {
-    if (!viewer_.stage || !viewer_.work.idle() || viewer_.exporting) return;
+    if (!viewer_.stage || !viewer_.jobs.idle() || viewer_.exporting) return;
     watched_s_ = viewer_.now_s;
     std::vector<std::filesystem::path> paths;
     for (const stage::StageClip& clip : viewer_.stage->clips) paths.push_back(clip.path);
-    viewer_.work.start("", [this, paths, before = clips_]() -> Work::Then {
+    viewer_.jobs.start("", [this, paths, before = clips_]() -> JobQueue::Then {
         auto now = before;
         now.clear();
         for (const std::filesystem::path& path : paths) {

@@ -1,7 +1,7 @@
 // Files of the viewer: what is open, what is saved, what is recovered, what was opened lately.
 //
-// All reading and writing is Work. What closes a document (opening another, quitting) asks first where there are
-// unsaved edits; a copy of those goes to the recovery folder every kStoreEvery_s.
+// The job queue does all reading and writing. What closes a document (opening another, quitting) asks first where there
+// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveEvery_s.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "editor/document_saver.h"
 #include "tools/viewer/preferences.h"
-#include "tools/viewer/stored_edits.h"
 
 namespace neuvv::viewer {
 
@@ -88,7 +88,7 @@ class Files {
     std::vector<Listed> listed_;       // of the question's folder
     std::filesystem::path confirmed_;  // the user was told that this file will be replaced
     std::optional<FileQuestion> question_;
-    StoredEdits stored_;
+    editor::DocumentSaver saver_;
     double watched_s_ = 0;
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;
 };

@@ -42,7 +42,7 @@ struct Shapes {
 
     void add_axis(size_t axis, bool arrow) {
         const glm::dvec3 way = frame.axes[axis] * frame.size_m, tip = frame.middle + way;
-        if (!line_drag(gizmo.camera, frame.middle, way, 1, {0, 0})) return;
+        if (!editor::line_drag(gizmo.camera, frame.middle, way, 1, {0, 0})) return;
         const glm::vec4 colour = colour_of(axis, 1);
         const glm::dvec3 ends[] = {frame.middle + kShaftFrom * way, tip};
         const std::optional<HandleShape> shaft = line_shape(view, first(axis), colour, ends);
@@ -58,7 +58,7 @@ struct Shapes {
         add(head);
     }
     void add_square(size_t axis) {
-        if (std::abs(glm::dot(square_normal(frame, axis), frame.to_eye)) < kEdgeOn) return;
+        if (std::abs(glm::dot(square_normal(frame, axis), frame.to_eye)) < editor::kEdgeOn) return;
         const glm::dvec3 u = frame.axes[(axis + 1) % 3] * frame.size_m, v = frame.axes[(axis + 2) % 3] * frame.size_m;
         const glm::dvec3 corners[] = {
             frame.middle + kSquareNear * u + kSquareNear * v, frame.middle + kSquareFar * u + kSquareNear * v,
@@ -72,7 +72,7 @@ struct Shapes {
                        arc(frame.middle, ring.front, ring.onward, frame.size_m, half_angle)));
     }
     void add_ring_around() {
-        const glm::dvec3 u = perpendicular_to(frame.to_eye);
+        const glm::dvec3 u = editor::perpendicular_to(frame.to_eye);
         add(line_shape(view, static_cast<int>(GizmoHandle::kCentre), kWhite,
                        arc(frame.middle, u, glm::cross(frame.to_eye, u), kRingAround * frame.size_m, kPi)));
     }
@@ -91,9 +91,9 @@ std::optional<GizmoFrame> gizmo_frame(const Gizmo& gizmo) {
     if (!is_finite(gizmo.world_from_node)) return std::nullopt;
     GizmoFrame frame{glm::dvec3(gizmo.world_from_node[3]),
                      {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}};
-    const double depth = depth_of(gizmo.camera, frame.middle);
-    if (!(depth >= kNearest_m)) return std::nullopt;
-    frame.size_m = std::min(metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMostDepths * depth);
+    const double depth = editor::depth_of(gizmo.camera, frame.middle);
+    if (!(depth >= editor::kNearest_m)) return std::nullopt;
+    frame.size_m = std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMostDepths * depth);
     frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.middle);
     if (gizmo.axes == GizmoAxes::kWorld && gizmo.mode != GizmoMode::kScale) return frame;
     glm::dmat3 own(gizmo.world_from_node);
@@ -106,7 +106,7 @@ RingFront ring_front(const GizmoFrame& frame, glm::dvec3 axis) {
     const double facing = glm::dot(axis, frame.to_eye);
     const glm::dvec3 front = frame.to_eye - axis * facing;
     const double length = glm::length(front);
-    RingFront ring{length > 1e-6 ? front / length : perpendicular_to(axis), {}, std::abs(facing)};
+    RingFront ring{length > 1e-6 ? front / length : editor::perpendicular_to(axis), {}, std::abs(facing)};
     ring.onward = glm::cross(axis, ring.front);
     return ring;
 }

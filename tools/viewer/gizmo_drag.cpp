@@ -31,19 +31,19 @@ glm::dvec2 components(glm::dvec3 v, glm::dvec3 a, glm::dvec3 b) {
 glm::dvec3 way_along(const Grabbed& grabbed, glm::dvec3 axis) {
     const stage::Camera& camera = grabbed.gizmo.camera;
     const GizmoFrame& frame = grabbed.frame;
-    const std::optional<double> from = line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
-                                to = line_drag(camera, frame.middle, axis, frame.size_m, grabbed.to);
-    return from && to ? axis * snapped(*to - *from, kMoveSnap_m, grabbed.snap) : glm::dvec3(0);
+    const std::optional<double> from = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
+                                to = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.to);
+    return from && to ? axis * editor::snapped(*to - *from, kMoveSnap_m, grabbed.snap) : glm::dvec3(0);
 }
 
 glm::dvec3 way_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
     const glm::dvec3 normal = glm::cross(u, v), middle = grabbed.frame.middle;
-    const std::optional<glm::dvec3> from = plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.from),
-                                    to = plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.to);
+    const std::optional<glm::dvec3> from = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.from),
+                                    to = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.to);
     if (!from || !to) return glm::dvec3(0);
     if (!grabbed.snap) return *to - *from;
     const glm::dvec2 way = components(*to - *from, u, v);
-    return u * snapped(way.x, kMoveSnap_m, true) + v * snapped(way.y, kMoveSnap_m, true);
+    return u * editor::snapped(way.x, kMoveSnap_m, true) + v * editor::snapped(way.y, kMoveSnap_m, true);
 }
 
 double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
@@ -53,13 +53,13 @@ double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
     if (ring.facing < kEdgeOnRing) {
         const double radius = grabbed.frame.size_m;
         const auto along = [&](glm::dvec2 pointer) {
-            return line_drag(camera, middle + ring.front * radius, ring.onward * radius, 1, pointer);
+            return editor::line_drag(camera, middle + ring.front * radius, ring.onward * radius, 1, pointer);
         };
         const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
         return from && to ? *to - *from : 0;
     }
-    const std::optional<glm::dvec3> from = plane_drag(camera, middle, axis, grabbed.from),
-                                    to = plane_drag(camera, middle, axis, grabbed.to);
+    const std::optional<glm::dvec3> from = editor::plane_drag(camera, middle, axis, grabbed.from),
+                                    to = editor::plane_drag(camera, middle, axis, grabbed.to);
     if (!from || !to) return 0;
     const glm::dvec3 a = *from - middle, b = *to - middle;
     return std::atan2(glm::dot(axis, glm::cross(a, b)), glm::dot(a, b));
@@ -67,20 +67,20 @@ double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
 
 double factor_of(double from, double to, double least_grip, bool snap) {
     const double factor = 1 + (to - from) / std::max(from, least_grip);
-    return snap ? std::max(snapped(factor, kScaleSnap, true), kScaleSnap) : std::max(factor, kLeastFactor);
+    return snap ? std::max(editor::snapped(factor, kScaleSnap, true), kScaleSnap) : std::max(factor, kLeastFactor);
 }
 
 double factor_along(const Grabbed& grabbed, glm::dvec3 axis) {
     const GizmoFrame& frame = grabbed.frame;
     const auto along = [&](glm::dvec2 pointer) {
-        return line_drag(grabbed.gizmo.camera, frame.middle, axis * frame.size_m, 1, pointer);
+        return editor::line_drag(grabbed.gizmo.camera, frame.middle, axis * frame.size_m, 1, pointer);
     };
     const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
     return from && to ? factor_of(*from, *to, kLeastGrip, grabbed.snap) : 1;
 }
 
 double factor_around(const Grabbed& grabbed) {
-    const std::optional<glm::dvec2> middle = pixel_of(grabbed.gizmo.camera, grabbed.frame.middle);
+    const std::optional<glm::dvec2> middle = editor::pixel_of(grabbed.gizmo.camera, grabbed.frame.middle);
     if (!middle) return 1;
     return factor_of(glm::distance(grabbed.from, *middle), glm::distance(grabbed.to, *middle), kLeastGrip_px,
                      grabbed.snap);
@@ -128,7 +128,7 @@ glm::dmat4 rotated(const Grabbed& grabbed, GizmoHandle handle) {
     const std::optional<size_t> of = axis_of(handle);
     const glm::dvec3 axis = of ? grabbed.frame.axes[*of] : grabbed.frame.to_eye;
     constexpr double kStep = kRotateSnap_deg * std::numbers::pi / 180;
-    const double angle = snapped(angle_about(grabbed, axis), kStep, grabbed.snap);
+    const double angle = editor::snapped(angle_about(grabbed, axis), kStep, grabbed.snap);
     const glm::dmat4& start = grabbed.gizmo.world_from_node;
     glm::dmat4 matrix = glm::rotate(glm::dmat4(1), angle, axis) * start;
     matrix[3] = start[3];
@@ -148,7 +148,7 @@ glm::dmat4 scaled(const Grabbed& grabbed, GizmoHandle handle) {
 
 glm::dmat4 dragged(const Gizmo& gizmo, GizmoHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const std::optional<GizmoFrame> frame = gizmo_frame(gizmo);
-    if (!frame || handle == GizmoHandle::kNone || !is_somewhere(from) || !is_somewhere(to))
+    if (!frame || handle == GizmoHandle::kNone || !editor::is_somewhere(from) || !editor::is_somewhere(to))
         return gizmo.world_from_node;
     const Grabbed grabbed{gizmo, *frame, from, to, snap};
     switch (gizmo.mode) {

@@ -73,9 +73,9 @@ void sort_for_drawing(std::vector<HandleShape>& shapes) {
 }
 
 std::optional<glm::dvec3> ShapeView::point(glm::dvec3 world) const {
-    const std::optional<glm::dvec2> pixel = pixel_of(camera, world);
+    const std::optional<glm::dvec2> pixel = editor::pixel_of(camera, world);
     if (!pixel) return std::nullopt;
-    return glm::dvec3(*pixel, (depth_of(camera, world) - middle_depth) / size_m);
+    return glm::dvec3(*pixel, (editor::depth_of(camera, world) - middle_depth) / size_m);
 }
 
 std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::vec4 colour,
@@ -92,7 +92,7 @@ std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::ve
 }
 
 std::optional<HandleShape> edge_shape(const stage::Camera& camera, glm::vec4 colour, glm::dvec3 a, glm::dvec3 b) {
-    const auto ends = pixels_of(camera, a, b);
+    const auto ends = editor::pixels_of(camera, a, b);
     if (!ends) return std::nullopt;
     HandleShape shape{0, colour, false, 2};
     shape.points[0] = glm::dvec3(ends->first, 0);

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/viewer/pointer.h"
+#include "editor/pointer.h"
 
 namespace neuvv::viewer {
 
@@ -38,7 +38,7 @@ struct ShapeView {
     const stage::Camera& camera;
     double middle_depth, size_m;
     ShapeView(const stage::Camera& of, glm::dvec3 middle, double size)
-        : camera(of), middle_depth(depth_of(of, middle)), size_m(size) {}
+        : camera(of), middle_depth(editor::depth_of(of, middle)), size_m(size) {}
     std::optional<glm::dvec3> point(glm::dvec3 world) const;
 };
 

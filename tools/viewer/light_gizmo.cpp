@@ -28,7 +28,7 @@ struct Cone {
         to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - light.aim);
         along = std::abs(glm::dot(direction, to_eye)) > kAlong;
         const glm::dvec3 across = glm::cross(direction, to_eye);
-        side = glm::length(across) > 1e-6 ? glm::normalize(across) : perpendicular_to(direction);
+        side = glm::length(across) > 1e-6 ? glm::normalize(across) : editor::perpendicular_to(direction);
     }
     glm::dvec3 rim(const AimedLight& light, glm::dvec3 across) const {
         return light.position +
@@ -72,7 +72,7 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
     const glm::dvec3 through = cone.along ? light.position + cone.direction * height : light.position;
     const glm::dvec3 normal = cone.along ? cone.direction : glm::cross(cone.direction, cone.side);
     const auto angle = [&](glm::dvec2 pointer) -> std::optional<double> {
-        const std::optional<glm::dvec3> at = plane_drag(gizmo.camera, through, normal, pointer);
+        const std::optional<glm::dvec3> at = editor::plane_drag(gizmo.camera, through, normal, pointer);
         if (!at) return std::nullopt;
         const glm::dvec3 away = *at - light.position;
         const double ahead = glm::dot(away, cone.direction);
@@ -81,8 +81,8 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
     const std::optional<double> before = angle(from), after = angle(to);
     if (!before || !after) return light.outer_cone_rad;
     const double degree = kPi / 180, turned = light.outer_cone_rad + *after - *before;
-    return std::clamp(snapped(turned, kConeSnap_deg * degree, snap), (snap ? kConeSnap_deg : kLeastCone_deg) * degree,
-                      kPi / 2);
+    return std::clamp(editor::snapped(turned, kConeSnap_deg * degree, snap),
+                      (snap ? kConeSnap_deg : kLeastCone_deg) * degree, kPi / 2);
 }
 
 double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
@@ -90,29 +90,29 @@ double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap)
     const auto reached = [&](glm::dvec2 pointer) -> std::optional<double> {
         if (light.kind != stage::GltfLightKind::kPoint) {
             const glm::dvec3 along = light.direction() * light.range_m;
-            return line_drag(gizmo.camera, light.position + along, along, 1, pointer);
+            return editor::line_drag(gizmo.camera, light.position + along, along, 1, pointer);
         }
         const glm::dvec3 to_eye = glm::dvec3(gizmo.camera.world_from_camera[3]) - light.position;
-        const std::optional<glm::dvec3> at = plane_drag(gizmo.camera, light.position, to_eye, pointer);
+        const std::optional<glm::dvec3> at = editor::plane_drag(gizmo.camera, light.position, to_eye, pointer);
         if (!at) return std::nullopt;
         return glm::distance(*at, light.position) / light.range_m;
     };
     const std::optional<double> before = reached(from), after = reached(to);
     if (!before || !after) return light.range_m;
-    const double range_m = snapped(light.range_m * (1 + *after - *before), kRangeSnap_m, snap);
+    const double range_m = editor::snapped(light.range_m * (1 + *after - *before), kRangeSnap_m, snap);
     return std::max(range_m, snap ? kRangeSnap_m : kLeastRange_m);
 }
 
 glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const stage::Camera& camera = gizmo.camera;
     const AimedLight& light = gizmo.light;
-    if (depth_of(camera, light.aim) < kNearest_m) return light.aim;
-    const std::optional<glm::dvec3> before = plane_drag(camera, light.aim, facing_normal(camera), from),
-                                    after = plane_drag(camera, light.aim, facing_normal(camera), to);
+    if (editor::depth_of(camera, light.aim) < editor::kNearest_m) return light.aim;
+    const std::optional<glm::dvec3> before = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), from),
+                                    after = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), to);
     if (!before || !after) return light.aim;
     const glm::dvec3 right = camera.world_from_camera[0], up = camera.world_from_camera[1], way = *after - *before;
-    const glm::dvec3 aimed = light.aim + right * snapped(glm::dot(way, right), kAimSnap_m, snap) +
-                             up * snapped(glm::dot(way, up), kAimSnap_m, snap);
+    const glm::dvec3 aimed = light.aim + right * editor::snapped(glm::dot(way, right), kAimSnap_m, snap) +
+                             up * editor::snapped(glm::dot(way, up), kAimSnap_m, snap);
     return glm::distance(aimed, light.position) >= kLeastReach_m ? aimed : light.aim;
 }
 
@@ -136,7 +136,8 @@ std::vector<HandleShape> light_shapes(const LightGizmo& gizmo) {
     if (light.kind == stage::GltfLightKind::kPoint) {
         const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - light.position);
         if (light.range_m > 0)
-            shapes.add_circle(LightHandle::kRange, light.position, to_eye, perpendicular_to(to_eye), light.range_m);
+            shapes.add_circle(LightHandle::kRange, light.position, to_eye, editor::perpendicular_to(to_eye),
+                              light.range_m);
         return std::move(shapes.all);
     }
     shapes.add_edge(light.aim);
@@ -165,7 +166,7 @@ LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer) {
 
 AimedLight dragged(const LightGizmo& gizmo, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     AimedLight light = gizmo.light;
-    if (!is_sound(light) || !is_somewhere(from) || !is_somewhere(to)) return light;
+    if (!is_sound(light) || !editor::is_somewhere(from) || !editor::is_somewhere(to)) return light;
     switch (handle) {
         case LightHandle::kNone:
             break;

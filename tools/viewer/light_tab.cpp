@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 
 #include "edit/light_values.h"
+#include "media/colour.h"
 #include "tools/light_shares.h"
-#include "tools/viewer/look.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
 #include "tools/viewer/property_fields.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -45,11 +46,11 @@ void row_of_light(Viewer& viewer, const StageRow& row) {
     explain(on ? "Switch off" : "Switch on");
     ImGui::EndDisabled();
     ImGui::SameLine(0, gap);
-    const glm::dvec3 srgb = srgb_of_linear(light.color);
+    const glm::dvec3 srgb = media::srgb_from_linear(light.color);
     float rgb[3] = {static_cast<float>(srgb.x), static_cast<float>(srgb.y), static_cast<float>(srgb.z)};
     if (ImGui::ColorEdit3("##colour", rgb,
                           ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_Float))
-        drag(viewer, row.node, {.color = linear_of_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0))});
+        drag(viewer, row.node, {.color = media::linear_from_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0))});
     viewer.report.item(report + "/colour");
     ImGui::SameLine(0, gap);
     const float number = std::round(0.3f * width);
@@ -77,7 +78,7 @@ void list_of_lights(Viewer& viewer) {
         row_of_light(viewer, row);
         ImGui::PopID();
     }
-    if (!any) ImGui::TextWrapped("No lights. Add one with " SIGN_LIGHT " above the tree.");
+    if (!any) ImGui::TextWrapped("No lights. Add one with " ICON_LIGHT " above the tree.");
 }
 
 void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
@@ -118,7 +119,7 @@ void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
         const std::string text = !share.text.empty()  ? share.text
                                  : share.casts_shadow ? "casts shadows"
                                                       : "casts no shadows";
-        if (!share.text.empty()) ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+        if (!share.text.empty()) ImGui::PushStyleColor(ImGuiCol_Text, ui::kWarning);
         ImGui::TextWrapped("%s", text.c_str());
         if (!share.text.empty()) ImGui::PopStyleColor();
         group.report_last("shadow");

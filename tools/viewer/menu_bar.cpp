@@ -1,8 +1,8 @@
 #include <imgui.h>
 
+#include "tools/ui/icons.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 

@@ -12,7 +12,7 @@ namespace neuvv::viewer {
 namespace {
 
 // Selects the first node that the edit added.
-void add(Viewer& viewer, const Editor::Operation& operation) {
+void add(Viewer& viewer, const editor::Editor::Operation& operation) {
     const size_t before = viewer.editor.node_count();
     if (viewer.editor.edit(operation) && viewer.editor.node_count() > before)
         viewer.editor.select(static_cast<uint32_t>(before));
@@ -90,7 +90,7 @@ void add_camera_in_view(Viewer& viewer) {
 void take_node_keys(Viewer& viewer) {
     const auto node = viewer.editor.selected();
     if (!node || viewer.holds_handle) return;
-    for (const KeyPress& press : viewer.window.presses()) {
+    for (const ui::KeyPress& press : viewer.window.presses()) {
         if (press.alt || press.shift || press.repeat) continue;
         if (press.control && press.key == GLFW_KEY_D) duplicate_once(viewer, *node);
         if (press.control) continue;

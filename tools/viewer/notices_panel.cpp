@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/viewer/look.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -22,8 +22,8 @@ void line(unsigned colour, const char* sign, const std::string& text) {
 
 // At the bottom of the picture.
 void notices_panel(Viewer& viewer) {
-    const DrawerState& drawn = viewer.drawn;
-    const auto jobs = viewer.work.under_way();
+    const editor::RenderThreadState& drawn = viewer.drawn;
+    const auto jobs = viewer.jobs.under_way();
     const bool nothing = !viewer.editor.is_open() && jobs.empty();
     if (viewer.notices().empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
     const Area& area = viewer.picture_area;
@@ -35,14 +35,14 @@ void notices_panel(Viewer& viewer) {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
     if (nothing)
-        line(kAccent, SIGN_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
-    for (const std::string& job : jobs) line(kAccent, SIGN_LOOP, job + "…");
+        line(ui::kAccent, ICON_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
+    for (const std::string& job : jobs) line(ui::kAccent, ICON_LOOP, job + "…");
     if (!drawn.loading.empty())
-        line(kAccent, SIGN_LOOP,
+        line(ui::kAccent, ICON_LOOP,
              fmt::format("Reading {}: clip {} of {}…", drawn.loading, drawn.files_read + 1, drawn.files));
-    if (!drawn.problem.empty()) line(kError, SIGN_WARNING, drawn.problem);
-    for (const Notice& notice : viewer.notices())
-        line(notice.error ? kError : kGood, notice.error ? SIGN_WARNING : SIGN_CHECK, notice.text);
+    if (!drawn.problem.empty()) line(ui::kError, ICON_WARNING, drawn.problem);
+    for (const editor::Notice& notice : viewer.notices())
+        line(notice.error ? ui::kError : ui::kGood, notice.error ? ICON_WARNING : ICON_CHECK, notice.text);
     ImGui::End();
 }
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "tools/viewer/look.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/picture_tools.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -34,11 +34,11 @@ class Drawing {
         return {left_ + static_cast<float>(pixel.x), top_ + static_cast<float>(pixel.y)};
     }
     void line(glm::dvec3 a, glm::dvec3 b, unsigned colour, float width = 1) {
-        if (const auto pixels = pixels_of(viewer_.camera, a, b))
+        if (const auto pixels = editor::pixels_of(viewer_.camera, a, b))
             list_.AddLine(at(pixels->first), at(pixels->second), colour, viewer_.ui(width));
     }
     void sign(glm::dvec3 place, const char* sign, unsigned colour) {
-        const auto pixel = pixel_of(viewer_.camera, place);
+        const auto pixel = editor::pixel_of(viewer_.camera, place);
         if (!pixel) return;
         const ImVec2 size = ImGui::CalcTextSize(sign), middle = at(*pixel);
         list_.AddCircleFilled(middle, 0.75f * size.y, 0x90000000);
@@ -80,7 +80,7 @@ void draw_grid(Drawing& drawing) {
 }
 
 unsigned colour_of(const Viewer& viewer, uint32_t node) {
-    return viewer.editor.selected() == node ? kAccent : 0xffd8d4d0;
+    return viewer.editor.selected() == node ? ui::kAccent : 0xffd8d4d0;
 }
 
 }  // namespace
@@ -122,13 +122,13 @@ void draw_overlay(Viewer& viewer) {
     if (viewer.grid) draw_grid(drawing);
     if (viewer.panels.all) {
         for (const stage::InstantLight& light : viewer.instant.lights)
-            drawing.sign(light.position, SIGN_LIGHT, colour_of(viewer, light.node));
+            drawing.sign(light.position, ICON_LIGHT, colour_of(viewer, light.node));
         for (const stage::InstantCamera& camera : viewer.instant.cameras)
-            drawing.sign(glm::dvec3(camera.world_from_camera[3]), SIGN_CAMERA, colour_of(viewer, camera.node));
+            drawing.sign(glm::dvec3(camera.world_from_camera[3]), ICON_CAMERA, colour_of(viewer, camera.node));
     }
     if (viewer.editor.selected() && viewer.stage_of_document()) {
         const auto [low, high] = box_of_node(viewer, *viewer.editor.selected());
-        drawing.box(low, high, kAccentDim);
+        drawing.box(low, high, ui::kAccentDim);
     }
     for (const HandleShape& shape : viewer.shapes) drawing.shape(shape);
     viewer.shapes.clear();
@@ -160,7 +160,7 @@ std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y) {
     if (!viewer.panels.all || !viewer.stage_of_document()) return std::nullopt;
     std::optional<uint32_t> found;
     const auto look = [&](glm::dvec3 place, uint32_t node) {
-        const auto pixel = pixel_of(viewer.camera, place);
+        const auto pixel = editor::pixel_of(viewer.camera, place);
         if (!pixel) return;
         const glm::dvec2 at = *pixel + glm::dvec2(viewer.picture_area.left, viewer.picture_area.top);
         if (glm::distance(at, glm::dvec2(x, y)) < viewer.ui(12)) found = node;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 
+#include "editor/pointer.h"
+#include "tools/ui/theme.h"
 #include "tools/view_path.h"
-#include "tools/viewer/look.h"
 #include "tools/viewer/paint_tool.h"
-#include "tools/viewer/pointer.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -39,13 +39,13 @@ void draw_edges(const Viewer& viewer, const Box& box, const glm::dmat4& world_fr
     for (int i = 0; i < 8; i++)
         for (const int step : {1, 2, 4}) {
             if (i & step) continue;
-            const auto line = pixels_of(viewer.camera, corner(i), corner(i | step));
+            const auto line = editor::pixels_of(viewer.camera, corner(i), corner(i | step));
             if (!line) continue;
             const auto at = [&](glm::dvec2 p) {
                 return ImVec2(area.left + static_cast<float>(p.x), area.top + static_cast<float>(p.y));
             };
             list->AddLine(at(line->first), at(line->second), 0x80000000, viewer.ui(3));
-            list->AddLine(at(line->first), at(line->second), kAccent, viewer.ui(1.25f));
+            list->AddLine(at(line->first), at(line->second), ui::kAccent, viewer.ui(1.25f));
         }
 }
 
@@ -67,7 +67,8 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
         Box from = box;
         (high ? from.high : from.low)[axis] = grabbed;
         const glm::dvec3 through(performer.world_from_performer * glm::dvec4(from.side(axis, high), 1));
-        return line_drag(viewer.camera, through, glm::dvec3(performer.world_from_performer[axis]), 0.25, pointer);
+        return editor::line_drag(viewer.camera, through, glm::dvec3(performer.world_from_performer[axis]), 0.25,
+                                 pointer);
     };
     if (box_drag_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) box_drag_.reset();
     if (box_drag_) {
@@ -84,8 +85,8 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
     draw_edges(viewer, box, performer.world_from_performer);
     std::optional<int> over;
     for (int i = 0; i < 6; i++) {
-        const auto at = pixel_of(viewer.camera,
-                                 glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
+        const auto at = editor::pixel_of(
+            viewer.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
         if (!at) continue;
         const ImVec2 middle(area.left + static_cast<float>(at->x), area.top + static_cast<float>(at->y));
         const bool near = glm::length(*at - pointer) < double{viewer.ui(kGrab)};

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "editor/paint_task.h"
+#include "editor/pointer.h"
+#include "media/colour.h"
 #include "render/trace.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/look.h"
-#include "tools/viewer/paint_task.h"
 #include "tools/viewer/paint_tool.h"
-#include "tools/viewer/pointer.h"
+#include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
 
@@ -53,13 +55,13 @@ void PaintTool::draw_brush(const Viewer& viewer, const PaintedPerformer& perform
     const glm::dmat3 axes(performer.world_from_performer);
     const double scale = (glm::length(axes[0]) + glm::length(axes[1]) + glm::length(axes[2])) / 3;
     const auto radius =
-        static_cast<float>(choice.radius_m * scale * viewer.camera.fy / std::max(hover_.depth_m, kNearest_m));
+        static_cast<float>(choice.radius_m * scale * viewer.camera.fy / std::max(hover_.depth_m, editor::kNearest_m));
     const ImGuiIO& io = ImGui::GetIO();
     const bool erases =
         choice.tool == PaintChoice::Tool::kErase || (choice.tool == PaintChoice::Tool::kColour && io.KeyCtrl);
-    const glm::dvec3 own = glm::clamp(srgb_of_linear(choice.colour), 0.0, 1.0);
+    const glm::dvec3 own = glm::clamp(media::srgb_from_linear(choice.colour), 0.0, 1.0);
     unsigned colour = 0xffffffff;
-    if (erases) colour = kWarning;
+    if (erases) colour = ui::kWarning;
     if (!erases && choice.tool == PaintChoice::Tool::kColour)
         colour = ImGui::ColorConvertFloat4ToU32(
             {static_cast<float>(own.r), static_cast<float>(own.g), static_cast<float>(own.b), 1});
@@ -76,8 +78,8 @@ void PaintTool::take_colour(Viewer& viewer) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     const glm::dvec2 pixel =
         glm::max(glm::dvec2(mouse.x - viewer.picture_area.left, mouse.y - viewer.picture_area.top), glm::dvec2(0));
-    viewer.drawer.post([this, &viewer, pixel](OnDevice& on) {
-        const auto picture = viewer.drawer.state().shown.image;
+    viewer.render_thread.post([this, &viewer, pixel](editor::OnDevice& on) {
+        const auto picture = viewer.render_thread.state().displayed.image;
         if (!picture) return;
         const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, picture->shape.width - 1.0)),
                             static_cast<int32_t>(std::min(pixel.y, picture->shape.height - 1.0))};
@@ -90,14 +92,15 @@ void PaintTool::take_colour(Viewer& viewer) {
         const uint8_t* rgba = taken.as<uint8_t>();
         const glm::dvec3 linear(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
                                 media::linear_from_srgb_byte(rgba[2]));
-        viewer.work.tell([this, linear] { choice.colour = linear; });
+        viewer.jobs.post([this, linear] { choice.colour = linear; });
     });
 }
 
 void PaintTool::load_picture(Viewer& viewer) {
-    viewer.work.start("Reading a picture", [this, &viewer, path = choice.picture]() -> Work::Then {
+    viewer.jobs.start("Reading a picture", [this, &viewer, path = choice.picture]() -> JobQueue::Then {
         const auto image = std::make_shared<const media::Image>(media::read_png(path));
-        const auto preview = std::make_shared<const media::Image>(reduced(*image, factor_for(*image, kPreviewCells)));
+        const auto preview =
+            std::make_shared<const media::Image>(editor::reduced(*image, factor_for(*image, kPreviewCells)));
         return [this, &viewer, path, image, preview] {
             stamp_path_ = path;
             stamp_ = image;
@@ -151,19 +154,19 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     area.left -= viewer.picture_area.left;
     area.top -= viewer.picture_area.top;
     const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
-    Projection::Settings settings{{},
-                                  {},
-                                  static_cast<float>(choice.opacity),
-                                  frames_of(performer),
-                                  choice.every_frame && choice.frames != PaintChoice::Frames::kThis};
-    auto projection = std::make_shared<std::optional<Projection>>();
-    post_paint_task(
-        viewer, desk_, performer.clip, clip_,
+    editor::Projection::Settings settings{{},
+                                          {},
+                                          static_cast<float>(choice.opacity),
+                                          frames_of(performer),
+                                          choice.every_frame && choice.frames != PaintChoice::Frames::kThis};
+    auto projection = std::make_shared<std::optional<editor::Projection>>();
+    editor::post_paint_task(
+        viewer.parts(), desk_, performer.clip, clip_,
         [=, this, &viewer, image = stamp_, subject = subject_of(viewer, performer, false)](
-            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) mutable -> Work::Then {
+            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             if (!*projection) {
                 subject.field = field;
-                settings.image = reduced(*image, factor);
+                settings.image = editor::reduced(*image, factor);
                 settings.camera = part_of(camera, area, settings.image.width, settings.image.height);
                 projection->emplace(subject, before, std::move(settings));
             }

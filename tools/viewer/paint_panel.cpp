@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "edit/operations.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/look.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -30,11 +30,11 @@ struct ToolSign {
     const char *name, *sign, *explained, *title;
 };
 constexpr ToolSign kTools[] = {
-    {"paint/colour", SIGN_BRUSH, "Colour: paint over what is there (Ctrl erases)", "Colour"},
-    {"paint/erase", SIGN_ERASER, "Erase: take away what is there", "Erase"},
-    {"paint/shift", SIGN_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
-    {"paint/restore", SIGN_UNDO, "Restore: take this layer's paint off again", "Restore"},
-    {"paint/stamp", SIGN_STAMP, "Picture: project a PNG from where you look", "Picture"}};
+    {"paint/colour", ICON_BRUSH, "Colour: paint over what is there (Ctrl erases)", "Colour"},
+    {"paint/erase", ICON_ERASER, "Erase: take away what is there", "Erase"},
+    {"paint/shift", ICON_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
+    {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
+    {"paint/stamp", ICON_STAMP, "Picture: project a PNG from where you look", "Picture"}};
 
 void heading(const Viewer& viewer, const char* text) {
     ImGui::Dummy({0, viewer.ui(4)});
@@ -47,7 +47,7 @@ void tool_row(Viewer& viewer, PaintChoice& choice) {
         if (i > 0) ImGui::SameLine();
         const ToolSign& tool = kTools[i];
         const bool on = choice.tool == static_cast<Tool_>(i) && viewer.tool == Tool::kPaint;
-        if (sign_button(viewer, tool.name, tool.sign, tool.explained, on)) {
+        if (icon_button(viewer, tool.name, tool.sign, tool.explained, on)) {
             choice.tool = static_cast<Tool_>(i);
             viewer.tool = Tool::kPaint;
         }
@@ -86,7 +86,7 @@ void stamp_fields(Viewer& viewer, FieldGroup& fields) {
     if (fields.text("File", choice.picture)) viewer.paint.load_picture(viewer);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
     fields.label("");
-    if (ImGui::Button(SIGN_FOLDER "  Choose…", {-FLT_MIN, 0}))
+    if (ImGui::Button(ICON_FOLDER "  Choose…", {-FLT_MIN, 0}))
         viewer.files.ask_path("Picture", {".png"}, false, "", [&viewer](const std::filesystem::path& path) {
             viewer.paint.choice.picture = path.string();
             viewer.paint.load_picture(viewer);
@@ -157,7 +157,7 @@ void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t pai
     const size_t count = performer.layers.size();
     const uint32_t node = performer.node;
     const bool any = count > 0 && !viewer.paint.busy();
-    if (sign_button(viewer, "paint/layer-new", SIGN_PLUS, "A new layer on top", false, !viewer.paint.busy()))
+    if (icon_button(viewer, "paint/layer-new", ICON_PLUS, "A new layer on top", false, !viewer.paint.busy()))
         viewer.paint.add_layer(viewer);
     const auto move_to = [&](size_t to) {
         viewer.paint.choice.layer = performer.layers[painted].path;
@@ -165,13 +165,13 @@ void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t pai
             [&](edit::Document& document) { return edit::move_paint_layer(document.file, node, painted, to); });
     };
     ImGui::SameLine();
-    if (sign_button(viewer, "paint/layer-up", SIGN_UP, "Over the next one", false, any && painted + 1 < count))
+    if (icon_button(viewer, "paint/layer-up", ICON_UP, "Over the next one", false, any && painted + 1 < count))
         move_to(painted + 1);
     ImGui::SameLine();
-    if (sign_button(viewer, "paint/layer-down", SIGN_DOWN, "Under the next one", false, any && painted > 0))
+    if (icon_button(viewer, "paint/layer-down", ICON_DOWN, "Under the next one", false, any && painted > 0))
         move_to(painted - 1);
     ImGui::SameLine();
-    if (sign_button(viewer, "paint/layer-delete", SIGN_TRASH, "Take the layer off this performer; its file stays",
+    if (icon_button(viewer, "paint/layer-delete", ICON_TRASH, "Take the layer off this performer; its file stays",
                     false, any))
         viewer.editor.edit(
             [&](edit::Document& document) { return edit::remove_paint_layer(document.file, node, painted); });
@@ -184,11 +184,11 @@ void layer_rows(Viewer& viewer, const PaintedPerformer& performer, size_t painte
         const edit::ListedLayer& layer = performer.layers[i];
         const std::string title = edit::title_of(layer), name = "paint/layer/" + title;
         ImGui::PushID(static_cast<int>(i));
-        if (sign_button(viewer, (name + "/eye").c_str(), layer.entry.visible ? SIGN_EYE : SIGN_EYE_OFF,
+        if (icon_button(viewer, (name + "/eye").c_str(), layer.entry.visible ? ICON_EYE : ICON_EYE_OFF,
                         layer.entry.visible ? "Hide the layer" : "Show the layer"))
             set_layer(viewer, performer.node, i, {.visible = !layer.entry.visible});
         ImGui::SameLine();
-        if (!layer.entry.visible) ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+        if (!layer.entry.visible) ImGui::PushStyleColor(ImGuiCol_Text, ui::kFaint);
         ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, {0, 0.5f});
         if (ImGui::Selectable(title.c_str(), i == painted, 0, {0, ImGui::GetFrameHeight()}))
             viewer.paint.choice.layer = layer.path;

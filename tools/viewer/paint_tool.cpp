@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "editor/paint_task.h"
+#include "editor/pointer.h"
 #include "render/trace.h"
-#include "tools/viewer/paint_task.h"
-#include "tools/viewer/pointer.h"
 #include "tools/viewer/viewer.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
@@ -37,11 +37,11 @@ struct PaintTool::Active {
     glm::dvec2 last{-1e9};
     bool under_way = false, released = false;
     // Of the drawer's thread.
-    PaintSubject subject;
+    editor::PaintSubject subject;
     std::shared_ptr<const voctree::EditLayer> before;
-    PaintWork work;
+    editor::PaintOperation operation;
     float radius_m = 0, hardness = 0;
-    std::optional<Stroke> stroke;
+    std::optional<editor::Stroke> stroke;
 };
 
 std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
@@ -79,15 +79,17 @@ edit::EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
     return frames;
 }
 
-PaintWork PaintTool::work_of(const PaintedPerformer& performer, bool inverted) const {
-    PaintWork work;
-    if (choice.tool != PaintChoice::Tool::kStamp) work.kind = static_cast<PaintWork::Kind>(choice.tool);
-    if (inverted && work.kind == PaintWork::Kind::kColour) work.kind = PaintWork::Kind::kErase;
-    work.colour = glm::clamp(glm::vec3(choice.colour), 0.0f, 1.0f);
-    work.opacity = static_cast<float>(choice.opacity);
-    work.shift = {static_cast<float>(choice.hue_degrees), static_cast<float>(choice.saturation)};
-    work.frames = frames_of(performer);
-    return work;
+editor::PaintOperation PaintTool::operation_of(const PaintedPerformer& performer, bool inverted) const {
+    editor::PaintOperation operation;
+    if (choice.tool != PaintChoice::Tool::kStamp)
+        operation.kind = static_cast<editor::PaintOperation::Kind>(choice.tool);
+    if (inverted && operation.kind == editor::PaintOperation::Kind::kColour)
+        operation.kind = editor::PaintOperation::Kind::kErase;
+    operation.colour = glm::clamp(glm::vec3(choice.colour), 0.0f, 1.0f);
+    operation.opacity = static_cast<float>(choice.opacity);
+    operation.shift = {static_cast<float>(choice.hue_degrees), static_cast<float>(choice.saturation)};
+    operation.frames = frames_of(performer);
+    return operation;
 }
 
 std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Viewer& viewer,
@@ -113,13 +115,13 @@ bool PaintTool::prepare(Viewer& viewer) {
     if (has_clip && missing.empty()) return true;
     if (reading_ || failed_ == viewer.editor.id()) return false;
     reading_ = true;
-    viewer.work.start(
+    viewer.jobs.start(
         fmt::format("Reading {}, to be painted", performer->name),
         [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
-         id = viewer.editor.id()]() mutable -> Work::Then {
+         id = viewer.editor.id()]() mutable -> JobQueue::Then {
             std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read;
             try {
-                if (!clip) clip = std::make_shared<const PaintClip>(voctree::read_nvv(path));
+                if (!clip) clip = std::make_shared<const editor::PaintClip>(voctree::read_nvv(path));
                 for (const auto& layer : missing)
                     read[layer] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(layer, clip->field));
             } catch (const std::exception& error) {
@@ -139,9 +141,9 @@ bool PaintTool::prepare(Viewer& viewer) {
     return false;
 }
 
-PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer& performer,
-                                   bool without_painted) const {
-    PaintSubject subject;
+editor::PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer& performer,
+                                           bool without_painted) const {
+    editor::PaintSubject subject;
     subject.clip = clip_;
     subject.frame = performer.frame;
     const size_t painted = painted_layer(performer);
@@ -181,7 +183,7 @@ std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Viewer& viewer,
 
 void PaintTool::take_keys(Viewer& viewer) {
     if (ImGui::GetIO().WantTextInput) return;
-    for (const KeyPress& press : viewer.window.presses())
+    for (const ui::KeyPress& press : viewer.window.presses())
         if (!press.control && !press.alt && (press.key == GLFW_KEY_B || press.key == GLFW_KEY_4))
             viewer.tool = Tool::kPaint;
     if (viewer.tool != Tool::kPaint) return;
@@ -240,13 +242,13 @@ void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) 
     active->before = open_target(viewer, performer, active->path);
     if (!active->before) return;
     viewer.clock.pause();
-    active->work = work_of(performer, ImGui::GetIO().KeyCtrl);
-    active->what = kDone[static_cast<size_t>(active->work.kind)];
+    active->operation = operation_of(performer, ImGui::GetIO().KeyCtrl);
+    active->what = kDone[static_cast<size_t>(active->operation.kind)];
     active->node = performer.node;
     active->clip_path = performer.clip;
     active->document = viewer.editor.id();
     active->world_from_performer = performer.world_from_performer;
-    active->subject = subject_of(viewer, performer, active->work.kind == PaintWork::Kind::kRestore);
+    active->subject = subject_of(viewer, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
     active->radius_m = static_cast<float>(choice.radius_m);
     active->hardness = static_cast<float>(choice.hardness);
     stroke_ = std::move(active);
@@ -284,13 +286,13 @@ void PaintTool::go_on(Viewer& viewer) {
     }
     stroke.under_way = true;
     stroke.sent_since_s = std::exchange(stroke.waiting_since_s, std::nullopt);
-    post_paint_task(
-        viewer, desk_, stroke.clip_path, stroke.subject.clip,
+    editor::post_paint_task(
+        viewer.parts(), desk_, stroke.clip_path, stroke.subject.clip,
         [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
-            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) -> Work::Then {
+            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) -> JobQueue::Then {
             if (!active->stroke) {
                 active->subject.field = field;
-                active->stroke.emplace(active->subject, active->before, active->work, active->radius_m,
+                active->stroke.emplace(active->subject, active->before, active->operation, active->radius_m,
                                        active->hardness);
             }
             std::shared_ptr<const voctree::EditLayer> layer;
@@ -332,11 +334,11 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
     hover_.frame = performer.frame;
     hover_.camera = viewer.camera;
     const bool restores = choice.tool == PaintChoice::Tool::kRestore;
-    post_paint_task(
-        viewer, desk_, performer.clip, clip_,
+    editor::post_paint_task(
+        viewer.parts(), desk_, performer.clip, clip_,
         [this, &viewer, subject = subject_of(viewer, performer, restores), pixel, camera = viewer.camera,
          world_from_performer = performer.world_from_performer](
-            PaintDesk& desk, const std::shared_ptr<const render::Field>& field) mutable -> Work::Then {
+            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             subject.field = field;
             desk.show(subject);
             const auto place = desk.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
@@ -345,7 +347,7 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
                 hover_.world.reset();
                 if (!place) return;
                 hover_.world = glm::dvec3(world_from_performer * glm::dvec4(*place, 1));
-                hover_.depth_m = depth_of(camera, *hover_.world);
+                hover_.depth_m = editor::depth_of(camera, *hover_.world);
                 viewer.redraw(1);
             };
         },
@@ -404,12 +406,14 @@ void PaintTool::work_in_box(Viewer& viewer) {
     const auto before = open_target(viewer, *performer, path);
     if (!before) return;
     begin_work(viewer);
-    const PaintWork work = work_of(*performer, false);
+    const editor::PaintOperation operation = operation_of(*performer, false);
     const edit::Region box = edit::box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
-    viewer.work.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> Work::Then {
-        auto layer = worked_on(clip->canvas, *before, chosen_in(clip->canvas, *before, box, work), work);
+    viewer.jobs.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> JobQueue::Then {
+        auto layer = editor::apply_operation(clip->canvas, *before,
+                                             editor::leaves_for(clip->canvas, *before, box, operation), operation);
         return [=, this, &viewer] {
-            put(viewer, who, path, before, layer, fmt::format("{} in a box", kDone[static_cast<size_t>(work.kind)]));
+            put(viewer, who, path, before, layer,
+                fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));
         };
     });
 }

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "edit/paint_layers.h"
-#include "tools/viewer/paint_desk.h"
+#include "editor/paint_surface.h"
 
 namespace neuvv::viewer {
 
@@ -56,7 +56,7 @@ struct PaintHands {
 
 class PaintTool {
   public:
-    explicit PaintTool(const gpu::Device& device) : desk_(std::make_shared<PaintDesk>(device)) {}
+    explicit PaintTool(const gpu::Device& device) : desk_(std::make_shared<editor::PaintSurface>(device)) {}
 
     PaintChoice choice;
 
@@ -93,8 +93,9 @@ class PaintTool {
         std::optional<glm::dvec3> world;
         double depth_m = 2;  // the last that was known
     };
-    PaintWork work_of(const PaintedPerformer& performer, bool inverted) const;
-    PaintSubject subject_of(const Viewer& viewer, const PaintedPerformer& performer, bool without_painted) const;
+    editor::PaintOperation operation_of(const PaintedPerformer& performer, bool inverted) const;
+    editor::PaintSubject subject_of(const Viewer& viewer, const PaintedPerformer& performer,
+                                    bool without_painted) const;
     std::shared_ptr<const voctree::EditLayer> layer_at(const Viewer& viewer, const std::filesystem::path& path) const;
     // The layer to be painted, opened in the editor; null with a notice where it cannot be.
     std::shared_ptr<const voctree::EditLayer> open_target(Viewer& viewer, const PaintedPerformer& performer,
@@ -119,12 +120,12 @@ class PaintTool {
     void draw_brush(const Viewer& viewer, const PaintedPerformer& performer) const;
     void draw_stamp(Viewer& viewer) const;
 
-    std::shared_ptr<PaintDesk> desk_;  // used on the drawer's thread only
+    std::shared_ptr<editor::PaintSurface> desk_;  // used on the drawer's thread only
     // As read, of one clip and the layers that its performers show.
     std::filesystem::path clip_path_;
     bool reading_ = false;
     uint64_t failed_ = 0;  // the document for which reading did not do
-    std::shared_ptr<const PaintClip> clip_;
+    std::shared_ptr<const editor::PaintClip> clip_;
     std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read_;
     Hover hover_;
     std::shared_ptr<Active> stroke_;

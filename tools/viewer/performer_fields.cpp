@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "tools/viewer/look.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/property_fields.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -109,8 +109,8 @@ void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::
     if (group.text("time", text)) try_time(viewer, node, clip, text);
     explain("How stage time becomes the clip's, step by step: offset:2s, speed:0.5, clip:1s:3s, reverse, loop, …");
     if (wrong) {
-        ImGui::PushStyleColor(ImGuiCol_Text, kError);
-        ImGui::TextWrapped(SIGN_WARNING " %s", time.error.c_str());
+        ImGui::PushStyleColor(ImGuiCol_Text, ui::kError);
+        ImGui::TextWrapped(ICON_WARNING " %s", time.error.c_str());
         ImGui::PopStyleColor();
         group.report_last("time error");
     }

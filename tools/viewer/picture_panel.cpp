@@ -1,8 +1,8 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include "editor/picking.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/picking.h"
 
 namespace neuvv::viewer {
 
@@ -44,11 +44,11 @@ void select_at(Viewer& viewer, float x, float y) {
     if (const auto node = sign_at(viewer, x, y)) return viewer.editor.select(node);
     if (!viewer.stage) return;
     const glm::dvec2 pixel(x - viewer.picture_area.left, y - viewer.picture_area.top);
-    viewer.drawer.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.shown_s(),
-                        id = viewer.editor.id(), drawn = viewer.stage](OnDevice& on_device) {
+    viewer.render_thread.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.shown_s(),
+                               id = viewer.editor.id(), drawn = viewer.stage](editor::OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
-        const Seen seen = seen_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
-        viewer.work.tell([&viewer, seen, id] {
+        const editor::Seen seen = editor::seen_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
+        viewer.jobs.post([&viewer, seen, id] {
             if (viewer.editor.id() == id) viewer.editor.select(seen.node);
             viewer.redraw();
         });

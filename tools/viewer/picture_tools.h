@@ -6,6 +6,10 @@
 #include "tools/viewer/gizmo.h"
 #include "tools/viewer/light_gizmo.h"
 
+namespace neuvv::ui {
+struct KeyPress;
+}
+
 namespace neuvv::viewer {
 
 class Viewer;
@@ -43,7 +47,7 @@ void draw_overlay(Viewer& viewer);
 std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y);
 
 // 1 2 3 tools, F focus, G grid, the number pad's views.
-void take_picture_key(Viewer& viewer, const struct KeyPress& press);
+void take_picture_key(Viewer& viewer, const ui::KeyPress& press);
 
 // Shows the selection, else all performers.
 void focus(Viewer& viewer);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/viewer/preference_file.h"
+#include "editor/preference_file.h"
 
 namespace neuvv::viewer {
 
@@ -14,7 +14,7 @@ using nlohmann::ordered_json;
 
 constexpr size_t kMaxPanels = 64;
 
-void read_window(PreferenceReader& reader, const ordered_json& json, WindowPlace& window) {
+void read_window(editor::PreferenceReader& reader, const ordered_json& json, ui::WindowPlace& window) {
     reader.number(json, "window.", "width", 320, 16384, window.width);
     reader.number(json, "window.", "height", 320, 16384, window.height);
     int x = 0, y = 0;
@@ -23,8 +23,8 @@ void read_window(PreferenceReader& reader, const ordered_json& json, WindowPlace
     reader.boolean(json, "window.", "maximised", window.maximised);
 }
 
-void read_recent(PreferenceReader& reader, const ordered_json& document, Preferences& preferences) {
-    const ordered_json* list = PreferenceReader::find(document, "recent");
+void read_recent(editor::PreferenceReader& reader, const ordered_json& document, Preferences& preferences) {
+    const ordered_json* list = editor::PreferenceReader::find(document, "recent");
     if (!list) return;
     if (!list->is_array()) {
         reader.wrong.emplace_back("recent");
@@ -42,9 +42,10 @@ void read_recent(PreferenceReader& reader, const ordered_json& document, Prefere
     }
 }
 
-void read_panels(PreferenceReader& reader, const ordered_json& panels, Preferences& preferences) {
+void read_panels(editor::PreferenceReader& reader, const ordered_json& panels, Preferences& preferences) {
     for (const auto& [name, json] : panels.items()) {
-        if (preferences.panels.size() == kMaxPanels || name.size() > PreferenceReader::kMaxText || !json.is_object()) {
+        if (preferences.panels.size() == kMaxPanels || name.size() > editor::PreferenceReader::kMaxText ||
+            !json.is_object()) {
             reader.wrong.emplace_back("panels");
             return;
         }
@@ -54,7 +55,7 @@ void read_panels(PreferenceReader& reader, const ordered_json& panels, Preferenc
     }
 }
 
-Preferences read_document(PreferenceReader& reader, ordered_json document) {
+Preferences read_document(editor::PreferenceReader& reader, ordered_json document) {
     Preferences preferences;
     read_window(reader, reader.object(document, "window"), preferences.window);
     read_recent(reader, document, preferences);
@@ -63,7 +64,7 @@ Preferences read_document(PreferenceReader& reader, ordered_json document) {
     const ordered_json& preview = reader.object(document, "preview");
     reader.number(preview, "preview.", "resolution", 0.2, 1.0, preferences.preview.resolution);
     reader.number(preview, "preview.", "samples", 1u, 64u, preferences.preview.samples);
-    if (const ordered_json* layer = PreferenceReader::find(document, "layer"))
+    if (const ordered_json* layer = editor::PreferenceReader::find(document, "layer"))
         reader.text(*layer, "layer", preferences.layer);
     preferences.document = std::move(document);
     return preferences;
@@ -78,7 +79,7 @@ bool is_utf8(const std::string& text) {
 
 ordered_json written(const Preferences& preferences) {
     ordered_json document = preferences.document.is_object() ? preferences.document : ordered_json::object();
-    ordered_json& window = object_in(document, "window");
+    ordered_json& window = editor::object_in(document, "window");
     window["width"] = preferences.window.width;
     window["height"] = preferences.window.height;
     window.erase("x");
@@ -93,14 +94,14 @@ ordered_json written(const Preferences& preferences) {
         if (is_utf8(file.string())) document["recent"].push_back(file.string());
     ordered_json panels = ordered_json::object();
     for (const auto& [name, panel] : preferences.panels) {
-        ordered_json json = object_in(object_in(document, "panels"), name);
+        ordered_json json = editor::object_in(editor::object_in(document, "panels"), name);
         json["open"] = panel.open;
         json["width"] = panel.width;
         panels[name] = std::move(json);
     }
     document["panels"] = std::move(panels);
     document["uiScale"] = preferences.ui_scale;
-    ordered_json& preview = object_in(document, "preview");
+    ordered_json& preview = editor::object_in(document, "preview");
     preview["resolution"] = preferences.preview.resolution;
     preview["samples"] = preferences.preview.samples;
     document["layer"] = preferences.layer;
@@ -110,15 +111,15 @@ ordered_json written(const Preferences& preferences) {
 }  // namespace
 
 LoadedPreferences load_preferences(const std::filesystem::path& path) {
-    PreferenceFile file = load_preference_file(path);
-    PreferenceReader reader;
+    editor::PreferenceFile file = editor::load_preference_file(path);
+    editor::PreferenceReader reader;
     LoadedPreferences loaded{read_document(reader, std::move(file.document)), std::move(file.message)};
-    if (loaded.message.empty()) loaded.message = wrong_members(path, reader.wrong);
+    if (loaded.message.empty()) loaded.message = editor::wrong_members(path, reader.wrong);
     return loaded;
 }
 
 void save_preferences(const std::filesystem::path& path, const Preferences& preferences) {
-    save_preference_file(path, written(preferences));
+    editor::save_preference_file(path, written(preferences));
 }
 
 void remember_file(Preferences& preferences, const std::filesystem::path& file) {

@@ -15,15 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "tools/ui/window_place.h"
+
 namespace neuvv::viewer {
 
 constexpr size_t kMaxRecentFiles = 10;
-
-struct WindowPlace {
-    int width = 1600, height = 900;         // 320 to 16384
-    std::optional<std::pair<int, int>> at;  // the left upper corner, −32768 to 32767; nothing: where the system likes
-    bool maximised = false;
-};
 
 struct PanelPlace {
     bool open = true;
@@ -36,7 +32,7 @@ struct PreviewQuality {
 };
 
 struct Preferences {
-    WindowPlace window;
+    ui::WindowPlace window;
     std::vector<std::filesystem::path> recent;  // absolute, each once, newest first, at most kMaxRecentFiles
     std::map<std::string, PanelPlace> panels;   // by their names, at most 64; others leave the file
     double ui_scale = 1;                        // 0.5 to 4

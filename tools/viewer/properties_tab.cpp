@@ -1,12 +1,12 @@
 // What is selected: its name and place, and what it is; the stage where nothing is.
 #include <imgui.h>
 
-#include "tools/viewer/look.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/node_place.h"
 #include "tools/viewer/panels.h"
 #include "tools/viewer/property_fields.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -42,7 +42,7 @@ void scale_field(Viewer& viewer, FieldGroup& group, uint32_t node, edit::NodeTra
     group.report_last("scale");
     ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     bool& evenly = viewer.fields.evenly;
-    if (sign_button(viewer, "properties/evenly", SIGN_LINK, "All three alike", evenly)) evenly = !evenly;
+    if (icon_button(viewer, "properties/evenly", ICON_LINK, "All three alike", evenly)) evenly = !evenly;
     if (!changed) return;
     const glm::dvec3 kept = kept_off_zero(place.scale, before);
     double factor = 1;
@@ -81,7 +81,7 @@ void place_buttons(Viewer& viewer, FieldGroup& group, const StageRow& row) {
 void place_fields(Viewer& viewer, FieldGroup& group, const StageRow& row) {
     const uint32_t node = row.node;
     const edit::NodeTransform place = edit::transform_of(viewer.editor.file(), node);
-    headline(row.locked ? "Place  " SIGN_LOCK : "Place");
+    headline(row.locked ? "Place  " ICON_LOCK : "Place");
     ImGui::BeginDisabled(row.locked);
     edit::NodeTransform to = place;
     if (group.number("position", to.translation, {-1e6, 1e6, 0.01, "%.3f"})) drag_place(viewer, node, to);

@@ -8,10 +8,11 @@
 
 #include "base/error.h"
 #include "edit/operations.h"
+#include "media/colour.h"
+#include "tools/ui/icons.h"
 #include "tools/viewer/export.h"
 #include "tools/viewer/fields.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -38,8 +39,8 @@ void look_fields(Viewer& viewer) {
         viewer.picture.most_scale = static_cast<float>(scale / 100);
     fields.toggle("Own background", viewer.picture.own_background);
     if (viewer.picture.own_background) {
-        glm::dvec3 colour = linear_of_srgb(viewer.picture.background);
-        if (fields.colour("Background", colour)) viewer.picture.background = srgb_of_linear(colour);
+        glm::dvec3 colour = media::linear_from_srgb(viewer.picture.background);
+        if (fields.colour("Background", colour)) viewer.picture.background = media::srgb_from_linear(colour);
     }
     if (viewer.stage) {
         size_t blend = static_cast<size_t>(viewer.stage->settings.blend);
@@ -144,7 +145,7 @@ void export_fields(Viewer& viewer) {
     }
     fields.choice("Rays", choice.samples, kSamples);
     if (choice.kind != 0) fields.toggle("Transparent", choice.transparent);
-    if (ImGui::Button(SIGN_FILM "  Export…", {-FLT_MIN, 0})) {
+    if (ImGui::Button(ICON_FILM "  Export…", {-FLT_MIN, 0})) {
         const std::string stem = viewer.editor.file().path.stem().string();
         viewer.files.ask_path("Export", {choice.kind == 0 ? ".mp4" : ".png"}, true, stem + kEndings[choice.kind],
                               [&viewer, settings = chosen_export(viewer)](const std::filesystem::path& file) {
@@ -163,7 +164,7 @@ void export_progress(Viewer& viewer) {
     ImGui::ProgressBar(static_cast<float>(done) / static_cast<float>(all), {-FLT_MIN, 0},
                        fmt::format("{} of {}, {}", done, all, left).c_str());
     viewer.report.item("export/progress");
-    if (ImGui::Button(SIGN_STOP "  Cancel", {-FLT_MIN, 0})) job.cancel();
+    if (ImGui::Button(ICON_STOP "  Cancel", {-FLT_MIN, 0})) job.cancel();
     viewer.report.item("export/cancel");
 }
 

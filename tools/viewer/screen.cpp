@@ -5,7 +5,7 @@
 
 #include <backends/imgui_impl_glfw.h>
 
-#include "tools/viewer/look.h"
+#include "tools/ui/theme.h"
 
 namespace neuvv::viewer {
 
@@ -39,11 +39,11 @@ uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
 
 }  // namespace
 
-Screen::Screen(const gpu::Device& device, Window& window, float scale)
+Screen::Screen(const gpu::Device& device, ui::Window& window, float scale)
     : device_(device), window_(window), swapchain_(device, window.make_surface(device)) {
     for (auto& frame : frames_) frame = std::make_unique<Frame>(device);
     swapchain_.resize(window.framebuffer());
-    drawing_ = std::make_unique<PanelDrawing>(device, swapchain_.format(), swapchain_.image_count(), scale);
+    drawing_ = std::make_unique<ui::PanelDrawing>(device, swapchain_.format(), swapchain_.image_count(), scale);
     ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
     make_framebuffers();
 }
@@ -58,7 +58,7 @@ void Screen::make_framebuffers() {
     for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
     framebuffers_.clear();
     for (uint32_t i = 0; i < swapchain_.image_count(); i++)
-        framebuffers_.push_back(make_framebuffer(device_, *drawing_, swapchain_.view(i), swapchain_.extent()));
+        framebuffers_.push_back(ui::make_framebuffer(device_, *drawing_, swapchain_.view(i), swapchain_.extent()));
 }
 
 void Screen::begin() {
@@ -95,7 +95,7 @@ bool Screen::end(const ScreenPicture& picture) {
 // The picture, scaled to its place, on a plain ground; panels over it.
 void Screen::record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target) {
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    const VkClearColorValue ground = ground_colour();
+    const VkClearColorValue ground = ui::ground_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
     if (is_shown(picture, target.extent)) {

@@ -7,8 +7,8 @@
 #include "gpu/image.h"
 #include "gpu/swapchain.h"
 #include "media/image.h"
-#include "tools/viewer/panel_drawing.h"
-#include "tools/viewer/window.h"
+#include "tools/ui/panel_drawing.h"
+#include "tools/ui/window.h"
 
 namespace neuvv::viewer {
 
@@ -22,7 +22,7 @@ struct ScreenPicture {
 class Screen {
   public:
     // `scale`: of letters and panels. Both must outlive it; ImGui has its context as long as it lives.
-    Screen(const gpu::Device& device, Window& window, float scale);
+    Screen(const gpu::Device& device, ui::Window& window, float scale);
     ~Screen();
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
@@ -45,9 +45,9 @@ class Screen {
     void record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target);
     void record_capture(gpu::Commands& commands, const gpu::PresentTarget& target);
     const gpu::Device& device_;
-    Window& window_;
+    ui::Window& window_;
     gpu::Swapchain swapchain_;
-    std::unique_ptr<PanelDrawing> drawing_;
+    std::unique_ptr<ui::PanelDrawing> drawing_;
     std::vector<VkFramebuffer> framebuffers_;
     std::unique_ptr<Frame> frames_[2];  // in flight in turn
     size_t turn_ = 0, captured_in_ = 0;

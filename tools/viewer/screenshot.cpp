@@ -23,7 +23,7 @@ std::filesystem::path free_name(const std::filesystem::path& folder) {
 
 // From any thread.
 void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
-    viewer.work.start("Saving a screenshot", [&viewer, folder, image] {
+    viewer.jobs.start("Saving a screenshot", [&viewer, folder, image] {
         std::filesystem::create_directories(folder);
         const std::filesystem::path path = free_name(folder);
         media::write_png(path, *image);
@@ -71,7 +71,7 @@ void Screenshots::take(Viewer& viewer) {
     }
     if (picture_ && viewer.picture_is_sharp()) {
         picture_ = false;
-        viewer.drawer.post([&viewer, folder = folder_, shown = viewer.drawn.shown](OnDevice& on) {
+        viewer.render_thread.post([&viewer, folder = folder_, shown = viewer.drawn.displayed](editor::OnDevice& on) {
             write(viewer, folder, std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
         });
     }

@@ -14,7 +14,7 @@ void speed_panel(Viewer& viewer) {
     ImGui::Begin("Speed", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
-    const Shown& shown = viewer.drawn.shown;
+    const editor::DisplayedImage& shown = viewer.drawn.displayed;
     const std::string text = fmt::format(
         "{}\n{:.1f} pictures a second, {:.0f} ms from hand to picture\n{:.1f} ms a picture of {:.0f} % of its "
         "rays\n{:.2f} "

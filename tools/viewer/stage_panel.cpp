@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/look.h"
 #include "tools/viewer/node_actions.h"
 #include "tools/viewer/panels.h"
-#include "tools/viewer/signs.h"
 
 namespace neuvv::viewer {
 
@@ -16,15 +16,15 @@ namespace {
 const char* sign_of(NodeKind kind) {
     switch (kind) {
         case NodeKind::kPerformer:
-            return SIGN_PERSON;
+            return ICON_PERSON;
         case NodeKind::kLight:
-            return SIGN_LIGHT;
+            return ICON_LIGHT;
         case NodeKind::kCamera:
-            return SIGN_CAMERA;
+            return ICON_CAMERA;
         case NodeKind::kMesh:
-            return SIGN_SET;
+            return ICON_SET;
         case NodeKind::kGroup:
-            return SIGN_FOLDER;
+            return ICON_FOLDER;
     }
     return "";
 }
@@ -39,28 +39,28 @@ void light_menu(Viewer& viewer) {
         viewer.report.item(report);
         return chosen;
     };
-    if (item(SIGN_LIGHT "  Spotlight", "stage/add/spot")) add_light_in_view(viewer, stage::GltfLightKind::kSpot);
-    if (item(SIGN_BULLET "  Lamp", "stage/add/point")) add_light_in_view(viewer, stage::GltfLightKind::kPoint);
-    if (item(SIGN_SUN "  Sun", "stage/add/sun")) add_light_in_view(viewer, stage::GltfLightKind::kDirectional);
+    if (item(ICON_LIGHT "  Spotlight", "stage/add/spot")) add_light_in_view(viewer, stage::GltfLightKind::kSpot);
+    if (item(ICON_BULLET "  Lamp", "stage/add/point")) add_light_in_view(viewer, stage::GltfLightKind::kPoint);
+    if (item(ICON_SUN "  Sun", "stage/add/sun")) add_light_in_view(viewer, stage::GltfLightKind::kDirectional);
 }
 
 void buttons(Viewer& viewer) {
     const auto node = viewer.editor.selected();
     const bool open = viewer.editor.is_open();
-    if (sign_button(viewer, "stage/add_light", SIGN_LIGHT, "Add a light", false, open)) ImGui::OpenPopup("lights");
+    if (icon_button(viewer, "stage/add_light", ICON_LIGHT, "Add a light", false, open)) ImGui::OpenPopup("lights");
     ImGui::SameLine();
-    if (sign_button(viewer, "stage/add_camera", SIGN_CAMERA, "Add a camera that sees what you see now", false, open))
+    if (icon_button(viewer, "stage/add_camera", ICON_CAMERA, "Add a camera that sees what you see now", false, open))
         add_camera_in_view(viewer);
     if (ImGui::BeginPopup("lights")) {
         light_menu(viewer);
         ImGui::EndPopup();
     }
     ImGui::SameLine();
-    if (sign_button(viewer, "stage/duplicate", SIGN_COPY, "Duplicate in a row, a ring or a fan (one more: Ctrl+D)",
+    if (icon_button(viewer, "stage/duplicate", ICON_COPY, "Duplicate in a row, a ring or a fan (one more: Ctrl+D)",
                     false, node.has_value()))
         ask_duplicate(viewer, *node);
     ImGui::SameLine();
-    if (sign_button(viewer, "stage/delete", SIGN_TRASH, "Delete (Del)", false, node.has_value()))
+    if (icon_button(viewer, "stage/delete", ICON_TRASH, "Delete (Del)", false, node.has_value()))
         delete_node(viewer, *node);
 }
 
@@ -163,7 +163,7 @@ void draw_caret(Viewer& viewer, const StageRow& row, const RowPlace& place) {
     }
     viewer.report.item("stage/" + row.title + "/open");
     ImGui::GetWindowDrawList()->AddText({place.sign_x - width + 0.2f * place.side, place.text_y}, text_colour(true),
-                                        is_closed ? SIGN_CARET_RIGHT : SIGN_CARET_DOWN);
+                                        is_closed ? ICON_CARET_RIGHT : ICON_CARET_DOWN);
 }
 
 void draw_name(Viewer& viewer, const StageRow& row, const RowPlace& place, bool dim) {
@@ -192,11 +192,11 @@ void draw_name(Viewer& viewer, const StageRow& row, const RowPlace& place, bool 
 void draw_marks(Viewer& viewer, const StageRow& row, const RowPlace& place, bool under) {
     const std::string report = "stage/" + row.title;
     ImGui::SetCursorScreenPos({place.right - 2 * place.side, place.at.y});
-    if (mark(viewer, "lock", report + "/lock", row.locked ? SIGN_LOCK : SIGN_UNLOCK, row.locked, under,
+    if (mark(viewer, "lock", report + "/lock", row.locked ? ICON_LOCK : ICON_UNLOCK, row.locked, under,
              row.locked ? "Locked: is not moved or deleted by mistake" : "Lock, so that it is not moved by mistake"))
         viewer.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::SetCursorScreenPos({place.right - place.side, place.at.y});
-    if (mark(viewer, "eye", report + "/eye", row.shown ? SIGN_EYE : SIGN_EYE_OFF, !row.shown, true,
+    if (mark(viewer, "eye", report + "/eye", row.shown ? ICON_EYE : ICON_EYE_OFF, !row.shown, true,
              row.shown ? "Hide, with all that hangs on it" : "Show"))
         viewer.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
 }
@@ -213,7 +213,7 @@ void draw_row(Viewer& viewer, const StageRow& row) {
                            ImGui::GetStyle().FrameRounding);
     draw_caret(viewer, row, place);
     const bool person = row.kind == NodeKind::kPerformer && !dim;
-    list.AddText({place.sign_x, place.text_y}, person ? kAccent : text_colour(dim), sign_of(row.kind));
+    list.AddText({place.sign_x, place.text_y}, person ? ui::kAccent : text_colour(dim), sign_of(row.kind));
     if (viewer.stage_tree.renaming == row.node) {
         ImGui::SetCursorScreenPos({place.name_x - ImGui::GetStyle().FramePadding.x, place.at.y});
         name_field(viewer, row, place.name_width());

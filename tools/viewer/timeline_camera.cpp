@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "edit/operations.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/camera_path_view.h"
-#include "tools/viewer/look.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
 namespace neuvv::viewer {
@@ -30,15 +30,15 @@ void name_cell(Viewer& viewer, const TimelineView& view, bool has_path) {
     ImGui::GetWindowDrawList()->AddText({at.x + viewer.ui(6), std::round(at.y + (side - ImGui::GetFontSize()) / 2)},
                                         ImGui::GetColorU32(ImGuiCol_Text), "Camera");
     ImGui::SetCursorScreenPos({view.left() - 3 * side - 2 * gap - viewer.ui(4), at.y});
-    if (small_sign(viewer, view, "timeline/add_key", SIGN_PLUS,
+    if (small_sign(viewer, view, "timeline/add_key", ICON_PLUS,
                    "A key of the camera path: this view at this time (Enter; Shift+Enter removes the nearest)"))
         add_key_here(viewer);
     ImGui::SameLine(0, gap);
-    if (small_sign(viewer, view, "timeline/show_path", SIGN_ROAD, "Show the camera path in the picture",
+    if (small_sign(viewer, view, "timeline/show_path", ICON_ROAD, "Show the camera path in the picture",
                    viewer.show_path))
         viewer.show_path = !viewer.show_path;
     ImGui::SameLine(0, gap);
-    if (small_sign(viewer, view, "timeline/path", SIGN_CAMERA,
+    if (small_sign(viewer, view, "timeline/path", ICON_CAMERA,
                    has_path ? "Look along the camera path; looking around ends it" : "There is no camera path yet",
                    viewer.along_path, has_path))
         viewer.along_path = !viewer.along_path;
@@ -124,7 +124,7 @@ bool key_button(Viewer& viewer, const TimelineView& view, const stage::CameraPat
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const bool now = std::abs(time_s - viewer.clock.time_s()) < frame_s(viewer) / 2;
     list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
-                       lit || now ? kAccent : kKeyColour);
+                       lit || now ? ui::kAccent : kKeyColour);
     if (ImGui::BeginPopup("key_menu")) {
         key_items(viewer, path, key);
         path_items(viewer, path);
@@ -158,7 +158,7 @@ void draw_hint(const Viewer& viewer, const TimelineView& view, float top) {
     const ImVec4 lane(view.left(), top, view.right(), top + view.row_height);
     const ImVec2 at(std::max(view.x_at(0), view.left()) + viewer.ui(10),
                     std::round(top + (view.row_height - ImGui::GetFontSize()) / 2));
-    ImGui::GetWindowDrawList()->AddText(nullptr, 0, at, kFaint, "Enter: a key of a camera path, from this view",
+    ImGui::GetWindowDrawList()->AddText(nullptr, 0, at, ui::kFaint, "Enter: a key of a camera path, from this view",
                                         nullptr, 0, &lane);
 }
 

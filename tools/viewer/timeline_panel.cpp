@@ -35,7 +35,7 @@ void read_tracks(TimelineState& state, const Viewer& viewer) {
 }
 
 // The end of the stage, or of who plays longer.
-double extent_of(const TimelineState& state, const StageClock& clock) {
+double extent_of(const TimelineState& state, const editor::StageClock& clock) {
     double extent_s = clock.duration_s();
     for (const edit::PerformerTrack& track : state.tracks)
         if (std::isfinite(track.bar.end_s)) extent_s = std::max(extent_s, track.bar.end_s);

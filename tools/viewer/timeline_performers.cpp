@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/look.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
 namespace neuvv::viewer {
@@ -61,7 +61,7 @@ void draw_bar(const Viewer& viewer, const TimelineView& view, const edit::Perfor
     list.AddRectFilled({view.left(), bar.top}, {view.right(), bar.bottom}, kHeld, round);
     list.AddRectFilled({bar.left, bar.top}, {bar.right, bar.bottom}, selected ? kBarSelected : kBar, round);
     draw_curve(viewer, view, track.timeline, bar);
-    if (lit || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, kAccent, round);
+    if (lit || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
 }
 
 void tell_times(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track) {
@@ -188,7 +188,7 @@ void name_cell(Viewer& viewer, const TimelineView& view, const edit::PerformerTr
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = view.names_width - view.row_height - viewer.ui(6), inset = viewer.ui(6);
     ImGui::SetCursorScreenPos({view.left() - view.row_height - viewer.ui(4), at.y});
-    if (small_sign(viewer, view, fmt::format("timeline/{}/menu", track.name), SIGN_MORE, "Speed, direction, loops …"))
+    if (small_sign(viewer, view, fmt::format("timeline/{}/menu", track.name), ICON_MORE, "Speed, direction, loops …"))
         ImGui::OpenPopup("time");
     ImGui::SetCursorScreenPos(at);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, viewer.ui(kRowGap)});  // a Selectable reaches over half of it

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/viewer/look.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/timeline_view.h"
 
 namespace neuvv::viewer {
@@ -33,15 +33,15 @@ void draw_marks(const Viewer& viewer, const TimelineView& view, float top, float
 
 // The loop's range as a bar with two ends to drag; a double click on an end gives back the whole.
 void range_bar(Viewer& viewer, const TimelineView& view, float top) {
-    StageClock& clock = viewer.clock;
+    editor::StageClock& clock = viewer.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float height = viewer.ui(kRangeHeight), grip = viewer.ui(kGrip);
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
     const bool whole = clock.in_s() <= 0 && clock.out_s() >= clock.duration_s();
     const float middle = std::round(top + height / 2), half = std::round(viewer.ui(2));
-    list.AddRectFilled({view.left(), middle - half}, {view.right(), middle + half}, kGroove, half);
-    const unsigned colour = clock.loops && !whole ? kAccent : kFaint;
+    list.AddRectFilled({view.left(), middle - half}, {view.right(), middle + half}, ui::kGroove, half);
+    const unsigned colour = clock.loops && !whole ? ui::kAccent : ui::kFaint;
     list.AddRectFilled({low, middle - half}, {high, middle + half}, colour, half);
     for (const bool end : {false, true}) {
         const float at = end ? high : low;
@@ -52,7 +52,7 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
         viewer.report.item(end ? "timeline/out" : "timeline/in");
         const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
         const float side = end ? grip : -grip;
-        list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, lit ? kAccent : colour);
+        list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, lit ? ui::kAccent : colour);
         if (lit) {
             ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
             ImGui::SetTooltip(
@@ -77,7 +77,7 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
 }  // namespace
 
 void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top, float bottom) {
-    const StageClock& clock = viewer.clock;
+    const editor::StageClock& clock = viewer.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
@@ -89,7 +89,7 @@ void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top,
 }
 
 void ruler_row(Viewer& viewer, const TimelineView& view) {
-    StageClock& clock = viewer.clock;
+    editor::StageClock& clock = viewer.clock;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float range = viewer.ui(kRangeHeight), height = std::round(viewer.ui(kHeight)), bottom = at.y + height;
     ImGui::PushClipRect({view.left(), at.y}, {view.right(), bottom}, true);

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/look.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/timeline_view.h"
 
 namespace neuvv::viewer {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kSlowest = 0.1, kFastest = 4;
 
 // From -kFastest to kFastest, without what is slower than kSlowest either way.
-void set_speed(StageClock& clock, float speed) {
+void set_speed(editor::StageClock& clock, float speed) {
     const double size = std::clamp<double>(std::abs(speed), kSlowest, kFastest);
     clock.speed = speed < 0 ? -size : size;
 }
@@ -36,7 +36,7 @@ void speed_field(Viewer& viewer) {
         ImGui::SetTooltip("How fast it plays: drag; to the left of 0 backwards.\nDouble click: as fast as life.");
 }
 
-void time_text(const StageClock& clock) {
+void time_text(const editor::StageClock& clock) {
     const float begin = ImGui::GetCursorPosX();
     const auto [time, of] = std::pair(
         fmt::format("{} · {}", text_of_time(clock.time_s()), clock.picture()),
@@ -58,20 +58,20 @@ std::string text_of_time(double seconds) {
 }
 
 void transport_row(Viewer& viewer) {
-    StageClock& clock = viewer.clock;
+    editor::StageClock& clock = viewer.clock;
     const float gap = viewer.ui(2);
-    if (sign_button(viewer, "timeline/start", SIGN_START, "To the start (Home)")) clock.scrub(clock.in_s());
+    if (icon_button(viewer, "timeline/start", ICON_START, "To the start (Home)")) clock.scrub(clock.in_s());
     ImGui::SameLine(0, gap);
-    if (sign_button(viewer, "timeline/step_back", SIGN_STEP_BACK, "The picture before (,)")) clock.step(-1);
+    if (icon_button(viewer, "timeline/step_back", ICON_STEP_BACK, "The picture before (,)")) clock.step(-1);
     ImGui::SameLine(0, gap);
     const bool playing = clock.playing;
-    if (sign_button(viewer, "timeline/play", playing ? SIGN_PAUSE : SIGN_PLAY,
+    if (icon_button(viewer, "timeline/play", playing ? ICON_PAUSE : ICON_PLAY,
                     playing ? "Pause (Space)" : "Play (Space)", playing))
         clock.play_or_pause();
     ImGui::SameLine(0, gap);
-    if (sign_button(viewer, "timeline/step", SIGN_STEP, "The next picture (.)")) clock.step(1);
+    if (icon_button(viewer, "timeline/step", ICON_STEP, "The next picture (.)")) clock.step(1);
     ImGui::SameLine(0, gap);
-    if (sign_button(viewer, "timeline/loop", SIGN_LOOP, "Play again and again", clock.loops))
+    if (icon_button(viewer, "timeline/loop", ICON_LOOP, "Play again and again", clock.loops))
         clock.loops = !clock.loops;
     ImGui::SameLine(0, viewer.ui(8));
     speed_field(viewer);

@@ -2,9 +2,9 @@
 #include <imgui.h>
 
 #include "edit/operations.h"
+#include "tools/ui/icons.h"
 #include "tools/viewer/fields.h"
 #include "tools/viewer/picture_tools.h"
-#include "tools/viewer/signs.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -29,7 +29,7 @@ void remember_view(Viewer& viewer) {
     });
 }
 
-void take_picture_key(Viewer& viewer, const KeyPress& press) {
+void take_picture_key(Viewer& viewer, const ui::KeyPress& press) {
     const auto side = [&](EyeSide one, EyeSide other) {
         viewer.go_to(seen_from(viewer.eye, press.control ? other : one));
     };
@@ -56,24 +56,24 @@ void toolbar(Viewer& viewer) {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoMove);
     const auto tool = [&](const char* name, const char* sign, const char* explained, Tool one) {
-        if (sign_button(viewer, name, sign, explained, viewer.tool == one)) viewer.tool = one;
+        if (icon_button(viewer, name, sign, explained, viewer.tool == one)) viewer.tool = one;
     };
     constexpr float kButtons = 7;
     const bool one_column = (kButtons + 1) * ImGui::GetFrameHeightWithSpacing() + viewer.ui(16) < area.height;
     ImGui::BeginGroup();
-    tool("tool/move", SIGN_MOVE, "Move (1)", Tool::kMove);
-    tool("tool/rotate", SIGN_ROTATE, "Rotate (2)", Tool::kRotate);
-    tool("tool/scale", SIGN_SCALE, "Scale (3)", Tool::kScale);
-    tool("tool/paint", SIGN_BRUSH, "Paint (4)", Tool::kPaint);
+    tool("tool/move", ICON_MOVE, "Move (1)", Tool::kMove);
+    tool("tool/rotate", ICON_ROTATE, "Rotate (2)", Tool::kRotate);
+    tool("tool/scale", ICON_SCALE, "Scale (3)", Tool::kScale);
+    tool("tool/paint", ICON_BRUSH, "Paint (4)", Tool::kPaint);
     if (one_column) ImGui::Separator();
     ImGui::EndGroup();
     if (!one_column) ImGui::SameLine();
     ImGui::BeginGroup();
-    if (sign_button(viewer, "tool/snap", SIGN_MAGNET, "In steps of 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
+    if (icon_button(viewer, "tool/snap", ICON_MAGNET, "In steps of 0.1 m, 15°, 0.1 (Ctrl turns it round)", viewer.snap))
         viewer.snap = !viewer.snap;
-    if (sign_button(viewer, "tool/local", SIGN_BOX, "Along the node's own axes", viewer.local_axes))
+    if (icon_button(viewer, "tool/local", ICON_BOX, "Along the node's own axes", viewer.local_axes))
         viewer.local_axes = !viewer.local_axes;
-    if (sign_button(viewer, "tool/grid", SIGN_GRID, "Lines on the floor (G)", viewer.grid)) viewer.grid = !viewer.grid;
+    if (icon_button(viewer, "tool/grid", ICON_GRID, "Lines on the floor (G)", viewer.grid)) viewer.grid = !viewer.grid;
     ImGui::EndGroup();
     ImGui::End();
     ImGui::PopStyleVar(2);

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "base/platform.h"
+#include "media/colour.h"
 #include "tools/viewer/camera_path_view.h"
 #include "tools/viewer/fields.h"
 #include "tools/viewer/node_actions.h"
@@ -41,7 +42,7 @@ Eye first_eye(const stage::Stage& stage, const stage::StageInstant& instant, dou
     return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
 }
 
-bool same_picture(const Sight& a, const Sight& b) {
+bool same_picture(const editor::ViewRequest& a, const editor::ViewRequest& b) {
     return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
@@ -81,12 +82,12 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
       device(device_choice, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window.extensions()),
       screen(device, window,
              options.ui_scale.value_or(static_cast<float>(preferences.ui_scale) * window.content_scale())),
-      work([this](const std::string& problem) { editor.tell(problem, true); }, Window::wake),
-      drawer(device, Window::wake),
+      jobs([this](const std::string& problem) { editor.tell(problem, true); }, ui::Window::wake),
+      render_thread(device, ui::Window::wake),
       files(*this),
       report(options.report),
       screenshots(options.screenshots),
-      shader_watch(options.shaders),
+      shader_watch(parts(), options.shaders),
       paint(device),
       begin_(std::chrono::steady_clock::now()) {
     picture.most_scale = static_cast<float>(preferences.preview.resolution);
@@ -106,9 +107,9 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
 
 // Jobs and tasks use the other parts.
 Viewer::~Viewer() {
-    work.stop();
+    jobs.stop();
     if (exporting) exporting->cancel();
-    drawer.stop();
+    render_thread.stop();
 }
 
 void Viewer::name_window() {
@@ -132,7 +133,7 @@ void Viewer::keep_preferences() {
 
 void Viewer::run() {
     while (!window.asked_to_close()) {
-        const uint64_t shown_before = drawn.shown.number;
+        const uint64_t shown_before = drawn.displayed.number;
         wait();
         const bool event = window.poll();
         const double now = seconds_since(begin_);
@@ -140,13 +141,13 @@ void Viewer::run() {
         if (event) came_s_ = std::chrono::duration<double>(window.came() - begin_).count();
         dt_s = now - now_s;
         now_s = now;
-        drawn = drawer.state();
+        drawn = render_thread.state();
         count_pictures();
         if (event) redraw();
-        if (drawn.shown.number != shown_before) redraw(1);
+        if (drawn.displayed.number != shown_before) redraw(1);
         frame();
         frame_ms_ = 1000 * (seconds_since(begin_) - now_s);
-        if (drawn.shown.view > 0) worst_frame_ms_ = std::max(worst_frame_ms_, frame_ms_);
+        if (drawn.displayed.view > 0) worst_frame_ms_ = std::max(worst_frame_ms_, frame_ms_);
         note_latency();
         frames_left_ = std::max(0, frames_left_ - 1);
         if (window.asked_to_close() && !may_close_) {
@@ -164,8 +165,8 @@ void Viewer::run() {
 // The mean over the last pictures; nothing while nothing changes.
 void Viewer::count_pictures() {
     constexpr double kOld_s = 1;
-    if (drawn.shown.view != counted_view_) shown_s_.push_back(now_s);
-    counted_view_ = drawn.shown.view;
+    if (drawn.displayed.view != counted_view_) shown_s_.push_back(now_s);
+    counted_view_ = drawn.displayed.view;
     while (!shown_s_.empty() && now_s - shown_s_.front() > kOld_s) shown_s_.pop_front();
     const double seconds = shown_s_.empty() ? 0 : shown_s_.back() - shown_s_.front();
     pictures_a_second_ = seconds > 0 ? static_cast<double>(shown_s_.size() - 1) / seconds : 0;
@@ -180,7 +181,7 @@ void Viewer::wait() {
     if (frames_left_ > 0 || window.has_more()) seconds = 0;
     if (seconds > 0) window.wait(seconds);
     for (double left; (left = now_s + kFrame_s - seconds_since(begin_)) > 0;) {
-        if (drawer.state().shown.number != drawn.shown.number || work.has_told()) return;
+        if (render_thread.state().displayed.number != drawn.displayed.number || jobs.has_posted()) return;
         window.wait(left);
     }
 }
@@ -190,15 +191,16 @@ bool Viewer::something_goes_on() const {
 }
 
 void Viewer::frame() {
-    work.run_told();
-    for (Notice& notice : editor.take_notices()) {
+    jobs.run_posted();
+    for (editor::Notice& notice : editor.take_notices()) {
         notice.until_s = now_s + kNotice_s;
         notices_.push_back(std::move(notice));
         redraw();
     }
     // Why nothing could be opened stays until something is.
-    std::erase_if(notices_,
-                  [&](const Notice& notice) { return notice.until_s < now_s && (editor.is_open() || !notice.error); });
+    std::erase_if(notices_, [&](const editor::Notice& notice) {
+        return notice.until_s < now_s && (editor.is_open() || !notice.error);
+    });
     if (notices_.size() > kMostNotices)
         notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMostNotices));
     if (drawn.stage && drawn.stage != stage) {
@@ -212,7 +214,7 @@ void Viewer::frame() {
     if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
     name_window();
     files.tick();
-    shader_watch.tick(*this);
+    shader_watch.tick(now_s, !exporting);
     end_export();
     for (const std::filesystem::path& path : window.dropped()) files.take(path);
     if (wanted_scale) {
@@ -238,7 +240,7 @@ void Viewer::frame() {
     if (editor.dragging() && !ImGui::IsAnyItemActive() && !holds_handle) editor.end_drag();
     if (editor.is_open() && editor.id() != shown_document_) {
         shown_document_ = editor.id();
-        drawer.show(std::make_shared<const edit::Document>(editor.document()), shown_document_);
+        render_thread.show(std::make_shared<const edit::Document>(editor.document()), shown_document_);
         if (editor.dragging()) moves();
     }
     look();
@@ -246,8 +248,8 @@ void Viewer::frame() {
     tell_report();
     const VkRect2D at{{static_cast<int32_t>(picture_area.left), static_cast<int32_t>(picture_area.top)},
                       {static_cast<uint32_t>(picture_area.width), static_cast<uint32_t>(picture_area.height)}};
-    if (!screen.end({drawn.shown.image, drawn.shown.size, at})) redraw();
-    drawer.taken(drawn.shown.number);
+    if (!screen.end({drawn.displayed.image, drawn.displayed.size, at})) redraw();
+    render_thread.taken(drawn.displayed.number);
 }
 
 // The picture left, the stage and what is selected right, time below.
@@ -284,13 +286,13 @@ void Viewer::place_panels() {
 
 void Viewer::look() {
     if (!stage || camera.width < 2 || camera.height < 2) return;
-    Sight view;
+    editor::ViewRequest view;
     view.camera = camera;
     view.time_s = clock.shown_s();
     view.resolve.show = picture.show;
     view.resolve.cost_max = picture.cost_max;
     view.own_background = picture.own_background;
-    view.resolve.background = glm::vec4(linear_of_srgb(picture.background), 1);
+    view.resolve.background = glm::vec4(media::linear_from_srgb(picture.background), 1);
     view.moving = clock.playing || something_goes_on() || editor.dragging();
     view.most_scale = picture.most_scale;
     view.samples = static_cast<uint32_t>(picture.samples);
@@ -299,19 +301,19 @@ void Viewer::look() {
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
     // Where the device does not keep pace, what will be seen next is not known.
-    const bool keeps_pace = drawn.shown.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
+    const bool keeps_pace = drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
         for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.shown_after_s(i));
     if (looked_ && same_picture(*looked_, view)) return;
     view.id = looked_ ? looked_->id + 1 : 1;
     looked_ = view;
-    drawer.look(std::move(view));
+    render_thread.request(std::move(view));
 }
 
 // This frame's event is answered by a view or a stage that was asked for since.
 void Viewer::ask_latency(uint64_t view_before, uint64_t stage_before) {
     const uint64_t view = looked_ ? looked_->id : 0;
-    if (came_s_ && drawn.shown.view > 0 && (view != view_before || shown_document_ != stage_before))
+    if (came_s_ && drawn.displayed.view > 0 && (view != view_before || shown_document_ != stage_before))
         asked_.push_back({view, shown_document_, *came_s_});
 }
 
@@ -319,7 +321,8 @@ void Viewer::ask_latency(uint64_t view_before, uint64_t stage_before) {
 // that are read does not count.
 void Viewer::note_latency() {
     if (!drawn.loading.empty() || !drawn.problem.empty()) asked_.clear();
-    while (!asked_.empty() && asked_.front().view <= drawn.shown.view && asked_.front().stage <= drawn.shown.stage) {
+    while (!asked_.empty() && asked_.front().view <= drawn.displayed.view &&
+           asked_.front().stage <= drawn.displayed.stage) {
         latency_ms_ = 1000 * (seconds_since(begin_) - asked_.front().came_s);
         worst_latency_ms_ = std::max(worst_latency_ms_, latency_ms_);
         asked_.pop_front();
@@ -336,9 +339,9 @@ void Viewer::begin_export(std::shared_ptr<Export> job) {
     export_begin_s = now_s;
     clock.pause();
     editor.freeze("an export goes on: cancel it to edit");
-    drawer.post_idle([job = exporting](OnDevice& on_device) {
+    render_thread.post_idle([job = exporting](editor::OnDevice& on_device) {
         const bool more = job->step(on_device);
-        Window::wake();
+        ui::Window::wake();
         return more;
     });
 }
@@ -352,7 +355,8 @@ void Viewer::end_export() {
 }
 
 bool Viewer::picture_is_sharp() const {
-    return drawn.shown.finished && looked_ && drawn.shown.view == looked_->id && drawn.shown.stage == shown_document_;
+    return drawn.displayed.finished && looked_ && drawn.displayed.view == looked_->id &&
+           drawn.displayed.stage == shown_document_;
 }
 
 void Viewer::go_to(const Eye& target) {
@@ -370,7 +374,7 @@ void Viewer::go_along_path() {
 void Viewer::take_keys() {
     escape = false;
     const bool typing = ImGui::GetIO().WantTextInput, asked = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
-    for (const KeyPress& press : window.presses()) {
+    for (const ui::KeyPress& press : window.presses()) {
         if (press.key == GLFW_KEY_ESCAPE) escape = true;
         if (typing || asked || holds_handle) continue;
         if (press.control) take_control_key(press);
@@ -393,7 +397,7 @@ void Viewer::take_keys() {
     if (!typing && window.typed().find(U'?') != std::u32string::npos) panels.help = !panels.help;
 }
 
-void Viewer::take_control_key(const KeyPress& press) {
+void Viewer::take_control_key(const ui::KeyPress& press) {
     switch (press.key) {
         case GLFW_KEY_Z:
             return press.shift ? editor.redo() : editor.undo();
@@ -420,11 +424,11 @@ void Viewer::tell_report() {
     report.place("picture", picture_area.left, picture_area.top, picture_area.width, picture_area.height);
     report.fact("open", editor.is_open() ? editor.file().path.string() : "");
     report.fact("modified", editor.modified());
-    report.fact("ready", stage && drawn.stage_id == editor.id() && drawn.shown.view > 0);
-    report.fact("view", drawn.shown.view);
+    report.fact("ready", stage && drawn.stage_id == editor.id() && drawn.displayed.view > 0);
+    report.fact("view", drawn.displayed.view);
     report.fact("finished", looked_ && !looked_->moving && picture_is_sharp());
-    report.fact("scale", drawn.shown.scale);
-    report.fact("picture_ms", drawn.shown.milliseconds);
+    report.fact("scale", drawn.displayed.scale);
+    report.fact("picture_ms", drawn.displayed.milliseconds);
     report.fact("time_s", clock.time_s());
     report.fact("playing", clock.playing);
     report.fact("along_path", along_path);
@@ -432,20 +436,20 @@ void Viewer::tell_report() {
     report.fact("worst_latency_ms", worst_latency_ms_);
     report.fact("frame_ms", frame_ms_);
     report.fact("worst_frame_ms", worst_frame_ms_);
-    const HandledInput handled = window.handled();
+    const ui::HandledInput handled = window.handled();
     report.fact("handled", {{"x", handled.x},
                             {"y", handled.y},
                             {"releases", handled.releases},
                             {"scrolls", handled.scrolls},
                             {"all", !window.has_more()}});
-    report.fact("busy", work.under_way());
+    report.fact("busy", jobs.under_way());
     report.fact("problem", drawn.problem);
     report.fact("validation", validation_);
     nlohmann::json selected = nullptr;
     if (editor.selected()) selected = *editor.selected();
     report.fact("selected", selected);
     nlohmann::json told = nlohmann::json::array();
-    for (const Notice& notice : notices_) told.push_back(notice.text);
+    for (const editor::Notice& notice : notices_) told.push_back(notice.text);
     report.fact("notices", told);
     if (!report.end_frame()) redraw(1);
 }

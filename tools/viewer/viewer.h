@@ -1,8 +1,8 @@
 // The viewer: what the window shows and what hands change, shared by all panels.
 //
 // A frame: poll → keys → clock → panels, which change the editor, the eye, the settings → what changed goes to the
-// drawer. A panel is a function of a Viewer in a file of its own; it draws with ImGui and does what it does through
-// Editor::edit, so that everything can be undone.
+// render_thread. A panel is a function of a Viewer in a file of its own; it draws with ImGui and does what it does
+// through Editor::edit, so that everything can be undone.
 #pragma once
 
 #include <chrono>
@@ -13,23 +13,23 @@
 #include <string>
 #include <vector>
 
+#include "base/job_queue.h"
 #include "edit/operations.h"
+#include "editor/clock.h"
+#include "editor/editor.h"
+#include "editor/render_thread.h"
+#include "editor/shader_watch.h"
 #include "stage/stage_instant.h"
-#include "tools/viewer/drawer.h"
-#include "tools/viewer/editor.h"
 #include "tools/viewer/export.h"
 #include "tools/viewer/files.h"
 #include "tools/viewer/navigation.h"
 #include "tools/viewer/paint_tool.h"
 #include "tools/viewer/picture_tools.h"
-#include "tools/viewer/playback.h"
 #include "tools/viewer/report.h"
 #include "tools/viewer/screen.h"
 #include "tools/viewer/screenshot.h"
-#include "tools/viewer/shader_watch.h"
 #include "tools/viewer/stage_rows.h"
 #include "tools/viewer/timeline_state.h"
-#include "tools/viewer/work.h"
 
 namespace neuvv::viewer {
 
@@ -145,20 +145,21 @@ class Viewer {
   public:
     // --- the parts
     Preferences preferences;
-    Window window;
+    ui::Window window;
     gpu::Device device;
     Screen screen;
-    Work work;
-    Drawer drawer;
-    Editor editor;
+    JobQueue jobs;
+    editor::RenderThread render_thread;
+    editor::Editor editor;
     Files files;
     Report report;
     Screenshots screenshots;
-    ShaderWatch shader_watch;
+    editor::ShaderWatch shader_watch;
+    editor::Parts parts() { return {editor, jobs, render_thread}; }
 
     // --- what hands change
     Eye eye;
-    StageClock clock;
+    editor::StageClock clock;
     PictureSettings picture;
     Panels panels;
     ExportChoice export_choice;
@@ -173,7 +174,7 @@ class Viewer {
 
     // --- this frame
     double now_s = 0, dt_s = 0;                 // of the window's clock
-    DrawerState drawn;                          // as of the frame's beginning
+    editor::RenderThreadState drawn;            // as of the frame's beginning
     std::shared_ptr<const stage::Stage> stage;  // drawn.stage; null: none yet
     stage::StageInstant instant;                // of it, as the clock shows it
     Area picture_area;                          // where the picture is, panels aside
@@ -214,14 +215,14 @@ class Viewer {
     // This frame's event; and that what this frame changes answers one that came earlier.
     std::optional<double> came_s() const { return came_s_; }
     void answers(double came_s) { came_s_ = std::min(came_s_.value_or(came_s), came_s); }
-    const std::vector<Notice>& notices() const { return notices_; }
+    const std::vector<editor::Notice>& notices() const { return notices_; }
 
   private:
     void wait();
     void frame();
     void take_keys();
     void end_export();
-    void take_control_key(const KeyPress& press);
+    void take_control_key(const ui::KeyPress& press);
     void keep_preferences();
     void name_window();
     void go_along_path();
@@ -233,11 +234,11 @@ class Viewer {
     void count_pictures();
     bool something_goes_on() const;
 
-    std::vector<Notice> notices_;
+    std::vector<editor::Notice> notices_;
     std::chrono::steady_clock::time_point begin_;
     double last_move_s_ = -1e9;
     int frames_left_ = 3;
-    std::optional<Sight> looked_;
+    std::optional<editor::ViewRequest> looked_;
     uint64_t shown_document_ = 0, looked_stage_ = 0;
     // Views and stages that answer an event, which came then.
     struct Asked {

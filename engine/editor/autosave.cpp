@@ -1,0 +1,65 @@
+#include "editor/autosave.h"
+
+#include <utility>
+
+namespace neuvv::editor {
+
+void Autosave::opened(std::optional<edit::RecoveryEntry> from) {
+    writer_ =
+        edit::recovery_folder().empty() ? nullptr : std::make_shared<edit::RecoveryWriter>(edit::recovery_folder());
+    stored_id_ = 0;
+    from_ = std::move(from);
+}
+
+// One at a time, of a copy.
+void Autosave::tick(double now_s) {
+    if (now_s - stored_s_ < kAutosaveEvery_s) return;
+    if (!writer_ || storing_ || !editor_.is_open() || editor_.id() == stored_id_) return;
+    stored_s_ = now_s;
+    storing_ = true;
+    const bool modified = editor_.modified() || editor_.dragging();
+    jobs_.start("",
+                [this, modified, id = editor_.id(), document = std::make_shared<edit::Document>(editor_.document()),
+                 writer = writer_, from = from_]() -> JobQueue::Then {
+                    std::string problem;
+                    try {
+                        if (modified)
+                            writer->store(*document);
+                        else
+                            writer->discard();
+                        if (from) edit::discard(*from);
+                    } catch (const std::exception& error) {
+                        problem = error.what();
+                    }
+                    return [this, writer, id, problem] {
+                        storing_ = false;
+                        if (writer != writer_) return;  // another document was opened since
+                        from_.reset();
+                        stored_id_ = id;
+                        if (!problem.empty())
+                            editor_.tell("unsaved edits cannot be kept for recovery: " + problem, true);
+                    };
+                });
+}
+
+void Autosave::forget() {
+    if (!writer_) return;
+    jobs_.start("", [writer = writer_, from = std::exchange(from_, std::nullopt)]() -> JobQueue::Then {
+        writer->discard();
+        if (from) edit::discard(*from);
+        return {};
+    });
+}
+
+bool Autosave::store_now() {
+    editor_.end_drag();
+    if (!writer_) return editor_.modified();
+    if (editor_.modified())
+        writer_->store(editor_.document());
+    else
+        writer_->discard();
+    if (from_) edit::discard(*from_);
+    return editor_.modified();
+}
+
+}  // namespace neuvv::editor

@@ -1,0 +1,31 @@
+// Blocks of a picture: drawn one after the other, each as a picture of its own.
+#pragma once
+
+#include "stage/camera.h"
+
+namespace neuvv::editor {
+
+struct Block {
+    uint32_t left = 0, top = 0;
+    stage::Camera camera;  // of the block's size; its rays are the whole picture's
+};
+
+// Block i of side × side, row by row; together they are the picture, each pixel once.
+inline Block block_of(stage::Camera camera, uint32_t i, uint32_t side) {
+    const auto part = [side](uint32_t whole, uint32_t n) { return static_cast<uint32_t>(uint64_t{whole} * n / side); };
+    Block block{part(camera.width, i % side), part(camera.height, i / side), camera};
+    block.camera.width = part(camera.width, i % side + 1) - block.left;
+    block.camera.height = part(camera.height, i / side + 1) - block.top;
+    block.camera.cx -= block.left;
+    block.camera.cy -= block.top;
+    return block;
+}
+
+// The least side of blocks that have no more than width × height pixels each.
+inline uint32_t blocks_within(const stage::Camera& camera, uint32_t width, uint32_t height) {
+    uint32_t side = 1;
+    while ((camera.width + side - 1) / side > width || (camera.height + side - 1) / side > height) side++;
+    return side;
+}
+
+}  // namespace neuvv::editor

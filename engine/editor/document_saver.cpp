@@ -1,0 +1,71 @@
+#include "editor/document_saver.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace neuvv::editor {
+
+namespace {
+
+// Layers that a stage which is left behind wears, too, and that saving the other one changes.
+std::string also_changed(const edit::Document& document, const std::filesystem::path& path) {
+    if (!document.file.saved->on_disk || stage::absolute_path(path) == stage::absolute_path(document.file.path))
+        return {};
+    std::string text;
+    for (const auto& [file, layer] : document.saved_paint)
+        if (const auto now = document.paint.find(file); now != document.paint.end() && now->second != layer)
+            text +=
+                fmt::format("; {} wears the same {}", document.file.path.filename().string(), file.filename().string());
+    return text;
+}
+
+}  // namespace
+
+void DocumentSaver::save(const std::filesystem::path& path, Done done) {
+    editor_.end_drag();
+    saving_++;
+    auto document = std::make_shared<edit::Document>(editor_.document());
+    jobs_.start(fmt::format("Saving {}", path.filename().string()),
+                [this, document, path, id = editor_.id(), opened = editor_.opened(),
+                 also = also_changed(*document, path), done]() -> JobQueue::Then {
+                    std::string problem;
+                    std::optional<std::filesystem::path> theirs;
+                    try {
+                        theirs = edit::save_document(*document, path);
+                    } catch (const std::exception& error) {
+                        problem = error.what();
+                    }
+                    return [=, this] {
+                        saving_--;
+                        if (!problem.empty()) return editor_.tell(problem, true);
+                        editor_.saved(*document, opened, id);
+                        if (!editor_.modified()) autosave.forget();
+                        editor_.tell(edit::saved_text(path, theirs) + also);
+                        if (done) done(*document, opened);
+                    };
+                });
+}
+
+std::filesystem::path DocumentSaver::default_path() const {
+    const stage::StageFile& file = editor_.file();
+    return file.saved->on_disk ? file.path : edit::free_path(file.path);
+}
+
+std::vector<edit::RecoveryEntry> lost_edits_of(const std::filesystem::path& stage) {
+    if (edit::recovery_folder().empty()) return {};
+    std::vector<edit::RecoveryEntry> entries = edit::find_recovery(edit::recovery_folder(), stage);
+    std::erase_if(entries, [](const edit::RecoveryEntry& entry) { return entry.alive; });
+    return entries;
+}
+
+std::vector<edit::RecoveryEntry> lost_edits() {
+    if (edit::recovery_folder().empty()) return {};
+    std::vector<edit::RecoveryEntry> entries = edit::list_recovery(edit::recovery_folder());
+    std::erase_if(entries, [](const edit::RecoveryEntry& entry) { return entry.alive; });
+    if (!entries.empty())
+        std::erase_if(entries, [stage = entries.front().stage](const auto& entry) { return entry.stage != stage; });
+    return entries;
+}
+
+}  // namespace neuvv::editor

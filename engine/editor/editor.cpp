@@ -1,0 +1,154 @@
+#include "editor/editor.h"
+
+#include <utility>
+
+#include "base/error.h"
+#include "edit/read.h"
+
+namespace neuvv::editor {
+
+void Editor::open(edit::Document document, bool modified) {
+    document_ = std::move(document);
+    history_ = edit::History();
+    if (modified) history_.mark_unsaved();
+    selected_.reset();
+    before_drag_.reset();
+    open_ = true;
+    opened_++;
+    changed();
+}
+
+void Editor::saved(const edit::Document& as, uint64_t opened, uint64_t id) {
+    if (opened != opened_) return;
+    const auto follow = [&](edit::Document& document) {
+        document.file = stage::moved_to(std::move(document.file), as.file.path);
+        document.file.saved = as.file.saved;
+        document.disk_is_anothers = false;
+        for (const auto& [path, layer] : as.saved_paint) document.saved_paint[path] = layer;
+    };
+    follow(document_);
+    if (before_drag_) follow(*before_drag_);
+    if (id == id_) {
+        document_.file = as.file;
+        history_.mark_saved();
+    }
+    changed();
+}
+
+bool Editor::apply(const Operation& operation, std::string& what) {
+    edit::Document before = document_;
+    try {
+        what = operation(document_);
+    } catch (const InputError& error) {
+        document_ = std::move(before);
+        tell(error.what(), true);
+        return false;
+    }
+    return true;
+}
+
+bool Editor::refused() {
+    if (frozen_.empty()) return false;
+    if (notices_.empty()) tell(frozen_, true);
+    return true;
+}
+
+bool Editor::edit(const Operation& operation) {
+    if (refused()) return false;
+    end_drag();
+    edit::Document before = document_;
+    std::string what;
+    if (!apply(operation, what)) return false;
+    if (edit::same_document(before, document_)) return true;
+    history_.did(std::move(before), document_, std::move(what));
+    changed();
+    return true;
+}
+
+bool Editor::drag(const Operation& operation) {
+    if (refused()) return false;
+    edit::Document last = document_;
+    if (before_drag_) document_ = *before_drag_;
+    if (!apply(operation, dragged_)) {
+        document_ = std::move(last);
+        return false;
+    }
+    if (!before_drag_) before_drag_ = std::move(last);
+    changed();
+    return true;
+}
+
+void Editor::end_drag() {
+    if (!before_drag_) return;
+    if (edit::same_document(*before_drag_, document_)) return cancel_drag();
+    history_.did(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
+    before_drag_.reset();
+    changed();
+}
+
+void Editor::cancel_drag() {
+    if (!before_drag_) return;
+    document_ = std::move(*before_drag_);
+    before_drag_.reset();
+    changed();
+}
+
+void Editor::take_back(const std::string& why) {
+    tell(why, true);
+    if (before_drag_) return cancel_drag();
+    if (history_.next_undo()) undo();
+}
+
+void Editor::undo() {
+    if (refused()) return;
+    end_drag();
+    step("undone", [this] { return history_.undo(document_); });
+}
+
+void Editor::redo() {
+    if (refused()) return;
+    end_drag();
+    step("done again", [this] { return history_.redo(document_); });
+}
+
+// Numbers of nodes may mean others afterwards: then nothing is selected.
+void Editor::step(const char* told, const std::function<std::optional<std::string>()>& take) {
+    const stage::StageFile before = document_.file;
+    try {
+        const std::optional<std::string> what = take();
+        if (!what) return;
+        tell(std::string(told) + ": " + *what);
+    } catch (const InputError& error) {
+        return tell(error.what(), true);
+    }
+    if (selected_ && node_count() != edit::node_count(before) &&
+        !edit::same_nodes(before, document_.file, size_t{*selected_} + 1))
+        selected_.reset();
+    changed();
+}
+
+// A drag goes on from where it began: the layer was there then, too.
+void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer) {
+    for (edit::Document* document : {&document_, before_drag_ ? &*before_drag_ : nullptr})
+        if (document && document->paint.emplace(path, layer).second) document->saved_paint.emplace(path, layer);
+}
+
+size_t Editor::node_count() const {
+    return edit::node_count(document_.file);
+}
+
+void Editor::changed() {
+    id_++;
+    if (selected_ && *selected_ >= node_count()) selected_.reset();
+}
+
+std::vector<Notice> Editor::take_notices() {
+    return std::exchange(notices_, {});
+}
+
+void Editor::tell(std::string text, bool error) {
+    if (!notices_.empty() && notices_.back().text == text) return;
+    notices_.push_back({std::move(text), error});
+}
+
+}  // namespace neuvv::editor

@@ -1,0 +1,68 @@
+#include "editor/open_file.h"
+
+#include <cctype>
+
+#include "base/error.h"
+#include "edit/operations.h"
+#include "stage/stage.h"
+#include "voctree/clip.h"
+
+namespace neuvv::editor {
+
+namespace {
+
+std::filesystem::path newest_clip(const std::filesystem::path& folder) {
+    std::filesystem::path newest;
+    std::filesystem::file_time_type when;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (!entry.is_regular_file() || entry.path().extension() != ".nvv") continue;
+        if (!newest.empty() && entry.last_write_time() <= when) continue;
+        newest = entry.path();
+        when = entry.last_write_time();
+    }
+    if (newest.empty())
+        throw InputError(folder.string(), "", "there is no .nvv in this folder",
+                         "open a folder that `neuvv train` writes into, a .nvv or a stage");
+    return newest;
+}
+
+std::filesystem::path opened_file(const std::filesystem::path& path) {
+    std::error_code error;
+    const auto kind = std::filesystem::status(path, error).type();
+    if (kind == std::filesystem::file_type::not_found) throw InputError(path.string(), "", "there is no such file");
+    return kind == std::filesystem::file_type::directory ? newest_clip(path) : path;
+}
+
+}  // namespace
+
+bool has_stage_ending(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return ending == ".gltf" || ending == ".glb";
+}
+
+std::filesystem::path stage_of_file(const std::filesystem::path& path) {
+    std::filesystem::path stage = stage::absolute_path(opened_file(path));
+    if (!has_stage_ending(stage)) stage.replace_extension(".gltf");
+    return stage;
+}
+
+edit::Document open_document(const std::filesystem::path& path) {
+    const std::filesystem::path file = opened_file(path);
+    edit::Document document;
+    if (has_stage_ending(file)) {
+        document.file = stage::read_stage_file(file);
+        stage::expect_sound_document(document.file);
+        return document;
+    }
+    if (!voctree::has_clip_ending(file))
+        throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv or .npz");
+    document.file = stage::make_stage_file(
+        stage_of_file(file), R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
+    edit::PerformerEdit performer;
+    performer.clip = file;
+    edit::add_performer(document.file, file.stem().string(), performer, {});
+    return document;
+}
+
+}  // namespace neuvv::editor

@@ -1,0 +1,47 @@
+#include "editor/paint_task.h"
+
+#include "base/error.h"
+
+namespace neuvv::editor {
+
+namespace {
+
+// Whether it has come to an end, well or not.
+bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem::path& path, const PaintClip& clip,
+         const PaintTask& task, const JobQueue::Then& failed) {
+    JobQueue::Then then;
+    try {
+        then = task(surface, field_of(on, path, clip));
+        if (!then) return false;
+    } catch (const std::exception& error) {
+        surface.clear();
+        then = [parts, failed, problem = std::string(error.what())] {
+            parts.editor.tell(problem, true);
+            failed();
+        };
+    }
+    parts.jobs.post(std::move(then));
+    return true;
+}
+
+}  // namespace
+
+std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& path, const PaintClip& clip) {
+    for (uint32_t i = 0; i < on.stage.clips.size(); i++) {
+        if (on.stage.clips[i].path != path) continue;
+        if (on.renderer.painted_field(i) == clip.field) return on.renderer.shared_field(i);
+        throw InputError(path.string(), "", "was written anew since it was read", "paint again");
+    }
+    throw InputError(path.string(), "", "is not on the stage any more", "select another performer");
+}
+
+// The editor's thread posts the next step, so that what else is to be drawn comes in between.
+void post_paint_task(Parts parts, std::shared_ptr<PaintSurface> surface, const std::filesystem::path& path,
+                     std::shared_ptr<const PaintClip> clip, PaintTask task, JobQueue::Then failed) {
+    parts.render_thread.post([=](OnDevice& on) {
+        if (run(parts, on, *surface, path, *clip, task, failed)) return;
+        parts.jobs.post([=] { post_paint_task(parts, surface, path, clip, task, failed); });
+    });
+}
+
+}  // namespace neuvv::editor

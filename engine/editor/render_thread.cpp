@@ -1,0 +1,454 @@
+#include "editor/render_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "editor/blocks.h"
+
+namespace neuvv::editor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kSettle = std::chrono::milliseconds(100);  // without a new view: nothing moves any more
+constexpr auto kTakenWithin = std::chrono::milliseconds(30);
+constexpr VkExtent2D kFirstCapacity{1280, 720};
+constexpr uint32_t kCapacityStep = 128;
+
+double milliseconds_since(Clock::time_point from) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
+
+// Room for blocks that are a few rays larger than a share of the picture, and for windows that grow a little.
+uint32_t roomy(uint32_t pixels) {
+    return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
+}
+
+void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>& passes) {
+    for (const gpu::PassTime& pass : passes) {
+        const auto known = std::find_if(to.begin(), to.end(), [&](const auto& p) { return p.name == pass.name; });
+        if (known != to.end())
+            known->milliseconds += pass.milliseconds;
+        else
+            to.push_back(pass);
+    }
+}
+
+}  // namespace
+
+struct RenderThread::Job {
+    std::shared_ptr<const edit::Document> stage;
+    uint64_t stage_id = 0;
+    std::optional<Remake> remake;
+    Task task;
+    std::optional<ViewRequest> view;
+    bool refine = false;
+    Idle idle;
+};
+
+RenderThread::RenderThread(const gpu::Device& device, std::function<void()> wake)
+    : device_(device),
+      wake_(std::move(wake)),
+      commands_(device, "render thread", 4),
+      scale_(kMovingTarget_ms),
+      grid_(kMovingTarget_ms) {
+    thread_ = std::thread([this] {
+        try {
+            run();
+        } catch (...) {
+            const std::lock_guard lock(mutex_);
+            failure_ = std::current_exception();
+        }
+        wake_();
+    });
+}
+
+RenderThread::~RenderThread() {
+    stop();
+}
+
+void RenderThread::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void RenderThread::show(std::shared_ptr<const edit::Document> stage, uint64_t id) {
+    {
+        const std::lock_guard lock(mutex_);
+        next_stage_ = std::move(stage);
+        next_stage_id_ = id;
+    }
+    changed_.notify_all();
+}
+
+void RenderThread::request(ViewRequest view) {
+    {
+        const std::lock_guard lock(mutex_);
+        next_view_ = std::move(view);
+    }
+    changed_.notify_all();
+}
+
+void RenderThread::post(Task task) {
+    {
+        const std::lock_guard lock(mutex_);
+        tasks_.push_back(std::move(task));
+    }
+    changed_.notify_all();
+}
+
+void RenderThread::post_idle(Idle idle) {
+    {
+        const std::lock_guard lock(mutex_);
+        idle_.push_back(std::move(idle));
+    }
+    changed_.notify_all();
+}
+
+void RenderThread::remake(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
+    {
+        const std::lock_guard lock(mutex_);
+        next_remake_ = Remake{std::move(shaders), std::move(done)};
+    }
+    changed_.notify_all();
+}
+
+void RenderThread::taken(uint64_t number) {
+    {
+        const std::lock_guard lock(mutex_);
+        taken_ = number;
+    }
+    changed_.notify_all();
+}
+
+RenderThreadState RenderThread::state() const {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    return state_;
+}
+
+// What is to be done next: the newest stage, then tasks, the newest view, what is left of the last one, the rest.
+bool RenderThread::wait_for_job(Job& job) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kTakenWithin, [&] { return stop_ || taken_ >= state_.displayed.number; });
+    const auto ready = [&] {
+        return stop_ || next_stage_ || next_remake_ || (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
+    };
+    if (refinement_ && stage_)
+        changed_.wait_until(lock, refinement_->from, ready);
+    else
+        changed_.wait(lock, ready);
+    if (stop_) return false;
+    if (next_stage_) {
+        job.stage = std::exchange(next_stage_, nullptr);
+        job.stage_id = next_stage_id_;
+    } else if (next_remake_) {
+        job.remake = std::exchange(next_remake_, std::nullopt);
+    } else if (!tasks_.empty()) {
+        job.task = std::move(tasks_.front());
+        tasks_.pop_front();
+    } else if (next_view_) {
+        job.view = std::exchange(next_view_, std::nullopt);
+    } else if (refinement_ && Clock::now() >= refinement_->from) {
+        job.refine = true;
+    } else if (!idle_.empty()) {
+        job.idle = idle_.front();
+    }
+    return true;
+}
+
+// What a device has no room for, or a file is not there for, leaves the last picture; only a lost device is the end.
+void RenderThread::run() {
+    for (Job job; wait_for_job(job); job = {}) {
+        try {
+            do_job(job);
+        } catch (const InputError& error) {
+            refinement_.reset();
+            tell_problem(error.what(), 0);
+        } catch (const RuntimeFailure& error) {
+            refinement_.reset();
+            const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
+            if (vulkan && vulkan->device_lost()) throw;
+            tell_problem(error.what(), 0);
+        }
+    }
+}
+
+void RenderThread::do_job(Job& job) {
+    if (job.stage) {
+        load(std::move(job.stage), job.stage_id);
+        draw_newest();
+    } else if (job.remake) {
+        make_again(*job.remake);
+    } else if (job.task) {
+        OnDevice on_device{device_, *stage_, *renderer_};
+        job.task(on_device);
+    } else if (job.view) {
+        view_ = std::move(job.view);
+        draw(*view_);
+    } else if (job.refine) {
+        refine();
+    } else if (job.idle) {
+        OnDevice on_device{device_, *stage_, *renderer_};
+        if (job.idle(on_device)) return;
+        const std::lock_guard lock(mutex_);
+        idle_.pop_front();
+    }
+}
+
+void RenderThread::tell_problem(std::string problem, uint64_t unsound_id) {
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading.clear();
+        state_.problem = std::move(problem);
+        if (unsound_id) state_.unsound_id = unsound_id;
+    }
+    wake_();
+}
+
+// Whether it could be drawn if all its clips were there.
+bool RenderThread::is_sound(const edit::Document& document) {
+    try {
+        stage::expect_sound_document(document.file);
+    } catch (const InputError&) {
+        return false;
+    }
+    return true;
+}
+
+void RenderThread::tell_progress(const std::string& file, size_t done, size_t of) {
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading = file;
+        state_.files_read = done;
+        state_.files = of;
+    }
+    wake_();
+}
+
+void RenderThread::make_again(const Remake& remake) {
+    const gpu::ShaderReplacements before = device_.shaders().replacements();
+    device_.shaders().set(remake.shaders);
+    const VkExtent2D capacity = capacity_;
+    std::unique_ptr<render::StageRenderer> last = std::move(renderer_);
+    std::string problem;
+    try {
+        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
+        draw_newest();  // some passes are made when they are first needed
+    } catch (const std::runtime_error& error) {
+        device_.shaders().set(before);
+        renderer_ = std::move(last);
+        capacity_ = capacity;
+        refinement_.reset();
+        problem = error.what();
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading.clear();
+    }
+    remake.done(problem);
+}
+
+// Keeps the old one where the new one cannot be drawn.
+void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
+    const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
+        tell_progress(file, done, of);
+    };
+    const auto before = std::exchange(document_, document);
+    try {
+        auto stage = std::make_shared<const stage::Stage>(stage::make_stage(document->file, stage_.get()));
+        if (renderer_) {
+            renderer_->change(*stage, loader_->load(*stage, progress));
+        } else {
+            progress(0, stage->clips.size());
+            make_renderer(*stage, progress);
+        }
+        stage_ = std::move(stage);
+        stage_id_ = id;
+    } catch (const InputError& error) {
+        document_ = before;
+        return tell_problem(error.what(), is_sound(*document) ? 0 : id);
+    } catch (...) {
+        document_ = before;
+        throw;
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        state_.loading.clear();
+        state_.problem.clear();
+        state_.stage = stage_;
+        state_.stage_id = id;
+        state_.leaf_boxes.clear();
+        for (uint32_t clip = 0; clip < stage_->clips.size(); clip++)
+            state_.leaf_boxes.emplace_back(renderer_->field(clip).leaves_min, renderer_->field(clip).leaves_max);
+        state_.displayed.finished = false;
+    }
+    wake_();
+}
+
+// At once after a stage came, so that one that is edited all the time is seen, too.
+void RenderThread::draw_newest() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (next_view_) view_ = std::exchange(next_view_, std::nullopt);
+    }
+    if (stage_ && view_) draw(*view_);
+}
+
+void RenderThread::make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress) {
+    VkExtent2D capacity = kFirstCapacity;
+    {
+        const std::lock_guard lock(mutex_);
+        if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
+        if (next_view_) capacity = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
+    }
+    const render::PaintSource paint = [this](const std::filesystem::path& path, const voctree::PaintedField&) {
+        const auto found = document_->paint.find(stage::absolute_path(path));
+        return found != document_->paint.end() ? found->second : nullptr;
+    };
+    if (!loader_) loader_ = std::make_unique<render::StageLoader>(device_, paint);
+    renderer_ = std::make_unique<render::StageRenderer>(device_, stage, loader_->load(stage, progress),
+                                                        render::FrameCapacity{capacity.width, capacity.height});
+    capacity_ = capacity;
+}
+
+// A picture and a renderer of at least this size.
+void RenderThread::fit(VkExtent2D size) {
+    if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
+        capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
+        renderer_->resize(capacity_.width, capacity_.height);
+    }
+    if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
+    auto made = std::make_shared<gpu::DeviceImage>(
+        device_, "displayed image",
+        gpu::ImageShape{
+            capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
+            VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
+        gpu::move_layout(commands, *made, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    });
+    image_ = std::move(made);
+}
+
+render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::StageInstant& instant) const {
+    render::FrameSettings settings = renderer_->settings_at(instant);
+    const glm::vec4 background = settings.resolve.background;
+    settings.resolve = view.resolve;
+    if (!view.own_background) settings.resolve.background = background;
+    settings.width = view.camera.width;
+    settings.height = view.camera.height;
+    settings.samples = 1;
+    return settings;
+}
+
+void RenderThread::draw(const ViewRequest& view) {
+    refinement_.reset();
+    const VkExtent2D size{view.camera.width, view.camera.height};
+    if (size.width == 0 || size.height == 0) return;
+    fit(size);
+    const Clock::time_point begin = Clock::now();
+    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
+    renderer_->show(instant, !view.own_background);
+    render::FrameSettings settings = settings_of(view, instant);
+    settings.scale = std::min(scale_.scale(), view.most_scale);
+    for (const double next : view.next_s)
+        for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
+            settings.next_slices.push_back({{instance.frame, instance.paint}, instance.field});
+    copy_to_image(renderer_->frames().draw({&view.camera, 1}, settings), {0, 0}, size);
+    const double milliseconds = milliseconds_since(begin);
+    scale_.drawn(settings.scale, milliseconds);
+
+    DisplayedImage displayed{0,
+                             view.id,
+                             stage_id_,
+                             image_,
+                             size,
+                             settings.scale,
+                             view.moving,
+                             milliseconds,
+                             renderer_->frames().pass_times(),
+                             renderer_->frames().live_entries()};
+    if (!view.moving) {
+        displayed.finished = settings.scale == 1 && view.samples == 1;
+        if (!displayed.finished) {
+            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;  // all pixels soon, then all their rays
+            grid_.begin(samples);  // the renderer has room for the rays of the picture with one
+            refinement_ = Refinement{0, samples, begin + kSettle, displayed};
+        }
+    }
+    publish(displayed);
+}
+
+// One block of the view that stands still, with all its rays.
+void RenderThread::refine() {
+    Refinement& refinement = *refinement_;
+    if (refinement.next == 0) {
+        refinement.displayed.milliseconds = 0;
+        refinement.displayed.passes.clear();
+    }
+    const uint32_t side = grid_.side();
+    const Clock::time_point begin = Clock::now();
+    draw_block(*view_, refinement.next, side, refinement.samples);
+    const double milliseconds = milliseconds_since(begin);
+    refinement.displayed.milliseconds += milliseconds;
+    refinement.displayed.scale = refinement.samples;
+    add_passes(refinement.displayed.passes, renderer_->frames().pass_times());
+    const bool whole = ++refinement.next == side * side;
+    refinement.displayed.finished = whole && refinement.samples == view_->samples;
+    publish(refinement.displayed);
+    if (refinement.displayed.finished) {
+        refinement_.reset();
+    } else if (whole) {
+        refinement.samples = view_->samples;
+        grid_.begin(refinement.samples);
+        refinement.next = 0;
+    } else if (grid_.drawn(milliseconds)) {
+        refinement.next = 0;
+    }
+}
+
+void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples) {
+    const Block part = block_of(view.camera, block, side);
+    const stage::Camera& camera = part.camera;
+    if (camera.width == 0 || camera.height == 0) return;
+    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
+    renderer_->show(instant, !view.own_background);
+    render::FrameSettings settings = settings_of(view, instant);
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.samples = samples;
+    copy_to_image(renderer_->frames().draw({&camera, 1}, settings),
+                  {static_cast<int32_t>(part.left), static_cast<int32_t>(part.top)}, {camera.width, camera.height});
+}
+
+void RenderThread::copy_to_image(const gpu::Buffer& pixels, VkOffset2D at, VkExtent2D size) {
+    commands_.begin();
+    gpu::full_barrier(commands_);
+    gpu::move_layout(commands_, *image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageOffset = {at.x, at.y, 0};
+    region.imageExtent = {size.width, size.height, 1};
+    vkCmdCopyBufferToImage(commands_.handle(), pixels.buffer, image_->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &region);
+    gpu::move_layout(commands_, *image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    commands_.submit();
+    commands_.wait();
+}
+
+void RenderThread::publish(DisplayedImage displayed) {
+    {
+        const std::lock_guard lock(mutex_);
+        displayed.number = state_.displayed.number + 1;
+        state_.displayed = std::move(displayed);
+    }
+    wake_();
+}
+
+}  // namespace neuvv::editor

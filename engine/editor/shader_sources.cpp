@@ -1,0 +1,139 @@
+#include "editor/shader_sources.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "spirv/neuvv_render_shaders.h"
+
+namespace neuvv::editor {
+
+namespace {
+
+constexpr uint64_t kMostBytes = 1 << 20;  // of a source
+constexpr uint32_t kSpirvMagic = 0x07230203;
+
+// "trace.comp:12: 'x' : undeclared identifier"
+std::string first_error(const std::string& said, const std::string& file) {
+    std::istringstream lines(said);
+    constexpr std::string_view kError = "ERROR: ";
+    for (std::string line; std::getline(lines, line);)
+        if (const size_t at = line.find(kError); at != std::string::npos) return line.substr(at + kError.size());
+    return fmt::format("{}: glslangValidator: {}", file, said.substr(0, said.find('\n')));
+}
+
+// In a folder of the user's own.
+struct TemporaryFile {
+    std::filesystem::path path;
+    TemporaryFile() {
+        const std::filesystem::path own = cache_folder();
+        path = (own.empty() ? std::filesystem::temp_directory_path() : own) /
+               fmt::format("shader-{:08x}.spv", std::random_device()());
+    }
+    ~TemporaryFile() {
+        std::error_code error;
+        std::filesystem::remove(path, error);
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+};
+
+// What a source includes, as it is written there.
+std::vector<std::string> include_names(const std::filesystem::path& file) {
+    const std::vector<uint8_t> bytes = read_file(file, kMostBytes);
+    std::istringstream lines(std::string(bytes.begin(), bytes.end()));
+    std::vector<std::string> names;
+    for (std::string line; std::getline(lines, line);) {
+        const size_t begin = line.find('"'), end = line.rfind('"');
+        if (line.starts_with("#include") && begin < end) names.push_back(line.substr(begin + 1, end - begin - 1));
+    }
+    return names;
+}
+
+}  // namespace
+
+ShaderSources::ShaderSources(std::filesystem::path folder) : folder_(std::move(folder)) {
+    for (const auto& [file, words] : neuvv_render_shaders)
+        if (!std::filesystem::is_regular_file(folder_ / file))
+            throw InputError(folder_.string(), file, "is not there: give the folder shaders of this program's sources");
+    seen_ = times();
+}
+
+ShaderSources::Times ShaderSources::times() const {
+    Times times;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_, error))
+        if (entry.is_regular_file(error)) times[entry.path()] = entry.last_write_time(error);
+    return times;
+}
+
+// A shader's source and all that it includes, in whichever file.
+std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::path& file) const {
+    std::set<std::filesystem::path> found{file};
+    std::vector<std::filesystem::path> open{file};
+    while (!open.empty()) {
+        const std::filesystem::path of = open.back();
+        open.pop_back();
+        if (!std::filesystem::is_regular_file(of)) continue;  // an editor is just replacing it
+        for (const std::string& name : include_names(of))
+            for (const std::filesystem::path& at : {of.parent_path() / name, folder_ / name})
+                if (std::filesystem::is_regular_file(at) && found.insert(at).second) open.push_back(at);
+    }
+    return found;
+}
+
+std::vector<uint32_t> ShaderSources::compiled(const std::string& file) const {
+    const TemporaryFile out;
+    const ProgramEnd end = run_program({"glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3",
+                                        "-I" + folder_.string(), "-o", out.path.string(), (folder_ / file).string()});
+    if (end.code != 0) throw InputError(folder_.string(), file, first_error(end.said, file));
+    const std::vector<uint8_t> bytes = read_file(out.path, kMostBytes);
+    std::vector<uint32_t> words(bytes.size() / 4);
+    if (!words.empty()) std::memcpy(words.data(), bytes.data(), 4 * words.size());
+    if (words.empty() || words[0] != kSpirvMagic) throw InputError(folder_.string(), file, "gave no SPIR-V");
+    return words;
+}
+
+ShaderSources::Change ShaderSources::look() {
+    Change change;
+    try {
+        Times now = times();
+        std::set<std::filesystem::path> others;
+        for (const auto& [path, time] : now)
+            if (const auto before = seen_.find(path); before == seen_.end() || before->second != time)
+                others.insert(path);
+        if (others.empty()) return change;
+        seen_ = std::move(now);
+        find_stale(others);
+        gpu::ShaderReplacements replacements = replacements_;
+        for (const auto& [file, words] : neuvv_render_shaders) {
+            if (!stale_.contains(file)) continue;
+            replacements[{words.begin(), words.end()}] = compiled(file);
+            change.compiled.emplace_back(file);
+        }
+        replacements_ = std::move(replacements);
+        stale_.clear();
+    } catch (const std::runtime_error& error) {
+        change = {{}, error.what()};
+    }
+    return change;
+}
+
+// All that changed counts before anything is refused: it is compiled once it can be.
+void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
+    for (const std::filesystem::path& path : changed)
+        if (path.parent_path().filename() == "shared") shared_ = path;
+    for (const auto& [file, words] : neuvv_render_shaders) {
+        const std::set<std::filesystem::path> parts = included(folder_ / file);
+        if (std::any_of(parts.begin(), parts.end(), [&](const auto& part) { return changed.contains(part); }))
+            stale_.insert(file);
+    }
+    if (!shared_.empty()) throw InputError(shared_.string(), "", "C++ has it, too", "build the program anew");
+}
+
+}  // namespace neuvv::editor

@@ -1,0 +1,73 @@
+#include "editor/block_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace neuvv {
+namespace {
+
+constexpr double kTarget_ms = 40;
+
+struct Drawn {
+    double all_ms = 0, slowest_ms = 0;  // of the grid that the picture was finished with
+    uint32_t side = 0, begun = 1;       // how often
+};
+
+// A picture whose pixels take full_ms, and each block fixed_ms.
+Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1) {
+    grid.begin(least);
+    Drawn drawn{0, 0, grid.side()};
+    for (uint32_t block = 0; block < grid.side() * grid.side();) {
+        const double ms = fixed_ms + full_ms / (grid.side() * grid.side());
+        drawn.all_ms += ms;
+        drawn.slowest_ms = std::max(drawn.slowest_ms, ms);
+        block++;
+        if (!grid.drawn(ms)) continue;
+        block = 0;
+        drawn.begun++;
+        drawn.slowest_ms = 0;
+    }
+    drawn.side = grid.side();
+    return drawn;
+}
+
+TEST(BlockGrid, BlocksTakeAboutTheTarget) {
+    for (const double full_ms : {300.0, 1000.0, 3000.0}) {
+        editor::BlockGrid grid(kTarget_ms);
+        for (int i = 0; i < 4; i++) draw(grid, 2, full_ms);
+        const Drawn drawn = draw(grid, 2, full_ms);
+        EXPECT_EQ(drawn.begun, 1u) << "it is known by now: " << full_ms;
+        EXPECT_LE(drawn.slowest_ms, 1.5 * kTarget_ms) << full_ms;
+    }
+}
+
+// What a block costs whatever its size cannot be cut.
+TEST(BlockGrid, CutsNothingInVain) {
+    editor::BlockGrid grid(kTarget_ms);
+    const Drawn drawn = draw(grid, 100, 80);
+    EXPECT_EQ(drawn.side, 4u);
+    EXPECT_LE(drawn.begun, 3u);
+    EXPECT_LE(drawn.all_ms, 16 * 105 + 3 * 105);
+}
+
+TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
+    editor::BlockGrid grid(kTarget_ms);
+    draw(grid, 1, 20000);
+    EXPECT_EQ(grid.side(), 8u);
+    Drawn drawn;
+    for (int i = 0; i < 8; i++) drawn = draw(grid, 1, 20);
+    EXPECT_EQ(drawn.side, 1u);
+    EXPECT_LE(drawn.slowest_ms, kTarget_ms);
+}
+
+TEST(BlockGrid, KeepsToTheLeastAndTheMost) {
+    editor::BlockGrid grid(kTarget_ms);
+    for (int i = 0; i < 8; i++) {
+        EXPECT_GE(draw(grid, 0, 1, 3).side, 3u);
+    }
+    EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMostBlocks);
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,115 @@
+#include "tools/headset/settings.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+namespace neuvv::headset {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+void read_comfort(editor::PreferenceReader& reader, const ordered_json& json, Comfort& comfort) {
+    const std::string at = "comfort.";
+    reader.boolean(json, at, "smoothWalk", comfort.smooth_walk);
+    reader.boolean(json, at, "smoothTurn", comfort.smooth_turn);
+    reader.number(json, at, "snap_deg", 5.0, 180.0, comfort.snap_deg);
+    reader.number(json, at, "turn_deg_per_s", 10.0, 360.0, comfort.turn_deg_per_s);
+    reader.number(json, at, "walk_m_per_s", 0.1, 10.0, comfort.walk_m_per_s);
+    reader.boolean(json, at, "vignette", comfort.vignette);
+}
+
+// One of two words. Whether it is the second.
+bool read_choice(editor::PreferenceReader& reader, const ordered_json& json, const char* name,
+                 std::array<const char*, 2> words, bool before) {
+    const ordered_json* member = editor::PreferenceReader::find(json, name);
+    std::string word;
+    const std::string at = std::string("brush.") + name;
+    if (!member || !reader.text(*member, at, word)) return before;
+    if (word != words[0] && word != words[1]) {
+        reader.wrong.push_back(at);
+        return before;
+    }
+    return word == words[1];
+}
+
+void read_brush(editor::PreferenceReader& reader, const ordered_json& json, HandBrush& brush) {
+    const std::string at = "brush.";
+    const bool is_box = read_choice(reader, json, "tip", {"ball", "box"}, brush.tip == HandBrush::Tip::kBox);
+    brush.tip = is_box ? HandBrush::Tip::kBox : HandBrush::Tip::kBall;
+    const bool erases = read_choice(reader, json, "does", {"paint", "erase"}, brush.does == HandBrush::Does::kErase);
+    brush.does = erases ? HandBrush::Does::kErase : HandBrush::Does::kPaint;
+    reader.number(json, at, "radius_m", kLeastBrush_m, kLargestBrush_m, brush.radius_m);
+    reader.number(json, at, "opacity", kLeastBrushOpacity, 1.0, brush.opacity);
+    reader.boolean(json, at, "wholeClip", brush.whole_clip);
+    const ordered_json& colour = reader.object(json, "colour");
+    reader.number(colour, "brush.colour.", "red", 0.0f, 1.0f, brush.colour.r);
+    reader.number(colour, "brush.colour.", "green", 0.0f, 1.0f, brush.colour.g);
+    reader.number(colour, "brush.colour.", "blue", 0.0f, 1.0f, brush.colour.b);
+}
+
+// As people write it: 0.3, not 0.30000001192092896.
+double rounded(double value) {
+    return std::round(value * 1e4) / 1e4;
+}
+
+void write_comfort(ordered_json& json, const Comfort& comfort) {
+    json["smoothWalk"] = comfort.smooth_walk;
+    json["smoothTurn"] = comfort.smooth_turn;
+    json["snap_deg"] = comfort.snap_deg;
+    json["turn_deg_per_s"] = comfort.turn_deg_per_s;
+    json["walk_m_per_s"] = comfort.walk_m_per_s;
+    json["vignette"] = comfort.vignette;
+}
+
+void write_brush(ordered_json& json, const HandBrush& brush) {
+    json["tip"] = brush.tip == HandBrush::Tip::kBox ? "box" : "ball";
+    json["does"] = brush.does == HandBrush::Does::kErase ? "erase" : "paint";
+    json["radius_m"] = rounded(brush.radius_m);
+    ordered_json& colour = editor::object_in(json, "colour");
+    colour["red"] = rounded(brush.colour.r);
+    colour["green"] = rounded(brush.colour.g);
+    colour["blue"] = rounded(brush.colour.b);
+    json["opacity"] = rounded(brush.opacity);
+    json["wholeClip"] = brush.whole_clip;
+}
+
+}  // namespace
+
+void HeadsetSettings::load(OnStage& on, HoldSettings& hold) {
+    if (path_.empty()) return;
+    editor::PreferenceFile file = editor::load_preference_file(path_);
+    editor::PreferenceReader reader;
+    read_comfort(reader, reader.object(file.document, "comfort"), on.comfort);
+    read_brush(reader, reader.object(file.document, "brush"), on.brush);
+    reader.boolean(reader.object(file.document, "panel"), "panel.", "onWrist", on.panel_on_wrist);
+    const ordered_json& held = reader.object(file.document, "hold");
+    reader.boolean(held, "hold.", "upright", hold.upright);
+    reader.boolean(held, "hold.", "snapsToFloor", hold.snaps_to_floor);
+    const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
+    if (!problem.empty()) on.editor.tell(problem, true);
+    before_ = written(on, hold, file.document);
+    document_ = std::move(file.document);
+}
+
+ordered_json HeadsetSettings::written(const OnStage& on, const HoldSettings& hold, ordered_json over) {
+    write_comfort(editor::object_in(over, "comfort"), on.comfort);
+    write_brush(editor::object_in(over, "brush"), on.brush);
+    editor::object_in(over, "panel")["onWrist"] = on.panel_on_wrist;
+    ordered_json& held = editor::object_in(over, "hold");
+    held["upright"] = hold.upright;
+    held["snapsToFloor"] = hold.snaps_to_floor;
+    return over;
+}
+
+void HeadsetSettings::save(const OnStage& on, const HoldSettings& hold) {
+    if (path_.empty()) return;
+    ordered_json now = written(on, hold, document_);
+    if (now == before_) return;
+    editor::save_preference_file(path_, now);
+    before_ = std::move(now);
+}
+
+}  // namespace neuvv::headset
