@@ -101,7 +101,7 @@ BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers)
         const bool debug = slot.binding == kDebugBinding;
         if (!debug && (found == buffers.end() || !found->second->buffer))
             throw RuntimeFailure(fmt::format("pass \"{}\": no buffer for binding {}", pass.name(), slot.binding));
-        const Buffer& buffer = debug ? device_->debug_buffer().buffer() : *found->second;
+        const Buffer& buffer = debug ? pass.device().debug_buffer().buffer() : *found->second;
         require_fits(pass, slot, buffer);
         infos[i] = {buffer.buffer, 0, VK_WHOLE_SIZE};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
