@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 
+#include "base/text.h"
 #include "training/contact_sheet.h"
 #include "training/flip.h"
 
@@ -115,19 +116,6 @@ const std::array<Metric, 4>& metrics() {
                                             {"MAE", "", [](const training::Quality& q) { return q.mae; }, 4},
                                             {"FLIP", "", [](const training::Quality& q) { return q.flip; }, 4}}};
     return all;
-}
-
-std::string base64(const std::vector<uint8_t>& bytes) {
-    constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        const size_t left = std::min<size_t>(bytes.size() - i, 3);
-        uint32_t group = 0;
-        for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < left ? bytes[i + k] : 0);
-        for (size_t k = 0; k < 4; ++k) text += k <= left ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
 }
 
 std::string cells(const training::Quality& quality) {

@@ -179,7 +179,7 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     if (const auto& environment = plan.stage.settings.environment)
         facts["environment"] = content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));
     for (const char* kind : {"buffers", "images"})
-        if (const auto list = plan.stage.file.json.find(kind); list != plan.stage.file.json.end())
+        if (const nlohmann::ordered_json* list = plan.stage.file.json.find(kind))
             for (const auto& one : *list) {
                 const std::string uri = one.value("uri", "");
                 if (!uri.empty() && uri.rfind("data:", 0) != 0)

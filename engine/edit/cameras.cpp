@@ -13,7 +13,7 @@ namespace {
 constexpr double kNear_m = 0.05;  // glTF wants one; no picture of ours has one
 
 // The index of the camera that a node holds; throws where it holds none, or one that is not perspective.
-size_t perspective_camera_of(stage::StageFile& file, uint32_t node) {
+size_t perspective_camera_of(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     const std::string place = fmt::format("/nodes/{}", node);
     if (!json.contains("camera"))
@@ -49,8 +49,8 @@ std::string add_camera(stage::StageFile& file, const std::string& name, double v
 
 std::string set_camera(stage::StageFile& file, uint32_t node, double vertical_angle_rad) {
     const size_t index = perspective_camera_of(file, node);
-    ordered_json& nodes = file.json["nodes"];
-    ordered_json& cameras = file.json["cameras"];
+    ordered_json& nodes = file.json.edit("nodes");
+    ordered_json& cameras = file.json.edit("cameras");
     ordered_json changed = cameras[index];
     changed["perspective"]["yfov"] = vertical_angle_rad;
     const auto users = std::count_if(nodes.begin(), nodes.end(), [&](const ordered_json& other) {

@@ -43,9 +43,13 @@ const ordered_json* find_member(const ordered_json& owner, const char* name) {
     return found == owner.end() ? nullptr : &*found;
 }
 
+const ordered_json* find_member(const stage::StageJson& document, const char* name) {
+    return document.find(name);
+}
+
 ordered_json& node_of(stage::StageFile& file, uint32_t node) {
     expect_node(file, node);
-    return file.json["nodes"][node];
+    return file.json.edit("nodes")[node];
 }
 
 const ordered_json& node_of(const stage::StageFile& file, uint32_t node) {
@@ -58,10 +62,24 @@ std::string title_of(const stage::StageFile& file, uint32_t node) {
     return name.empty() ? fmt::format("node {}", node) : fmt::format("\"{}\" (node {})", name, node);
 }
 
+const ordered_json* find_extension(const ordered_json& owner, const char* name) {
+    const ordered_json* extensions = find_member(owner, "extensions");
+    const ordered_json* found = extensions ? find_member(*extensions, name) : nullptr;
+    return found && found->is_object() ? found : nullptr;
+}
+
 ordered_json* find_extension(ordered_json& owner, const char* name) {
-    if (!owner.contains("extensions") || !owner["extensions"].is_object()) return nullptr;
-    ordered_json& extensions = owner["extensions"];
-    return extensions.contains(name) && extensions[name].is_object() ? &extensions[name] : nullptr;
+    return const_cast<ordered_json*>(find_extension(std::as_const(owner), name));
+}
+
+const ordered_json* find_extension(const stage::StageJson& document, const char* name) {
+    const ordered_json* extensions = document.find("extensions");
+    const ordered_json* found = extensions ? find_member(*extensions, name) : nullptr;
+    return found && found->is_object() ? found : nullptr;
+}
+
+ordered_json* find_extension(stage::StageJson& document, const char* name) {
+    return find_extension(std::as_const(document), name) ? &document.edit("extensions")[name] : nullptr;
 }
 
 const ordered_json* find_extension(const ordered_json& owner, const char* name) {
@@ -78,6 +96,14 @@ ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, 
     return owner["extensions"][name] = ordered_json::object();
 }
 
+ordered_json& make_extension(stage::StageFile& file, const char* name) {
+    if (ordered_json* found = find_extension(file.json, name)) return *found;
+    if (!file.json.contains("extensions")) file.json.set("extensions", ordered_json::object());
+    if (!file.json["extensions"].is_object())
+        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+    return file.json.edit("extensions")[name] = ordered_json::object();
+}
+
 void declare_extension(stage::StageFile& file, const char* name) {
     ordered_json& used = list_in(file.json, "extensionsUsed");
     if (std::find(used.begin(), used.end(), ordered_json(name)) == used.end()) used.push_back(name);
@@ -89,11 +115,20 @@ void remove_extension(ordered_json& owner, const char* name) {
     if (owner["extensions"].empty()) owner.erase("extensions");
 }
 
+void remove_extension(stage::StageJson& document, const char* name) {
+    const ordered_json* extensions = document.find("extensions");
+    if (!extensions || !extensions->is_object()) return;
+    document.edit("extensions").erase(name);
+    if (document["extensions"].empty()) document.erase("extensions");
+}
+
 void forget_unused(stage::StageFile& file, const char* name) {
-    if (holds_extension(file.json, name)) return;
+    if (find_extension(file.json, name)) return;
+    for (const auto& [member, value] : file.json.members())
+        if (holds_extension(*value, name)) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
         if (!file.json.contains(list) || !file.json[list].is_array()) continue;
-        ordered_json& names = file.json[list];
+        ordered_json& names = file.json.edit(list);
         for (size_t i = names.size(); i-- > 0;)
             if (names[i] == name) names.erase(i);
         if (names.empty()) file.json.erase(list);
@@ -109,7 +144,7 @@ const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
 }
 
 ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
-    performer_of(std::as_const(file), node);
+    performer_of(std::as_const(file), node);  // which throws
     return *find_extension(node_of(file, node), stage::kPerformerExtension);
 }
 
@@ -117,6 +152,12 @@ ordered_json& list_in(ordered_json& json, const char* name) {
     if (!json.contains(name)) json[name] = ordered_json::array();
     if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
     return json[name];
+}
+
+ordered_json& list_in(stage::StageJson& json, const char* name) {
+    if (!json.contains(name)) json.set(name, ordered_json::array());
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    return json.edit(name);
 }
 
 const ordered_json* find_scene(const stage::StageFile& file) {
@@ -131,18 +172,18 @@ const ordered_json* find_scene(const stage::StageFile& file) {
 ordered_json& scene_of(stage::StageFile& file) {
     if (list_in(file.json, "scenes").empty()) {
         const std::vector<uint32_t> roots = scene_roots(file);
-        file.json["scene"] = 0;
-        file.json["scenes"].push_back(ordered_json::object());
-        if (!roots.empty()) file.json["scenes"][0]["nodes"] = roots;
+        file.json.set("scene", 0);
+        ordered_json& scene = file.json.edit("scenes").emplace_back(ordered_json::object());
+        if (!roots.empty()) scene["nodes"] = roots;
     }
     find_scene(file);  // throws where it does not exist
-    return file.json["scenes"][file.json.value("scene", size_t{0})];
+    return file.json.edit("scenes")[file.json.value("scene", size_t{0})];
 }
 
 uint32_t append_node(stage::StageFile& file, ordered_json node) {
     const auto index = static_cast<uint32_t>(list_in(file.json, "nodes").size());
     list_in(scene_of(file), "nodes").push_back(index);
-    file.json["nodes"].push_back(std::move(node));
+    file.json.edit("nodes").push_back(std::move(node));
     return index;
 }
 

@@ -1,7 +1,8 @@
 // Inside of this room only: finding one's way in a stage's JSON, to read it and to change it.
 //
-// References into an ordered_json do not outlive a new member of an object that holds them, the document itself
-// included: declare_extension, scene_of and append_node come before references are taken.
+// References into an ordered_json do not outlive a new member of an object that holds them: scene_of and append_node
+// come before references into the same list are taken. References into a member of the document do not outlive its next
+// copy (stage/stage_json.h), so operations copy it first, as all_or_nothing does.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,12 +22,15 @@ using nlohmann::ordered_json;
 
 constexpr const char* kLightsExtension = "KHR_lights_punctual";
 
-// What `edit` returns; where it throws, the document is as it was.
+// What `edit` returns; where it throws, the document is as it was. Members that it wrote without changing them are
+// shared with the document before it.
 template <typename Edit>
 std::string all_or_nothing(stage::StageFile& file, const Edit& edit) {
-    ordered_json before = file.json;
+    stage::StageJson before = file.json;
     try {
-        return edit();
+        std::string what = edit();
+        file.json.share(before);
+        return what;
     } catch (...) {
         file.json = std::move(before);
         throw;
@@ -38,8 +42,9 @@ std::optional<uint64_t> index_of(const ordered_json& value);
 
 // owner[name], null where it is not there or the owner is no object.
 const ordered_json* find_member(const ordered_json& owner, const char* name);
+const ordered_json* find_member(const stage::StageJson& document, const char* name);
 
-// nodes[node]; throws InputError where it does not exist.
+// nodes[node]; throws InputError where it does not exist. To be written, or only read.
 ordered_json& node_of(stage::StageFile& file, uint32_t node);
 const ordered_json& node_of(const stage::StageFile& file, uint32_t node);
 // "\"anna\" (node 3)".
@@ -48,12 +53,16 @@ std::string title_of(const stage::StageFile& file, uint32_t node);
 // owner.extensions[name], null where it is not there.
 ordered_json* find_extension(ordered_json& owner, const char* name);
 const ordered_json* find_extension(const ordered_json& owner, const char* name);
+ordered_json* find_extension(stage::StageJson& document, const char* name);
+const ordered_json* find_extension(const stage::StageJson& document, const char* name);
 // The same, made where it is missing. The document must have been told: declare_extension.
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name);
+ordered_json& make_extension(stage::StageFile& file, const char* name);  // of the document itself
 // The document says that it uses it.
 void declare_extension(stage::StageFile& file, const char* name);
 // Takes it away, and what is empty thereby.
 void remove_extension(ordered_json& owner, const char* name);
+void remove_extension(stage::StageJson& document, const char* name);
 // The document no longer says that it uses an extension that nothing has.
 void forget_unused(stage::StageFile& file, const char* name);
 
@@ -62,6 +71,7 @@ ordered_json& performer_of(stage::StageFile& file, uint32_t node);
 const ordered_json& performer_of(const stage::StageFile& file, uint32_t node);
 // The list json[name], made where it is missing.
 ordered_json& list_in(ordered_json& json, const char* name);
+ordered_json& list_in(stage::StageJson& json, const char* name);
 // The scene that a stage shows, null where the document has none.
 const ordered_json* find_scene(const stage::StageFile& file);
 // The same, made of all nodes that have no parent where the document has none.

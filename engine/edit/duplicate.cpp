@@ -40,7 +40,7 @@ ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
             if (index == node) return true;
         return false;
     };
-    for (ordered_json& parent : file.json["nodes"])
+    for (ordered_json& parent : file.json.edit("nodes"))
         if (holds(parent, "children")) return &parent["children"];
     ordered_json& scene = scene_of(file);
     return holds(scene, "nodes") ? &scene["nodes"] : nullptr;
@@ -88,7 +88,7 @@ void stagger(ordered_json& performer, const CopySettings& settings, const stage:
 // Copies of the channels that move what is below the copied node.
 void copy_channels(stage::StageFile& file, const std::map<uint32_t, uint32_t>& copies) {
     if (!file.json.contains("animations")) return;
-    for (ordered_json& animation : file.json["animations"]) {
+    for (ordered_json& animation : file.json.edit("animations")) {
         ordered_json added = ordered_json::array();
         for (const ordered_json& channel : animation.value("channels", ordered_json::array())) {
             if (!channel.contains("target") || !channel["target"].contains("node")) continue;
@@ -109,10 +109,10 @@ uint32_t copy_family(stage::StageFile& file, const std::vector<uint32_t>& family
         if (copy.contains("name") && copy["name"].is_string())
             copy["name"] = names.take(copy["name"].get<std::string>());
         copies[node] = static_cast<uint32_t>(file.json["nodes"].size());
-        file.json["nodes"].push_back(std::move(copy));
+        file.json.edit("nodes").push_back(std::move(copy));
     }
     for (const auto& [node, copy] : copies) {
-        ordered_json& json = file.json["nodes"][copy];
+        ordered_json& json = file.json.edit("nodes")[copy];
         if (!json.contains("children")) continue;
         for (ordered_json& child : json["children"]) child = copies.at(child.get<uint32_t>());
     }

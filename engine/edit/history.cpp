@@ -4,16 +4,21 @@
 
 namespace neuvv::edit {
 
-// Of layers that steps hold and the document does not.
-uint64_t History::paint_bytes(const Document& document) const {
-    std::set<const voctree::EditLayer*> counted;
-    for (const auto& [path, layer] : document.paint) counted.insert(layer.get());
-    uint64_t bytes = 0;
+uint64_t History::held_bytes(const Document& document) const {
+    std::set<const void*> counted;
+    const auto count = [&](const stage::StageJson& json, const PaintLayers& paint) {
+        uint64_t bytes = 0;
+        for (const auto& [value, size] : json.sizes())
+            if (counted.insert(value).second) bytes += size;
+        for (const auto& [path, layer] : paint)
+            if (counted.insert(layer.get()).second) bytes += layer->edits.size() * sizeof(voctree::LeafEdit);
+        return bytes;
+    };
+    count(document.file.json, document.paint);
+    uint64_t held = 0;
     for (const std::deque<Step>* steps : {&undo_, &redo_})
-        for (const Step& step : *steps)
-            for (const auto& [path, layer] : step.paint)
-                if (counted.insert(layer.get()).second) bytes += layer->edits.size() * sizeof(voctree::LeafEdit);
-    return bytes;
+        for (const Step& step : *steps) held += count(step.json, step.paint);
+    return held;
 }
 
 void History::did(Document before, const Document& after, std::string what) {
@@ -21,7 +26,7 @@ void History::did(Document before, const Document& after, std::string what) {
     undo_.push_back(
         {before.file.path, std::move(before.file.json), std::move(before.paint), revision_, std::move(what)});
     revision_ = ++last_revision_;
-    while (undo_.size() > 1 && (undo_.size() > step_limit_ || paint_bytes(after) > byte_limit_)) undo_.pop_front();
+    while (undo_.size() > 1 && (undo_.size() > step_limit_ || held_bytes(after) > byte_limit_)) undo_.pop_front();
 }
 
 std::optional<std::string> History::step(Document& document, uint64_t& revision, std::deque<Step>& from,

@@ -1,5 +1,6 @@
 // Undo and redo: the document as it was before and after each edit, of the stage or of paint. Steps share the layers
-// that they did not change, so a stroke costs one layer.
+// and the members of the JSON that they did not change, so a stroke costs one layer, and moving a node the list of
+// nodes.
 #pragma once
 
 #include <deque>
@@ -12,10 +13,10 @@ namespace neuvv::edit {
 
 class History {
   public:
-    // Keeps so many steps, and so many bytes of layers that the document itself does not hold; the oldest steps are
-    // forgotten, the last one never.
-    explicit History(size_t steps = 100, uint64_t paint_bytes = uint64_t{512} << 20)
-        : step_limit_(steps), byte_limit_(paint_bytes) {}
+    // Keeps so many steps, and so many bytes of JSON and layers that the document itself does not hold; the oldest
+    // steps are forgotten, the last one never.
+    explicit History(size_t steps = 100, uint64_t bytes = uint64_t{512} << 20)
+        : step_limit_(steps), byte_limit_(bytes) {}
 
     // After an edit: the document as it was before it, as it is, and what the edit said. What was undone cannot be
     // redone then.
@@ -30,6 +31,9 @@ class History {
     const std::string* next_undo() const { return undo_.empty() ? nullptr : &undo_.back().what; }
     const std::string* next_redo() const { return redo_.empty() ? nullptr : &redo_.back().what; }
 
+    // What the steps hold beyond the document, each value that several of them share once.
+    uint64_t held_bytes(const Document& document) const;
+
     // Numbers the states that the document has been in: the same number, the same state.
     uint64_t revision() const { return revision_; }
     // The disk has the document as it is, or has it in no state of this history (a recovered one).
@@ -41,14 +45,13 @@ class History {
     // A state before the step where it can be undone, after it where it can be redone.
     struct Step {
         std::filesystem::path path;  // from which the URIs go
-        nlohmann::ordered_json json;
+        stage::StageJson json;
         PaintLayers paint;
         uint64_t revision = 0;
         std::string what;
     };
     static std::optional<std::string> step(Document& document, uint64_t& revision, std::deque<Step>& from,
                                            std::deque<Step>& to);
-    uint64_t paint_bytes(const Document& document) const;
 
     size_t step_limit_;
     uint64_t byte_limit_;

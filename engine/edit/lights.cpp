@@ -20,9 +20,9 @@ ordered_json& light_of(stage::StageFile& file, uint32_t node) {
     return (*lights)["lights"].at((*held)["light"].get<size_t>());
 }
 
-size_t users_of(stage::StageFile& file, size_t light) {
+size_t users_of(const stage::StageFile& file, size_t light) {
     size_t count = 0;
-    for (ordered_json& node : file.json["nodes"])
+    for (const ordered_json& node : file.json["nodes"])
         if (const ordered_json* held = find_extension(node, kLightsExtension)) count += (*held)["light"] == light;
     return count;
 }
@@ -66,7 +66,7 @@ std::string add_light(stage::StageFile& file, const std::string& name, const Lig
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", FreeNames(file).take(name.empty() ? "light" : name)}});
         declare_extension(file, kLightsExtension);
-        ordered_json& lights = list_in(make_extension(file, file.json, kLightsExtension), "lights");
+        ordered_json& lights = list_in(make_extension(file, kLightsExtension), "lights");
         const size_t index = lights.size();
         lights.push_back({{"type", "spot"}, {"intensity", kDefaultCandela}});
         edit_light(lights[index], edit);

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "base/text.h"
 #include "edit/document.h"
 #include "edit/operations.h"
 
@@ -12,17 +13,6 @@ namespace {
 constexpr float kFloorHalfSide = 5;  // metres
 const glm::dvec3 kCameraPlace(0, 1.6, 4), kLightPlace(1.5, 4, 2.5), kMiddle(0, 1, 0);
 constexpr double kCandela = 60;
-
-std::string base64(const std::vector<uint8_t>& bytes) {
-    constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        uint32_t word = 0;
-        for (size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-        for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[word >> (18 - 6 * k) & 63];
-    }
-    return text;
-}
 
 ordered_json rotation_json(const glm::dquat& q) {
     return {q.x, q.y, q.z, q.w};

@@ -193,7 +193,7 @@ void RecoveryWriter::store(const Document& document) {
                                  {"topology", hex(stored.layer->field.topology)},
                                  {"leaves", stored.layer->field.leaf_count},
                                  {"frames", stored.layer->field.frames}});
-    json["document"] = text_of(document.file.json, -1);
+    json["document"] = document.file.json.text();
     const std::string text = text_of(json, 1);
     write_file_atomically(entry_ / kEntryName, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
     remove_layers_but(layers);
@@ -242,7 +242,7 @@ Document restore(const RecoveryEntry& entry) {
     const ordered_json json = read_entry(entry.folder);
     const std::string file = (entry.folder / kEntryName).string();
     const OrderedJsonNode node = entry_node(json, file);
-    const ordered_json stored = stage::parse_document(json_string(node["document"]), file);
+    ordered_json stored = stage::parse_document(json_string(node["document"]), file);
     const std::filesystem::path stage = path_of(node["stage"]);
     std::error_code error;
     const bool on_disk = json_flag(node["on_disk"]);
@@ -254,7 +254,8 @@ Document restore(const RecoveryEntry& entry) {
     } else {
         document.file = stage::make_stage_file(stage, text_of(stored, 2) + "\n");
     }
-    document.file.json = stored;
+    document.file.json = stage::StageJson(std::move(stored));
+    document.file.json.share(document.file.saved->json);
     stage::expect_sound_document(document.file);
     const OrderedJsonNode paint = node["paint"];
     if (!paint.value.is_array()) paint.fail_type("an array");

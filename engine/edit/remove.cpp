@@ -21,7 +21,8 @@ constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",     
                                            "KHR_texture_",        "KHR_mesh_",  "EXT_mesh_",
                                            "EXT_texture_",        "KHR_draco_", stage::kVisibilityExtension};
 
-size_t size_of(const ordered_json& json, const char* list) {
+template <typename Json>
+size_t size_of(const Json& json, const char* list) {
     return json.contains(list) ? json[list].size() : 0;
 }
 
@@ -36,6 +37,13 @@ std::vector<int64_t> renumbering(size_t size, const Indices& gone) {
 void erase_elements(ordered_json& owner, const char* list, const Indices& gone) {
     for (auto index = gone.rbegin(); index != gone.rend(); ++index) owner[list].erase(*index);
     if (!gone.empty() && owner[list].empty()) owner.erase(list);  // glTF knows no empty lists
+}
+
+void erase_elements(stage::StageJson& document, const char* list, const Indices& gone) {
+    if (gone.empty()) return;
+    ordered_json& elements = document.edit(list);
+    for (auto index = gone.rbegin(); index != gone.rend(); ++index) elements.erase(*index);
+    if (elements.empty()) document.erase(list);
 }
 
 // An index of a list that was renumbered; taken out of its owner where what it names is gone.
@@ -69,14 +77,20 @@ void for_each(ordered_json& json, const char* list, const std::function<void(ord
             if (element.is_object()) visit(element);
 }
 
+void for_each(stage::StageJson& document, const char* list, const std::function<void(ordered_json&)>& visit) {
+    if (document.contains(list) && document[list].is_array())
+        for (ordered_json& element : document.edit(list))
+            if (element.is_object()) visit(element);
+}
+
 // The index that a node holds: of its own member, or of its light.
-std::optional<uint64_t> held_index(ordered_json& node, const char* name) {
-    ordered_json* owner = name == std::string("light") ? find_extension(node, kLightsExtension) : &node;
+std::optional<uint64_t> held_index(const ordered_json& node, const char* name) {
+    const ordered_json* owner = name == std::string("light") ? find_extension(node, kLightsExtension) : &node;
     return owner && owner->contains(name) ? index_of((*owner)[name]) : std::nullopt;
 }
 
 // What nodes of the family hold and no other node.
-Indices only_used_by(stage::StageFile& file, const Indices& family, const char* name) {
+Indices only_used_by(const stage::StageFile& file, const Indices& family, const char* name) {
     Indices inside, outside;
     for (size_t i = 0; i < size_of(file.json, "nodes"); ++i)
         if (const auto index = held_index(file.json["nodes"][i], name))
@@ -120,7 +134,7 @@ bool prune_animation(ordered_json& animation, const std::vector<int64_t>& where)
     return false;
 }
 
-void remove_nodes(ordered_json& json, const Indices& family) {
+void remove_nodes(stage::StageJson& json, const Indices& family) {
     const std::vector<int64_t> where = renumbering(size_of(json, "nodes"), family);
     erase_elements(json, "nodes", family);
     for_each(json, "nodes", [&](ordered_json& node) { renumber_list(node, "children", where); });
@@ -131,11 +145,11 @@ void remove_nodes(ordered_json& json, const Indices& family) {
     });
     Indices idle;
     for (size_t i = 0; i < size_of(json, "animations"); ++i)
-        if (prune_animation(json["animations"][i], where)) idle.insert(i);
+        if (prune_animation(json.edit("animations")[i], where)) idle.insert(i);
     erase_elements(json, "animations", idle);
 }
 
-void remove_held(ordered_json& json, const char* list, const char* member, const Indices& gone) {
+void remove_held(stage::StageJson& json, const char* list, const char* member, const Indices& gone) {
     if (gone.empty()) return;
     const std::vector<int64_t> where = renumbering(size_of(json, list), gone);
     erase_elements(json, list, gone);
@@ -168,7 +182,7 @@ std::string doubtful_extensions(const stage::StageFile& file) {
 }  // namespace
 
 std::string remove_node(stage::StageFile& file, uint32_t node) {
-    node_of(file, node);
+    node_of(std::as_const(file), node);  // which throws
     const std::string title = title_of(file, node);
     const std::vector<uint32_t> nodes = family_of(file, node);
     const Indices family(nodes.begin(), nodes.end());
@@ -178,17 +192,19 @@ std::string remove_node(stage::StageFile& file, uint32_t node) {
     const bool renumbers = *family.begin() + family.size() < size_of(file.json, "nodes") || !skins.empty() ||
                            !meshes.empty() || !cameras.empty() || !lights.empty();
     const std::string doubtful = renumbers ? doubtful_extensions(file) : "";
-    remove_held(file.json, "skins", "skin", skins);
-    remove_held(file.json, "meshes", "mesh", meshes);
-    remove_held(file.json, "cameras", "camera", cameras);
-    remove_lights(file, lights);
-    remove_nodes(file.json, family);
-    for (const char* extension : {stage::kPerformerExtension, kLightsExtension, stage::kVisibilityExtension})
-        forget_unused(file, extension);
-    std::string text = fmt::format("removed {}", title);
-    if (family.size() > 1) text += fmt::format(" and {} below it", family.size() - 1);
-    if (!doubtful.empty()) text += fmt::format("; {} may name others by index: look at them", doubtful);
-    return text;
+    return all_or_nothing(file, [&] {
+        remove_held(file.json, "skins", "skin", skins);
+        remove_held(file.json, "meshes", "mesh", meshes);
+        remove_held(file.json, "cameras", "camera", cameras);
+        remove_lights(file, lights);
+        remove_nodes(file.json, family);
+        for (const char* extension : {stage::kPerformerExtension, kLightsExtension, stage::kVisibilityExtension})
+            forget_unused(file, extension);
+        std::string text = fmt::format("removed {}", title);
+        if (family.size() > 1) text += fmt::format(" and {} below it", family.size() - 1);
+        if (!doubtful.empty()) text += fmt::format("; {} may name others by index: look at them", doubtful);
+        return text;
+    });
 }
 
 }  // namespace neuvv::edit

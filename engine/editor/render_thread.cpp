@@ -213,9 +213,9 @@ void RenderThread::tell_problem(std::string problem, uint64_t unsound_id) {
 }
 
 // Whether it could be drawn if all its clips were there.
-bool RenderThread::is_sound(const edit::Document& document) {
+bool RenderThread::is_sound(const edit::Document& document) const {
     try {
-        stage::expect_sound_document(document.file);
+        stage::expect_sound_document(document.file, stage_.get());
     } catch (const InputError&) {
         return false;
     }

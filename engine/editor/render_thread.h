@@ -125,7 +125,7 @@ class RenderThread {
     void tell_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
     void load(std::shared_ptr<const edit::Document> document, uint64_t id);
-    static bool is_sound(const edit::Document& document);
+    bool is_sound(const edit::Document& document) const;
     void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress);
     void fit(VkExtent2D size);
     void draw_newest();

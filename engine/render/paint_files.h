@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "render/file_stamp.h"
+#include "base/file_stamp.h"
 #include "voctree/paint.h"
 
 namespace neuvv::render {

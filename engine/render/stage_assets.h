@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/file_stamp.h"
 #include "render/field.h"
-#include "render/file_stamp.h"
 #include "render/paint_files.h"
 #include "render/set_raster.h"
 #include "stage/stage.h"

@@ -93,6 +93,7 @@ GltfChannel channel_of(const GltfScene& scene, AccessorReader& reader, const tin
 }  // namespace
 
 void load_animations(GltfScene& scene, AccessorReader& reader) {
+    std::vector<GltfAnimation> animations;
     for (size_t a = 0; a < reader.model.animations.size(); ++a) {
         const tinygltf::Animation& source = reader.model.animations[a];
         GltfAnimation animation;
@@ -105,8 +106,9 @@ void load_animations(GltfScene& scene, AccessorReader& reader) {
                 std::max(animation.duration_s, static_cast<double>(animation.channels.back().times.back()));
         }
         if (animation.channels.empty()) throw InputError(scene.file, place, "animates nothing");
-        scene.animations.push_back(std::move(animation));
+        animations.push_back(std::move(animation));
     }
+    scene.animations = std::move(animations);
 }
 
 }  // namespace neuvv::stage

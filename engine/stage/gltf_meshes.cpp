@@ -262,6 +262,7 @@ GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, con
 }  // namespace
 
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms) {
+    std::vector<GltfMesh> meshes;
     for (size_t m = 0; m < reader.model.meshes.size(); ++m) {
         const tinygltf::Mesh& source = reader.model.meshes[m];
         const std::string place = fmt::format("/meshes/{}", m);
@@ -280,8 +281,9 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
                              fmt::format("has {} weights for {} morph targets", source.weights.size(), targets));
         mesh.weights.assign(targets, 0.0f);
         for (size_t i = 0; i < source.weights.size(); ++i) mesh.weights[i] = static_cast<float>(source.weights[i]);
-        scene.meshes.push_back(std::move(mesh));
+        meshes.push_back(std::move(mesh));
     }
+    scene.meshes = std::move(meshes);
 }
 
 }  // namespace neuvv::stage

@@ -148,6 +148,7 @@ void load_nodes(GltfScene& scene, const tinygltf::Model& model) {
 }
 
 void load_skins(GltfScene& scene, AccessorReader& reader) {
+    std::vector<GltfSkin> skins;
     for (size_t s = 0; s < reader.model.skins.size(); ++s) {
         const tinygltf::Skin& source = reader.model.skins[s];
         const std::string place = fmt::format("/skins/{}", s);
@@ -170,9 +171,28 @@ void load_skins(GltfScene& scene, AccessorReader& reader) {
                 skin.inverse_binds[i / 16][static_cast<int>(i % 16 / 4)][static_cast<int>(i % 4)] =
                     static_cast<double>(values[i]);
         }
-        scene.skins.push_back(std::move(skin));
+        skins.push_back(std::move(skin));
     }
+    scene.skins = std::move(skins);
 }
+
+namespace {
+
+bool fits_nodes(const GltfScene& scene) {
+    for (const GltfSkin& skin : scene.skins)
+        for (const uint32_t joint : skin.joints)
+            if (joint >= scene.nodes.size()) return false;
+    for (const GltfAnimation& animation : scene.animations)
+        for (const GltfChannel& channel : animation.channels) {
+            if (channel.node >= scene.nodes.size()) return false;
+            const GltfNode& node = scene.nodes[channel.node];
+            const bool weights = channel.path == GltfPath::kWeights;
+            if (weights ? node.weights.size() != channel.components : node.has_matrix) return false;
+        }
+    return true;
+}
+
+}  // namespace
 
 GltfScene load_gltf(const std::filesystem::path& path) {
     return load_gltf(path, read_file(path, kMaxStageBytes));
@@ -191,6 +211,24 @@ GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> byte
     load_cameras(scene, model);
     load_lights(scene, model);
     load_images(scene, model, before);  // last: the costly part
+    return scene;
+}
+
+std::optional<GltfScene> load_gltf_nodes(const std::filesystem::path& path, std::vector<uint8_t> bytes,
+                                         const GltfScene& before) {
+    GltfScene scene;
+    scene.file = path.string();
+    scene.meshes = before.meshes;
+    scene.materials = before.materials;
+    scene.textures = before.textures;
+    scene.images = before.images;
+    scene.skins = before.skins;
+    scene.animations = before.animations;
+    const tinygltf::Model model = parse_gltf(path, std::move(bytes));
+    load_nodes(scene, model);
+    if (!fits_nodes(scene)) return std::nullopt;
+    load_cameras(scene, model);
+    load_lights(scene, model);
     return scene;
 }
 

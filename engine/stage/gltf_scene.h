@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -155,16 +156,36 @@ struct GltfImage {
     media::Image pixels;
 };
 
+// A list that copies share; it does not change.
+template <typename Element>
+class SharedList {
+  public:
+    SharedList() : SharedList(std::vector<Element>{}) {}
+    SharedList(std::vector<Element> elements)  // NOLINT: a list is what it holds
+        : elements_(std::make_shared<const std::vector<Element>>(std::move(elements))) {}
+    size_t size() const { return elements_->size(); }
+    bool empty() const { return elements_->empty(); }
+    const Element& operator[](size_t index) const { return (*elements_)[index]; }
+    const Element& at(size_t index) const { return elements_->at(index); }
+    auto begin() const { return elements_->begin(); }
+    auto end() const { return elements_->end(); }
+    // Whether both are the very same list.
+    bool shares(const SharedList& other) const { return elements_ == other.elements_; }
+
+  private:
+    std::shared_ptr<const std::vector<Element>> elements_;
+};
+
 struct GltfScene {
     std::string file;  // for error messages
     std::vector<GltfNode> nodes;
     std::vector<uint32_t> order;  // every node index once, parents before children
-    std::vector<GltfMesh> meshes;
+    SharedList<GltfMesh> meshes;
     std::vector<GltfMaterial> materials;
     std::vector<GltfTexture> textures;
     std::vector<std::shared_ptr<const GltfImage>> images;  // null where no material uses the image
-    std::vector<GltfSkin> skins;
-    std::vector<GltfAnimation> animations;
+    SharedList<GltfSkin> skins;
+    SharedList<GltfAnimation> animations;
     std::vector<GltfCamera> cameras;
     std::vector<GltfLight> lights;
     int32_t root = -1;  // the default scene's index, −1 where the file has none
@@ -177,6 +198,11 @@ GltfScene load_gltf(const std::filesystem::path& path);
 // The same for a file's bytes that are not on the disk; what they name is read from beside `path`. Images that `before`
 // has, too, are shared with it: to decode them is the costly part.
 GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes, const GltfScene* before = nullptr);
+// The same of a document without the members that name bytes: buffers, images, and what is made of them, which is
+// shared with `before`, the scene of that document with other nodes. Nothing where its skins or animations do not fit
+// these nodes: load_gltf says why.
+std::optional<GltfScene> load_gltf_nodes(const std::filesystem::path& path, std::vector<uint8_t> bytes,
+                                         const GltfScene& before);
 
 // The animation of this name, or of this index in decimal. Throws InputError listing what there is.
 uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);

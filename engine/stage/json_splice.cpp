@@ -133,6 +133,21 @@ std::string laid_out(const ordered_json& value, const Style& style, bool lines, 
     return text + (value.is_object() ? '}' : ']');
 }
 
+// The members of an object, in their order.
+using Members = std::vector<std::pair<std::string_view, const ordered_json*>>;
+
+Members members_of(const ordered_json& object) {
+    Members members;
+    for (const auto& [name, value] : object.get_ref<const ordered_json::object_t&>())
+        members.emplace_back(name, &value);
+    return members;
+}
+
+const ordered_json* find(const Members& members, std::string_view name) {
+    const auto found = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.first == name; });
+    return found == members.end() ? nullptr : found->second;
+}
+
 // What an edited part was in the text, kNew for none.
 constexpr size_t kNew = SIZE_MAX;
 
@@ -186,6 +201,40 @@ std::vector<size_t> matched(const ordered_json& original, const ordered_json& ed
     return was;
 }
 
+// A part of a container as it shall be: an old part (`was`), or a new one, whose text is that of the old part `copy_of`
+// where there is one that is equal.
+struct Change {
+    size_t was = kNew, copy_of = kNew;
+    std::string_view key;
+    const ordered_json* old_value = nullptr;
+    const ordered_json* new_value = nullptr;
+};
+
+// In the order of the text; new members last.
+std::vector<Change> changes_of_object(const Members& original, const Members& edited) {
+    std::vector<Change> changes;
+    for (size_t i = 0; i < original.size(); ++i)
+        if (const ordered_json* value = find(edited, original[i].first))
+            changes.push_back({i, kNew, original[i].first, original[i].second, value});
+    for (const auto& [key, value] : edited)
+        if (!find(original, key)) changes.push_back({kNew, kNew, key, nullptr, value});
+    return changes;
+}
+
+std::vector<Change> changes_of_list(const ordered_json& original, const ordered_json& edited) {
+    std::vector<Change> changes;
+    const std::vector<size_t> was = matched(original, edited);
+    for (size_t i = 0; i < was.size(); ++i) {
+        Change& change = changes.emplace_back(Change{was[i], kNew, {}, nullptr, &edited[i]});
+        if (was[i] != kNew)
+            change.old_value = &original[was[i]];
+        else if (is_container(edited[i]) && original.size() * original.size() <= kMaxMatchedPairs)
+            for (size_t k = 0; k < original.size() && change.copy_of == kNew; ++k)
+                if (original[k] == edited[i]) change.copy_of = k;
+    }
+    return changes;
+}
+
 struct Splicer {
     std::string_view text;
     Style style;
@@ -195,16 +244,17 @@ struct Splicer {
     // The value at `at`, edited; `indent` is that of a new value in its place.
     std::string value(size_t at, const ordered_json& original, const ordered_json& edited, bool lines,
                       const std::string& indent) const {
-        if (original == edited) return std::string(between(at, value_end(text, at)));
+        if (&original == &edited || original == edited) return std::string(between(at, value_end(text, at)));
         if (original.type() != edited.type() || !is_container(edited)) return laid_out(edited, style, lines, indent);
-        return container(at, original, edited);
+        return container(at, edited.is_object() ? changes_of_object(members_of(original), members_of(edited))
+                                                : changes_of_list(original, edited));
     }
 
     // An object or list. Kept parts bring along what stood between them.
-    std::string container(size_t at, const ordered_json& original, const ordered_json& edited) const {
+    std::string container(size_t at, const std::vector<Change>& changes) const {
+        if (changes.empty()) return text[at] == '{' ? "{}" : "[]";
         size_t close = 0;
         const std::vector<Part> parts = parts_of(text, at, close);
-        const bool object = edited.is_object();
         const std::string indent = indent_at(text, at);
         const std::string lead = parts.empty() ? (style.lines ? style.newline + indent + style.unit : "")
                                                : std::string(between(at + 1, parts[0].begin));
@@ -212,51 +262,30 @@ struct Splicer {
         const std::string inner = lines ? after_last_newline(lead) : indent;
         const std::string separator =
             parts.size() > 1 ? std::string(between(parts[parts.size() - 2].end, parts.back().begin)) : "," + lead;
-        if (edited.empty()) return object ? "{}" : "[]";
 
         std::string out = text[at] + lead;
         size_t before = kNew;  // the part last written
-        bool first = true;
-        const auto keep = [&](size_t i, const ordered_json& old_value, const ordered_json& new_value) {
-            if (!first) out += i > 0 && before != kNew ? between(parts[i - 1].end, parts[i].begin) : separator;
-            out += between(parts[i].begin, parts[i].value);
-            out += value(parts[i].value, old_value, new_value, lines, inner);
-            before = i;
-            first = false;
-        };
-        const auto add = [&](const std::string& part) {
-            out += (first ? "" : separator) + part;
-            before = kNew;
-            first = false;
-        };
-        if (object) {
-            size_t i = 0;
-            for (const auto& [key, old_value] : original.items()) {
-                if (edited.contains(key)) keep(i, old_value, edited[key]);
-                ++i;
+        for (const Change& change : changes) {
+            const size_t i = change.was;
+            if (&change != changes.data())
+                out += i != kNew && i > 0 && before != kNew ? between(parts[i - 1].end, parts[i].begin) : separator;
+            if (i != kNew) {
+                out += between(parts[i].begin, parts[i].value);
+                out += value(parts[i].value, *change.old_value, *change.new_value, lines, inner);
+            } else {
+                out += new_part(change, parts, lines, inner);
             }
-            for (const auto& [key, new_value] : edited.items())
-                if (!original.contains(key))
-                    add(ordered_json(key).dump() + style.colon + laid_out(new_value, style, lines, inner));
-        } else {
-            const std::vector<size_t> was = matched(original, edited);
-            for (size_t i = 0; i < was.size(); ++i)
-                if (was[i] != kNew)
-                    keep(was[i], original[was[i]], edited[i]);
-                else
-                    add(moved_or_new(parts, original, edited[i], lines, inner));
+            before = i;
         }
         out += parts.empty() ? (lines ? style.newline + indent : "") : std::string(between(parts.back().end, close));
         return out + text[close];
     }
 
-    // An element that stood elsewhere in its list keeps its text.
-    std::string moved_or_new(const std::vector<Part>& parts, const ordered_json& original, const ordered_json& element,
-                             bool lines, const std::string& indent) const {
-        if (is_container(element) && parts.size() * original.size() <= kMaxMatchedPairs)
-            for (size_t i = 0; i < parts.size(); ++i)
-                if (original[i] == element) return std::string(between(parts[i].value, parts[i].end));
-        return laid_out(element, style, lines, indent);
+    std::string new_part(const Change& change, const std::vector<Part>& parts, bool lines,
+                         const std::string& indent) const {
+        if (change.copy_of != kNew) return std::string(between(parts[change.copy_of].value, parts[change.copy_of].end));
+        const std::string key = change.key.data() ? ordered_json(change.key).dump() + style.colon : "";
+        return key + laid_out(*change.new_value, style, lines, indent);
     }
 };
 
@@ -310,6 +339,15 @@ std::string spliced(std::string_view text, const ordered_json& original, const o
     const Splicer splicer{text, style_of(text, root)};
     std::string out(text.substr(0, root));
     out += splicer.value(root, original, edited, splicer.style.lines, "");
+    return out += text.substr(value_end(text, root));
+}
+
+std::string spliced(std::string_view text, const StageJson& original, const StageJson& edited) {
+    if (original == edited) return std::string(text);
+    const size_t root = root_of(text);
+    const Splicer splicer{text, style_of(text, root)};
+    std::string out(text.substr(0, root));
+    out += splicer.container(root, changes_of_object(original.members(), edited.members()));
     return out += text.substr(value_end(text, root));
 }
 

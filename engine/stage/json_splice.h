@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "stage/stage_json.h"
+
 namespace neuvv::stage {
 
 // One value nests at most so deep, an object has at most so many members.
@@ -27,5 +29,7 @@ nlohmann::ordered_json parse_document(std::string_view text, const std::string& 
 // members is the text's.
 std::string spliced(std::string_view text, const nlohmann::ordered_json& original,
                     const nlohmann::ordered_json& edited);
+// The same of a document; members that both share are not looked at.
+std::string spliced(std::string_view text, const StageJson& original, const StageJson& edited);
 
 }  // namespace neuvv::stage

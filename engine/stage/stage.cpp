@@ -18,9 +18,9 @@ using nlohmann::ordered_json;
 constexpr double kMinScale = 1e-6, kMaxScale = 1e6, kMinVolume = 1e-6, kMaxPlace = 1e9;
 
 // The extension of nodes[index] or scenes[index], null where it has none. The document is sound glTF.
-const ordered_json* extension_of(const ordered_json& json, const char* list, size_t index, const char* name) {
-    const auto objects = json.find(list);
-    if (objects == json.end() || index >= objects->size()) return nullptr;
+const ordered_json* extension_of(const StageJson& json, const char* list, size_t index, const char* name) {
+    const ordered_json* objects = json.find(list);
+    if (!objects || index >= objects->size()) return nullptr;
     const auto extensions = (*objects)[index].find("extensions");
     if (extensions == (*objects)[index].end() || !extensions->is_object()) return nullptr;
     const auto found = extensions->find(name);
@@ -123,9 +123,66 @@ void read_settings(Stage& stage) {
     stage.ambient = stage.settings.ambient.value_or(glm::dvec3(stage.scene.lights.empty() ? 1 : 0));
 }
 
-Stage checked_stage(StageFile file, bool clips_needed, const Stage* before = nullptr) {
-    Stage stage;
+// The members that name bytes, and those that are made of such bytes: the costly part of a scene.
+constexpr const char* kCostlyMembers[] = {"buffers",  "bufferViews", "accessors", "images", "textures",
+                                          "samplers", "materials",   "meshes",    "skins",  "animations"};
+
+std::vector<std::pair<std::filesystem::path, FileStamp>> read_files_of(const StageFile& file) {
+    std::vector<std::pair<std::filesystem::path, FileStamp>> files;
+    for (const char* list : {"buffers", "images"}) {
+        const ordered_json* owners = file.json.find(list);
+        if (!owners || !owners->is_array()) continue;
+        for (const ordered_json& owner : *owners) {
+            if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) continue;
+            const auto& uri = owner["uri"].get_ref<const std::string&>();
+            if (uri.starts_with("data:")) continue;
+            const std::filesystem::path path = file.path.parent_path() / decoded_uri(uri);
+            files.emplace_back(path, stamp_of(path));
+        }
+    }
+    return files;
+}
+
+// A .glb has a buffer behind its JSON.
+bool has_same_chunks(const StageFile::Saved& a, const StageFile::Saved& b) {
+    if (&a == &b || (!a.binary && !b.binary)) return true;
+    return a.binary && b.binary &&
+           std::equal(a.bytes.begin() + static_cast<std::ptrdiff_t>(a.json_begin + a.json_size), a.bytes.end(),
+                      b.bytes.begin() + static_cast<std::ptrdiff_t>(b.json_begin + b.json_size), b.bytes.end());
+}
+
+// Whether all that is made of bytes is in both the same: known without looking at any.
+bool has_same_bytes(const StageFile& file, const Stage& before) {
+    const bool stays = before.read_files.empty() || file.path.parent_path() == before.file.path.parent_path();
+    const bool unread = std::any_of(before.read_files.begin(), before.read_files.end(),
+                                    [](const auto& read) { return stamp_of(read.first) != read.second; });
+    return stays && !unread && has_same_chunks(*file.saved, *before.file.saved) &&
+           std::all_of(std::begin(kCostlyMembers), std::end(kCostlyMembers),
+                       [&](const char* member) { return file.json.shares(before.file.json, member); });
+}
+
+// The document without its costly members.
+std::vector<uint8_t> bytes_of_nodes(const StageFile& file) {
+    StageJson json = file.json;
+    for (const char* member : kCostlyMembers) json.erase(member);
+    const std::string text = json.text();
+    return {text.begin(), text.end()};
+}
+
+void read_scene(Stage& stage, const StageFile& file, const Stage* before) {
+    if (before && has_same_bytes(file, *before))
+        if (auto scene = load_gltf_nodes(file.path, bytes_of_nodes(file), before->scene)) {
+            stage.scene = std::move(*scene);
+            stage.read_files = before->read_files;
+            return;
+        }
+    stage.read_files = read_files_of(file);
     stage.scene = load_gltf(file.path, stage_bytes(file), before ? &before->scene : nullptr);
+}
+
+Stage checked_stage(StageFile file, bool clips_needed, const Stage* before) {
+    Stage stage;
+    read_scene(stage, file, before);
     stage.file = std::move(file);
     read_performers(stage, clips_needed);
     expect_placeable(stage);
@@ -163,8 +220,8 @@ Stage make_stage(StageFile file, const Stage* before) {
     return checked_stage(std::move(file), true, before);
 }
 
-void expect_sound_document(const StageFile& file) {
-    checked_stage(file, false);
+void expect_sound_document(const StageFile& file, const Stage* before) {
+    checked_stage(file, false, before);
 }
 
 }  // namespace neuvv::stage

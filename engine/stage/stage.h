@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_stamp.h"
 #include "stage/gltf_scene.h"
 #include "stage/performer_settings.h"
 #include "stage/stage_file.h"
@@ -34,6 +35,8 @@ struct StagePerformer {
 struct Stage {
     StageFile file;
     GltfScene scene;
+    // Beside the stage, that buffers and images were read from.
+    std::vector<std::pair<std::filesystem::path, FileStamp>> read_files;
     std::vector<StageClip> clips;  // distinct files
     std::vector<StagePerformer> performers;
     StageSettings settings;
@@ -45,11 +48,12 @@ struct Stage {
 // Any glTF scene is a stage. Throws InputError for what load_gltf refuses, for wrong members of our extensions, for a
 // .nvv that is missing or damaged (its header is read, no more), and for performers whose transform cannot be inverted.
 Stage load_stage(const std::filesystem::path& path);
-// The same of a file with edits that are not saved; sooner where `before` has the same images.
+// The same of a file with edits that are not saved. Of `before`, a stage of an earlier state of the document, it shares
+// what did not change: where only nodes, scenes, cameras and lights did, buffers are not even looked at.
 Stage make_stage(StageFile file, const Stage* before = nullptr);
 
 // Everything that make_stage checks, but a .nvv may be missing: whether a file may be saved.
-void expect_sound_document(const StageFile& file);
+void expect_sound_document(const StageFile& file, const Stage* before = nullptr);
 
 // What people call a node: its name, or "node 3" where it has none.
 std::string node_title(const GltfScene& scene, uint32_t node);

@@ -21,8 +21,9 @@ std::string_view json_text(const StageFile::Saved& saved) {
         .substr(saved.json_begin, saved.json_size);
 }
 
+// The JSON shares what it has in common with `known`.
 std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, const std::string& file,
-                                                 bool on_disk = true) {
+                                                 bool on_disk = true, const StageJson& known = {}) {
     const auto saved = std::make_shared<StageFile::Saved>();
     saved->on_disk = on_disk;
     const GltfContainer container = find_gltf_json(bytes, file);
@@ -34,9 +35,10 @@ std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, con
         throw InputError(
             file, "",
             fmt::format("has {} bytes of JSON, more than the {} of a stage", saved->json_size, kMaxStageJsonBytes));
-    saved->json = parse_document(json_text(*saved), file);
-    if (!saved->json.is_object())
-        throw InputError(file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    ordered_json json = parse_document(json_text(*saved), file);
+    if (!json.is_object()) throw InputError(file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    saved->json = StageJson(std::move(json));
+    saved->json.share(known);
     return saved;
 }
 
@@ -46,35 +48,34 @@ bool is_named_binary(const std::filesystem::path& path) {
     return ending == ".glb";
 }
 
-// Calls edit(uri, place, below) for every URI of a file beside the stage; `below`: it must lie below the stage's
-// folder.
+// Calls edit(uri, place, below) for every URI of a file beside the stage in one of the document's members; `below`: it
+// must lie below the stage's folder.
 template <typename Edit>
-void edit_uris(ordered_json& json, const Edit& edit) {
+void edit_uris(ordered_json& value, const std::string& member, const Edit& edit) {
     const auto visit = [&](ordered_json& owner, const std::string& place, bool below) {
         if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) return;
         if (!owner["uri"].get_ref<const std::string&>().starts_with("data:")) edit(owner["uri"], place + "/uri", below);
     };
-    const auto list = [&](ordered_json& owner, const char* name, const auto& each) {
-        if (!owner.is_object() || !owner.contains(name) || !owner[name].is_array()) return;
-        for (size_t i = 0; i < owner[name].size(); ++i) each(owner[name][i], fmt::format("/{}/{}", name, i));
+    const auto each_of = [](ordered_json& list, const std::string& name, const auto& each) {
+        if (!list.is_array()) return;
+        for (size_t i = 0; i < list.size(); ++i) each(list[i], fmt::format("/{}/{}", name, i));
     };
     const auto extension = [](ordered_json& owner, const char* name) -> ordered_json* {
         if (!owner.is_object() || !owner.contains("extensions")) return nullptr;
         ordered_json& extensions = owner["extensions"];
         return extensions.is_object() && extensions.contains(name) ? &extensions[name] : nullptr;
     };
-    for (const char* name : {"buffers", "images"})
-        list(json, name, [&](ordered_json& owner, const std::string& place) { visit(owner, place, true); });
-    list(json, "nodes", [&](ordered_json& node, const std::string& place) {
-        ordered_json* performer = extension(node, "NEUVV_performer");
-        if (!performer) return;
-        visit(*performer, place + "/extensions/NEUVV_performer", false);
-        list(*performer, "paint", [&](ordered_json& layer, const std::string& at) { visit(layer, place + at, false); });
-    });
-    list(json, "scenes", [&](ordered_json& scene, const std::string& place) {
-        ordered_json* stage = extension(scene, "NEUVV_stage");
-        if (stage && stage->is_object() && stage->contains("environment"))
-            visit((*stage)["environment"], place + "/extensions/NEUVV_stage/environment", false);
+    each_of(value, member, [&](ordered_json& owner, const std::string& place) {
+        if (member == "buffers" || member == "images") return visit(owner, place, true);
+        if (ordered_json* performer = extension(owner, "NEUVV_performer"); performer && member == "nodes") {
+            visit(*performer, place + "/extensions/NEUVV_performer", false);
+            if (performer->is_object() && performer->contains("paint"))
+                each_of((*performer)["paint"], "paint",
+                        [&](ordered_json& layer, const std::string& at) { visit(layer, place + at, false); });
+        }
+        if (ordered_json* stage = extension(owner, "NEUVV_stage"); stage && member == "scenes")
+            if (stage->is_object() && stage->contains("environment"))
+                visit((*stage)["environment"], place + "/extensions/NEUVV_stage/environment", false);
     });
 }
 
@@ -83,17 +84,20 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 }
 
 // URIs of the stage as they must be in the folder of `path`.
-ordered_json rebased(const StageFile& file, const std::filesystem::path& path) {
-    ordered_json json = file.json;
+StageJson rebased(const StageFile& file, const std::filesystem::path& path) {
+    StageJson json = file.json;
     StageFile there{path, {}, {}};
-    edit_uris(json, [&](ordered_json& uri, const std::string& place, bool below) {
+    const auto rebase = [&](ordered_json& uri, const std::string& place, bool below) {
         const std::string moved = uri_of_file(there, file_of_uri(file, uri.get<std::string>(), place));
         if (below && moved.starts_with("../"))
             throw InputError(path.string(), place,
                              fmt::format("\"{}\" would lie outside of the stage's folder", uri.get<std::string>()),
                              "save beside it, or make a .glb of the stage, which holds its buffers and images");
         uri = moved;
-    });
+    };
+    for (const char* member : {"buffers", "images", "nodes", "scenes"})
+        if (json.contains(member)) edit_uris(json.edit(member), member, rebase);
+    json.share(file.json);  // members that name no files
     return json;
 }
 
@@ -165,7 +169,7 @@ void save_stage_file(StageFile& file, const std::filesystem::path& path) {
                          "keep the ending");
     StageFile moved = moved_to(file, path);
     std::vector<uint8_t> bytes = stage_bytes(moved);
-    auto saved = saved_of(bytes, path.string());
+    auto saved = saved_of(bytes, path.string(), true, moved.json);
     write_file_atomically(path, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
     moved.saved = std::move(saved);
     moved.json = moved.saved->json;

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "stage/stage_json.h"
 
 namespace neuvv::stage {
 
@@ -15,15 +16,15 @@ constexpr uint64_t kMaxStageBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxStageJsonBytes = uint64_t{1} << 26;
 
 struct StageFile {
-    std::filesystem::path path;   // relative URIs begin at its folder
-    nlohmann::ordered_json json;  // what an edit changes
+    std::filesystem::path path;  // relative URIs begin at its folder
+    StageJson json;              // what an edit changes; copies of the file share all else
 
     // What `path` held when it was read or saved last. Copies share it.
     struct Saved {
         std::vector<uint8_t> bytes;
         bool binary = false;  // .glb, told by content
         size_t json_begin = 0, json_size = 0;
-        nlohmann::ordered_json json;
+        StageJson json;
         bool on_disk = true;  // else no file was there yet: make_stage_file
     };
     std::shared_ptr<const Saved> saved;

@@ -21,7 +21,8 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
-    for (const char* verb : {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train"}) {
+    for (const char* verb :
+         {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train", "edit"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -31,6 +32,17 @@ TEST(Bench, EveryVerbHelpsWithExamples) {
     }
     expect_refused({}, 2, {"neuvv-bench --help"});
     expect_refused({"sing"}, 2, {"sing", "stereo"});
+}
+
+TEST(Bench, EditMeasuresDragsAndTheirHistory) {
+    const nlohmann::json json = json_of({"edit", "--megabytes", "1", "--steps", "10"});
+    EXPECT_GT(json["large"]["stage_bytes"], 1000000);
+    EXPECT_GT(json["large"]["median_ms"], 0.0);
+    EXPECT_GE(json["large"]["worst_ms"], json["large"]["median_ms"]);
+    EXPECT_GT(json["empty"]["history_bytes"], 0);
+    EXPECT_LT(json["large"]["history_bytes"], 100000) << "the buffers are not in it";
+    EXPECT_NE(run_neuvv({"edit", "--megabytes", "0.1", "--steps", "2"}).out.find("times as long"), std::string::npos);
+    expect_refused({"edit", "--megabytes", "100"}, 2, {"--megabytes"});
 }
 
 TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {

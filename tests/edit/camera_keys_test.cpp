@@ -29,7 +29,7 @@ struct Paths : test::ForeignStage {
         stage::expect_sound_document(file);
         return stage::make_stage(file).settings.camera_path.value();
     }
-    ordered_json& json() { return file.json["scenes"][0]["extensions"]["NEUVV_stage"]["cameraPath"]; }
+    ordered_json& json() { return file.json.edit("scenes")[0]["extensions"]["NEUVV_stage"]["cameraPath"]; }
     std::vector<double> times() const {
         std::vector<double> all;
         for (const stage::CameraPathKey& one : path().keys) all.push_back(one.time_s);
@@ -79,7 +79,7 @@ TEST_F(Paths, KeysAreAddedInTime) {
 
 TEST_F(Paths, KeysMovePastEachOtherAndGo) {
     for (const double t : {0.0, 1.0, 2.0, 3.0}) edit::add_path_key(file, key(t, t), kFrame);
-    const ordered_json four = file.json;
+    const stage::StageJson four = file.json;
     edit::move_path_key(file, 1, 2.5, kFrame);
     EXPECT_EQ(times(), (Times{0, 2, 2.5, 3}));
     EXPECT_EQ(path().keys[2].position.x, 1);

@@ -13,7 +13,7 @@ namespace neuvv::test {
 struct ForeignStage : testing::Test {
     TemporaryFolder folder;
     stage::StageFile file;
-    nlohmann::ordered_json before;
+    stage::StageJson before;
 
     void SetUp() override {
         file = stage::read_stage_file(put_foreign_stage(folder.path));

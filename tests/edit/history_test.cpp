@@ -44,7 +44,7 @@ struct Histories : test::ForeignDocument {
 
 TEST_F(Histories, GoBackAndForth) {
     edit::History history(3);
-    std::vector<ordered_json> documents = {document.file.json};
+    std::vector<stage::StageJson> documents = {document.file.json};
     for (int i = 0; i < 5; ++i) {
         rename(history, "name " + std::to_string(i));
         documents.push_back(document.file.json);
@@ -101,7 +101,7 @@ TEST_F(Histories, PaintAndStageShareOneList) {
     rename(history, "Berta");  // before the layer is opened
     stroke(history, "red.nvpaint", 0.5f);
     rename(history, "Carla");
-    const ordered_json carla = document.file.json;
+    const stage::StageJson carla = document.file.json;
     stroke(history, "red.nvpaint", 0.75f);
     edit::save_document(document, at("stage.gltf"));
     EXPECT_EQ(red_on_disk("red.nvpaint"), 0.75f);
@@ -138,7 +138,9 @@ TEST_F(Histories, ForgetTheOldestWhereLayersGrow) {
     edit::History tiny(100, 1);
     stroke(tiny, "red.nvpaint", 0.9f, kLeaves);
     EXPECT_TRUE(tiny.next_undo()) << "the last step stays";
-    edit::History names(100, 1);
+    constexpr uint32_t kManyLeaves = 100000;
+    document.paint[at("red.nvpaint")] = layer(0.9f, kManyLeaves);
+    edit::History names(100, kManyLeaves * sizeof(voctree::LeafEdit) / 2);
     for (int i = 0; i < 10; ++i) rename(names, "name " + std::to_string(i));
     for (steps = 0; names.undo(document);) ++steps;
     EXPECT_EQ(steps, 10) << "none of these holds a layer of its own";

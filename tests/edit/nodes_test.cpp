@@ -75,7 +75,7 @@ TEST_F(Nodes, ACameraSeesWhatItWasMadeFor) {
 
 TEST_F(Nodes, ASharedCameraBecomesTheNodesOwn) {
     edit::duplicate_node(file, node("Pivot"), {});
-    file.json["nodes"][node("Pivot")]["camera"] = 0;
+    file.json.edit("nodes")[node("Pivot")]["camera"] = 0;
     edit::set_camera(file, node("Pivot"), 0.25);
     const auto angle = [&](const char* name) {
         const stage::Stage now = stage();
@@ -93,8 +93,8 @@ TEST_F(Nodes, ASharedCameraBecomesTheNodesOwn) {
     expect_input_error([&] { edit::set_camera(file, 99, 1); }, {"99"});
     edit::set_camera(file, node("Camera"), 4);
     expect_input_error([&] { stage::expect_sound_document(file); }, {"/cameras/0/perspective/yfov"});
-    file.json["cameras"][0] = {{"type", "orthographic"},
-                               {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"zfar", 9}, {"znear", 0}}}};
+    file.json.edit("cameras")[0] = {{"type", "orthographic"},
+                                    {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"zfar", 9}, {"znear", 0}}}};
     expect_input_error([&] { edit::set_camera(file, node("Camera"), 1); }, {"Camera", "orthographic"});
 }
 
@@ -139,19 +139,19 @@ TEST_F(Nodes, LocksAreSaidAndNotEnforced) {
     edit::Placement away;
     away.move = glm::dvec3(1, 0, 0);
     EXPECT_NO_THROW(edit::place_node(file, node("Anna"), away));
-    file.json["nodes"][4].erase("translation");
+    file.json.edit("nodes")[4].erase("translation");
     stage::save_stage_file(file, folder.path / "locked.gltf");
     EXPECT_TRUE(edit::is_locked(stage::load_stage(folder.path / "locked.gltf").file, node("Floor")));
     for (const char* name : {"Anna", "Floor", "Spot"}) edit::lock_node(file, node(name), false);
     EXPECT_EQ(file.json, before);
     // Extras are anyone's, of any type.
     for (const char* extras : {"7", R"("locked")", "[1]", R"({"neuvv":3})", R"({"neuvv":{"locked":"yes"}})"}) {
-        file.json["nodes"][0]["extras"] = ordered_json::parse(extras);
+        file.json.edit("nodes")[0]["extras"] = ordered_json::parse(extras);
         EXPECT_FALSE(edit::is_locked(file, 0)) << extras;
     }
     edit::lock_node(file, 0, true);
     EXPECT_TRUE(edit::is_locked(file, 0));
-    file.json["nodes"][0]["extras"] = 7;
+    file.json.edit("nodes")[0]["extras"] = 7;
     expect_input_error([&] { edit::lock_node(file, 0, true); }, {"/nodes/0/extras"});
     EXPECT_EQ(file.json["nodes"][0]["extras"], 7);
     EXPECT_NO_THROW(edit::lock_node(file, 0, false));

@@ -26,7 +26,7 @@ struct Edits : testing::Test {
         stage::expect_sound_document(file);
         return stage::make_stage(file);
     }
-    ordered_json& node(const std::string& name) { return file.json["nodes"][edit::find_node(file, name)]; }
+    ordered_json& node(const std::string& name) { return file.json.edit("nodes")[edit::find_node(file, name)]; }
     const stage::InstantPerformer performer(const std::string& name, double t = 0) const {
         const stage::Stage now = stage();
         for (const stage::InstantPerformer& at : stage::stage_at(now, t).performers)
@@ -237,7 +237,7 @@ TEST_F(Edits, RowsAndFansStandWhereTheySay) {
 
 // What hangs on a node comes along with its own animation; children stay children.
 TEST_F(Edits, FamiliesAreCopied) {
-    file.json["animations"][0]["channels"][0]["target"]["node"] = 5;
+    file.json.edit("animations")[0]["channels"][0]["target"]["node"] = 5;
     const size_t before = file.json["nodes"].size();
     edit::duplicate_node(file, edit::find_node(file, "Pivot"), {.count = 2, .distance_m = 3});
     EXPECT_EQ(file.json["nodes"].size(), before + 6);
@@ -261,7 +261,7 @@ TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
     edit::duplicate_node(file, 0, {.count = edit::kMaxCopies});
     edit::duplicate_node(file, 1, {.count = 2});
     edit::duplicate_node(file, 4, {.count = 1});
-    ordered_json& nodes = file.json["nodes"];
+    ordered_json& nodes = file.json.edit("nodes");
     ASSERT_EQ(nodes.size(), 5 + edit::kMaxCopies + 4 + 1);
     EXPECT_EQ(nodes[5]["name"], "a 2");
     EXPECT_EQ(nodes[6]["name"], "a 4") << "\"a 3\" is another's";
@@ -279,10 +279,10 @@ TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
 
 TEST_F(Edits, RemovingRenumbersEverything) {
     // A skin whose joints come after what is removed; a second animation that moves only the removed.
-    file.json["skins"] = {{{"joints", {3, 4}}, {"skeleton", 3}}};
-    file.json["cameras"].push_back(file.json["cameras"][0]);
-    file.json["nodes"].push_back({{"name", "B"}, {"camera", 1}});
-    file.json["scenes"][0]["nodes"].push_back(6);
+    file.json.edit("skins") = {{{"joints", {3, 4}}, {"skeleton", 3}}};
+    file.json.edit("cameras").push_back(file.json["cameras"][0]);
+    file.json.edit("nodes").push_back({{"name", "B"}, {"camera", 1}});
+    file.json.edit("scenes")[0]["nodes"].push_back(6);
     ordered_json channel = file.json["animations"][0]["channels"][0];
     ordered_json other = file.json["animations"][0];
     other["channels"][0]["target"]["node"] = 4;
@@ -290,7 +290,7 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     channel["sampler"] = 0;
     other["channels"].push_back(channel);
     other["channels"][0]["sampler"] = 1;
-    file.json["animations"].push_back(other);
+    file.json.edit("animations").push_back(other);
 
     const std::string said = edit::remove_node(file, edit::find_node(file, "Camera"));
     EXPECT_NE(said.find("ACME_fog"), std::string::npos) << said;
@@ -331,14 +331,14 @@ TEST_F(Edits, RemovingTakesWhatOnlyItUsed) {
 }
 
 TEST_F(Edits, JointsOfWhatStaysStay) {
-    file.json["skins"] = {{{"joints", {5}}}};
-    file.json["nodes"][0]["skin"] = 0;
+    file.json.edit("skins") = {{{"joints", {5}}}};
+    file.json.edit("nodes")[0]["skin"] = 0;
     expect_input_error([&] { edit::remove_node(file, 3); }, {"/skins/0", "joint"});
     edit::remove_node(file, 0);
     EXPECT_FALSE(file.json.contains("skins"));
     expect_input_error(
         [&] {
-            file.json["nodes"][1]["skin"] = 0;
+            file.json.edit("nodes")[1]["skin"] = 0;
             edit::duplicate_node(file, 1, {});
         },
         {"skin"});
@@ -381,14 +381,14 @@ TEST_F(Edits, Lights) {
     edit::remove_light(file, edit::find_node(file, "rim 2"));
     EXPECT_EQ(stage().scene.lights.size(), 2u);
     expect_input_error([&] { edit::remove_light(file, edit::find_node(file, "Anna")); }, {"Anna", "no light"});
-    const ordered_json before = file.json;
+    const stage::StageJson before = file.json;
     placement.aim = placement.at;
     expect_input_error([&] { edit::add_light(file, "x", edit, placement); }, {"where it shall look"});
     EXPECT_EQ(file.json, before) << "nothing was changed";
 }
 
 TEST_F(Edits, AnEmptyNameIsRefused) {
-    const ordered_json before = file.json;
+    const stage::StageJson before = file.json;
     expect_input_error([&] { edit::rename_node(file, edit::find_node(file, "Anna"), ""); }, {"Anna", "choose a name"});
     EXPECT_EQ(file.json, before);
 }
@@ -428,9 +428,9 @@ TEST_F(Edits, PaintLayers) {
 TEST_F(Edits, NodesAreFoundByNameOrIndex) {
     EXPECT_EQ(edit::find_node(file, "Anna"), 4u);
     EXPECT_EQ(edit::find_node(file, "4"), 4u);
-    file.json["nodes"][0]["name"] = "4";
+    file.json.edit("nodes")[0]["name"] = "4";
     EXPECT_EQ(edit::find_node(file, "4"), 0u) << "names first";
-    file.json["nodes"][1]["name"] = "Anna";
+    file.json.edit("nodes")[1]["name"] = "Anna";
     expect_input_error([&] { edit::find_node(file, "Anna"); }, {"2 nodes", "1, 4"});
     expect_input_error([&] { edit::find_node(file, "Berta"); }, {"Berta", "choose from", "3 \"Pivot\""});
     expect_input_error([&] { edit::find_node(file, "-1"); }, {"-1"});
@@ -459,7 +459,7 @@ TEST_F(Edits, PlainScenesBecomeStages) {
 
 // Bad numbers are found before anything is saved.
 TEST_F(Edits, WhatCannotBeLoadedIsNotSound) {
-    const ordered_json before = file.json;
+    const stage::StageJson before = file.json;
     edit::Placement nowhere;
     nowhere.at = glm::dvec3(NAN, 0, 0);
     edit::place_node(file, 4, nowhere);

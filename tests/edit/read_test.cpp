@@ -86,8 +86,8 @@ TEST_F(Read, ThePerformerAndTheStageAreThoseOfTheEngine) {
 }
 
 TEST_F(Read, AnOrthographicCameraHasNoAngle) {
-    file.json["cameras"][0] = {{"type", "orthographic"},
-                               {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"zfar", 9}, {"znear", 0}}}};
+    file.json.edit("cameras")[0] = {{"type", "orthographic"},
+                                    {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"zfar", 9}, {"znear", 0}}}};
     const auto camera = edit::camera_on(file, node("Camera"));
     ASSERT_TRUE(camera);
     EXPECT_TRUE(camera->orthographic);

@@ -101,7 +101,7 @@ TEST_F(Recovery, OnlyWhatChangedIsWritten) {
 TEST_F(Recovery, EntriesOfTwoViewersAreTwo) {
     edit::RecoveryWriter one(entries), other(entries);
     one.store(document);
-    const nlohmann::ordered_json first = document.file.json;
+    const stage::StageJson first = document.file.json;
     edit::rename_node(document.file, 4, "other");
     other.store(document);
     edit::Document else_where = document;

@@ -58,7 +58,7 @@ TEST(Fuzz, LoadedStagesMustBeSound) {
     stage.performers[0].timeline.frames = 30;  // of a clip of one frame
     EXPECT_NE(complaint(), "");
     stage.performers.clear();
-    stage.file.json["edited"] = true;
+    stage.file.json.set("edited", true);
     EXPECT_NE(complaint(), "");
     EXPECT_NE(fuzz::complaint_about_stage([]() -> stage::Stage { throw std::bad_alloc(); }), "");
 }

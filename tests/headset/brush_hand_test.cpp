@@ -5,7 +5,6 @@
 
 #include "edit/paint_layers.h"
 #include "edit/select.h"
-#include "edit/paint_layers.h"
 #include "headset/hands_at_a_stage.h"
 
 namespace neuvv::test {

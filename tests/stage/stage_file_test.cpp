@@ -54,7 +54,7 @@ TEST_F(StageFiles, EditedGlbKeepsItsOtherChunksAndCounts) {
     write_text(at("a.glb"), glb(R"({"asset":{"version":"2.0"},"n":1.0})", more) + "behind");
     stage::StageFile file = stage::read_stage_file(at("a.glb"));
     for (const char* name : {"x", "a longer one", ""}) {
-        file.json["name"] = name;
+        file.json.set("name", name);
         stage::save_stage_file(file, at("a.glb"));
         const std::string text = read_text(at("a.glb"));
         EXPECT_EQ(text,

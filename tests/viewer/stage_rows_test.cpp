@@ -41,10 +41,10 @@ TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
 
 TEST_F(StageRows, CountsWhatHangsOnWhatHangs) {
     // Sun on Anna on Pivot, then a root behind them.
-    file.json["nodes"][3]["children"] = {4};
-    file.json["nodes"][4]["children"] = {5};
-    file.json["scenes"][0]["nodes"] = {3, 0};
-    file.json["nodes"][0].erase("name");
+    file.json.edit("nodes")[3]["children"] = {4};
+    file.json.edit("nodes")[4]["children"] = {5};
+    file.json.edit("scenes")[0]["nodes"] = {3, 0};
+    file.json.edit("nodes")[0].erase("name");
     const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
     EXPECT_EQ(titles(rows), (std::vector<std::string>{"Pivot", ">Anna", ">>Sun", "node 0"}));
     EXPECT_EQ(rows[0].below, 2u);

@@ -268,7 +268,7 @@ TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
     EXPECT_EQ(check_golden("xr_bare_hand", run.picture(kReady + 6, "left")), "");
     const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
-    const json document = edit::restore(kept[0]).file.json;
+    const json document = edit::restore(kept[0]).file.json.whole();
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
@@ -286,7 +286,7 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
     expect_clean(run);
     const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
-    const json document = edit::restore(kept[0]).file.json;
+    const json document = edit::restore(kept[0]).file.json.whole();
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 

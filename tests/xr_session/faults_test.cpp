@@ -148,7 +148,7 @@ TEST_F(Faults, AGrabOutlivesALostPose) {
     expect_clean(run);
     const auto entries = kept();
     ASSERT_EQ(entries.size(), 1u);
-    const json document = edit::restore(entries[0]).file.json;
+    const json document = edit::restore(entries[0]).file.json.whole();
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 
@@ -203,7 +203,7 @@ TEST_F(Faults, AMoveOutlivesASessionThatIsLostInItsMiddle) {
     expect_no_violations(run);
     const auto entries = kept();
     ASSERT_EQ(entries.size(), 1u) << run.log;
-    const json document = edit::restore(entries[0]).file.json;
+    const json document = edit::restore(entries[0]).file.json.whole();
     EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 

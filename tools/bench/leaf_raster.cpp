@@ -36,8 +36,9 @@ LeafRasterPush raster_push(const render::Field& field, const render::SliceTrees&
 
 }  // namespace
 
-LeafRasterizer::LeafRasterizer(const gpu::Device& device, const render::Field& given_field, const render::SliceTrees& given_trees,
-                               const gpu::Buffer& shaded, const render::RayBatch& given_rays, uint32_t pair_capacity)
+LeafRasterizer::LeafRasterizer(const gpu::Device& device, const render::Field& given_field,
+                               const render::SliceTrees& given_trees, const gpu::Buffer& shaded,
+                               const render::RayBatch& given_rays, uint32_t pair_capacity)
     : field(given_field),
       trees(given_trees),
       rays(given_rays),

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     bench::add_stage(app, common);
     bench::add_xr(app, common);
     bench::add_train(app, common);
+    bench::add_edit(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv-bench VERB --help` tells more.\n\n"
         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"

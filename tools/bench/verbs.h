@@ -14,5 +14,6 @@ void add_stereo(CLI::App& app, const tools::CommonOptions& common);
 void add_stage(CLI::App& app, const tools::CommonOptions& common);
 void add_xr(CLI::App& app, const tools::CommonOptions& common);
 void add_train(CLI::App& app, const tools::CommonOptions& common);
+void add_edit(CLI::App& app, const tools::CommonOptions& common);
 
 }  // namespace neuvv::bench

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace neuvv::render {
+namespace neuvv {
 
 // Two versions of one file differ in this, unless they are as large and were written within the file system's clock.
 struct FileStamp {
@@ -22,4 +22,4 @@ inline FileStamp stamp_of(const std::filesystem::path& path) {
     return problem ? FileStamp{} : FileStamp{bytes, written};
 }
 
-}  // namespace neuvv::render
+}  // namespace neuvv
