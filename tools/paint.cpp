@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,10 +9,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "edit/brush.h"
-#include "edit/project.h"
 #include "tools/commands.h"
-#include "tools/paint_easel.h"
+#include "tools/painted_scene.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "voctree/nvpaint.h"
@@ -22,116 +19,87 @@ namespace neuvv::tools {
 
 namespace {
 
-// The performer on the device, as it is painted, to be picked on.
-struct PickedScene {
-    PickedScene(const Easel& easel, const CommonOptions& common)
+// The performer on the device, to be painted on.
+struct DeviceScene {
+    DeviceScene(const PaintedScene& scene, const CommonOptions& common)
         : device(common.device),
-          field(render::upload_field(device, easel.tree, render::WeightPrecision::kHalf)),
-          picker(device, field) {
-        show(easel, easel.at);
-    }
-    void show(const Easel& easel, float frame) {
-        const std::vector<render::PaintUse> paint = easel.shown();
-        sigma = edit::densities(easel.canvas, frame, paint);
-        picker.show(frame, paint);
+          field(std::make_shared<const render::Field>(
+              render::upload_field(device, scene.clip->tree, render::WeightPrecision::kHalf))),
+          surface(device) {}
+    // A session on what the scene shows.
+    editor::PaintSession session(const PaintedScene& scene, editor::PaintOperation operation,
+                                 editor::PaintArea area) const {
+        editor::PaintSubject subject = scene.subject();
+        subject.field = field;
+        return {std::move(subject), scene.layer, std::move(operation), std::move(area)};
     }
     gpu::Device device;
-    render::Field field;
-    render::Picker picker;
-    std::vector<float> sigma;
+    std::shared_ptr<const render::Field> field;
+    editor::PaintSurface surface;
 };
 
-// Those in the region.
-std::vector<voctree::LeafEdit> held_in(std::vector<voctree::LeafEdit> edits, const edit::Canvas& canvas,
-                                       const edit::Region& region) {
-    std::erase_if(edits, [&](const voctree::LeafEdit& edit) { return !region(canvas.middles[edit.leaf]); });
-    return edits;
-}
+// Each returns the layer as it is painted; null where no leaf was met.
+using Layer = std::shared_ptr<const voctree::EditLayer>;
 
-// Through each frame's own surface: as if a projector stood there while the clip plays.
-std::vector<voctree::LeafEdit> projected_on_every(Easel& easel, PickedScene& scene, const media::Image& image,
-                                                  const stage::Camera& camera, const edit::EditFrames& frames) {
-    std::vector<voctree::LeafEdit> all;
-    const auto first = static_cast<uint32_t>(std::ceil(frames.first)), last = static_cast<uint32_t>(frames.last);
+Layer projected(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
+                const CommonOptions& common) {
+    catch_stop_signals();
+    editor::PaintArea area = area_of(options);
+    area.image = media::read_png(options.image);
+    area.image_camera = camera_of(options, scene, {area.image.width, area.image.height});
+    area.every_frame = options.every_frame;
+    editor::PaintOperation operation;
+    operation.opacity = static_cast<float>(options.alpha);
+    operation.frames = frames;
+    DeviceScene on_device(scene, common);
+    editor::PaintSession session = on_device.session(scene, operation, std::move(area));
+    if (!options.every_frame) {
+        session.add_projection(on_device.surface);
+        return session.layer();
+    }
+    const auto [first, last] = session.projected_frames();
     if (first > last)
         throw InputError("--frames", fmt::format("{}:{}", frames.first, frames.last), "has no whole frame",
                          "--every-frame projects on whole ones");
     Progress progress("project", last - first + 1);
-    for (uint32_t frame = first; frame <= last; frame++) {
+    for (uint32_t done = 1, more = 1; more; done++) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
-        scene.show(easel, static_cast<float>(frame));
-        for (voctree::LeafEdit& edit : edit::project(scene.picker, easel.canvas, scene.sigma, image, camera)) {
-            edit.first = edit.last = static_cast<float>(frame);
-            all.push_back(edit);
-        }
-        progress.update(frame - first + 1);
+        more = session.add_projection(on_device.surface);
+        progress.update(done);
     }
-    return edit::through_between(std::move(all), frames.first, frames.last);
+    return session.layer();
 }
 
-// With their frames.
-std::vector<voctree::LeafEdit> projected(Easel& easel, const PaintOptions& options, const edit::EditFrames& frames,
-                                         const CommonOptions& common) {
-    catch_stop_signals();
-    const media::Image image = media::read_png(options.image);
-    const stage::Camera camera = camera_of(options, easel, {image.width, image.height});
-    PickedScene scene(easel, common);
-    std::vector<voctree::LeafEdit> edits =
-        options.every_frame
-            ? projected_on_every(easel, scene, image, camera, frames)
-            : edit::at_frames(easel.canvas, edit::project(scene.picker, easel.canvas, scene.sigma, image, camera),
-                              frames);
-    for (voctree::LeafEdit& edit : edits) edit.alpha *= static_cast<float>(options.alpha);
-    return held_in(std::move(edits), easel.canvas, region_of(options));
-}
-
-std::vector<voctree::LeafEdit> brushed(Easel& easel, const PaintOptions& options, const CommonOptions& common) {
+Layer brushed(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
+              const CommonOptions& common) {
     expect_change(options);
-    const edit::Brush brush = brush_of(options);
     const std::vector<glm::dvec2> line = line_of(options);
-    const stage::Camera camera = camera_of(options, easel, picture_size(options, easel));
-    PickedScene scene(easel, common);
-    return held_in(edit::stroke(easel.canvas, scene.sigma, brush, edit::touches_under(scene.picker, camera, line)),
-                   easel.canvas, region_of(options));
+    const stage::Camera camera = camera_of(options, scene, picture_size(options, scene));
+    DeviceScene on_device(scene, common);
+    editor::PaintSession session = on_device.session(scene, operation_of(options, frames), area_of(options));
+    session.add_touches(on_device.surface, camera, line);
+    return session.layer();
 }
 
-// With their frames.
-std::vector<voctree::LeafEdit> filled(const Easel& easel, const PaintOptions& options, const edit::EditFrames& frames) {
-    const edit::Region region = region_of(options);
-    // A density brings leaves to life, so it goes to all of them.
-    const std::vector<uint32_t> leaves = options.density.value_or(0) > 0
-                                             ? edit::all_leaves_in(easel.canvas, region)
-                                             : edit::leaves_in(easel.canvas, region, frames.first, frames.last);
-    const auto sigma = static_cast<float>(options.density.value_or(double{voctree::kKeepSigma}));
-    std::vector<voctree::LeafEdit> edits;
-    if (options.density && (options.hue || options.saturation))
-        edits = edit::at_frames(easel.canvas, edit::set_density(leaves, sigma), frames);
-    if (options.hue || options.saturation) {
-        std::vector<voctree::LeafEdit> colours = edit::shift_colours(
-            easel.canvas, leaves, frames.first, frames.last,
-            {static_cast<float>(options.hue.value_or(0)), static_cast<float>(options.saturation.value_or(1))});
-        for (voctree::LeafEdit& edit : colours) edit.alpha *= static_cast<float>(options.alpha);
-        edits.insert(edits.end(), colours.begin(), colours.end());
-        return edits;
-    }
-    edits = edit::fill_leaves(leaves, colour_of(options),
-                              options.colour.empty() ? 0.0f : static_cast<float>(options.alpha));
-    for (voctree::LeafEdit& edit : edits) edit.sigma = sigma;
-    return edit::at_frames(easel.canvas, edits, frames);
+// No device is needed.
+Layer filled(const PaintedScene& scene, const PaintOptions& options, const editor::PaintOperation& operation) {
+    editor::PaintSession session(scene.subject(), scene.layer, operation);
+    session.add_region(region_of(options));
+    return session.layer();
 }
 
 // Where the layer lies on its stage.
-nlohmann::ordered_json stage_json(const StagePlace& place) {
-    const bool listed = place.layer < place.who().settings.paint.size();
-    return {{"file", place.stage.file.path.string()},
-            {"node", place.who().node},
-            {"name", place.who().name},
-            {"layer", listed ? nlohmann::ordered_json(place.layer) : nlohmann::ordered_json()},
-            {"added", !place.change.empty()}};
+nlohmann::ordered_json stage_json(const StagedPerformer& staged) {
+    const bool listed = staged.layer < staged.who().settings.paint.size();
+    return {{"file", staged.stage.file.path.string()},
+            {"node", staged.who().node},
+            {"name", staged.who().name},
+            {"layer", listed ? nlohmann::ordered_json(staged.layer) : nlohmann::ordered_json()},
+            {"added", !staged.change.empty()}};
 }
 
-void print_layer(const PaintOptions& options, const Easel& easel) {
-    const voctree::EditLayer& layer = easel.layer;
+void print_layer(const PaintOptions& options, const PaintedScene& scene) {
+    const voctree::EditLayer& layer = *scene.layer;
     std::map<uint32_t, size_t> of_leaf;
     size_t colours = 0, densities_set = 0, erased = 0;
     for (const voctree::LeafEdit& edit : layer.edits) {
@@ -153,44 +121,45 @@ void print_layer(const PaintOptions& options, const Easel& easel) {
                                    {"erased", erased},
                                    {"field_leaves", layer.field.leaf_count},
                                    {"frames", layer.field.frames}};
-    if (easel.place) json["stage"] = stage_json(*easel.place);
+    if (scene.staged) json["stage"] = stage_json(*scene.staged);
     fmt::print("{}", json_text(json));
 }
 
 // Saves, and says what there is now.
-void finish(const PaintOptions& options, const Easel& easel) {
-    easel.save(options);
-    print_layer(options, easel);
-    if (easel.place && !easel.place->change.empty() && !options.json)
-        fmt::print("{}: {}\n", options.scene, easel.place->change);
+void finish(const PaintOptions& options, const PaintedScene& scene) {
+    scene.save(options);
+    print_layer(options, scene);
+    if (scene.staged && !scene.staged->change.empty() && !options.json)
+        fmt::print("{}: {}\n", options.scene, scene.staged->change);
 }
 
-// What a verb adds to the layer.
-using Edits = std::function<std::vector<voctree::LeafEdit>(Easel&, const edit::EditFrames&)>;
+// What a verb makes of the layer.
+using Painting = std::function<Layer(const PaintedScene&, const edit::EditFrames&)>;
 
-void paint(const PaintOptions& options, const Edits& make) {
+void paint(const PaintOptions& options, const Painting& painting) {
     prepare_output_file("layer", options.layer);
-    Easel easel(options);
-    const edit::EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
-    const std::vector<voctree::LeafEdit> edits = make(easel, frames);
-    if (edits.empty()) {
+    PaintedScene scene(options);
+    const edit::EditFrames frames = frames_of(options, scene.at, scene.clip->tree.frames);
+    const Layer painted = painting(scene, frames);
+    if (!painted) {
         fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
-        easel.leave();
-        print_layer(options, easel);
+        scene.leave();
+        print_layer(options, scene);
         return;
     }
-    voctree::add_edits(easel.layer, edits);
-    finish(options, easel);
+    scene.layer = painted;
+    finish(options, scene);
 }
 
 void restore(const PaintOptions& options) {
     expect_region(options);
-    Easel easel(options, Easel::Use::kRead);
+    PaintedScene scene(options, PaintedScene::Use::kRead);
     prepare_output_file("layer", options.layer);
-    const edit::EditFrames frames = frames_of(options, easel.at, easel.tree.frames);
-    voctree::remove_edits(easel.layer, edit::all_leaves_in(easel.canvas, region_of(options)), frames.first,
-                          frames.last);
-    finish(options, easel);
+    editor::PaintOperation operation;
+    operation.kind = editor::PaintOperation::Kind::kRestore;
+    operation.frames = frames_of(options, scene.at, scene.clip->tree.frames);
+    if (const Layer restored = filled(scene, options, operation)) scene.layer = restored;
+    finish(options, scene);
 }
 
 void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
@@ -207,8 +176,9 @@ void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options,
                    "moves. On a stage it stands as at --time")
         ->excludes(follow);
     verb->callback([options, &common] {
-        paint(*options,
-              [&](Easel& easel, const edit::EditFrames& frames) { return projected(easel, *options, frames, common); });
+        paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
+            return projected(scene, *options, frames, common);
+        });
     });
 }
 
@@ -224,8 +194,8 @@ void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, c
     add_frame_options(*verb, *options);
     add_follow_option(*verb, *options);
     verb->callback([options, &common] {
-        paint(*options, [&](Easel& easel, const edit::EditFrames& frames) {
-            return edit::at_frames(easel.canvas, brushed(easel, *options, common), frames);
+        paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
+            return brushed(scene, *options, frames, common);
         });
     });
 }
@@ -233,7 +203,9 @@ void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, c
 void fill(const PaintOptions& options) {
     expect_region(options);
     expect_change(options);
-    paint(options, [&](Easel& easel, const edit::EditFrames& frames) { return filled(easel, options, frames); });
+    paint(options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
+        return filled(scene, options, operation_of(options, frames));
+    });
 }
 
 void add_region(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
@@ -275,7 +247,7 @@ void add_erase_and_restore(CLI::App& paints, const std::shared_ptr<PaintOptions>
 void add_info(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
     CLI::App* verb = paints.add_subcommand("info", "What the layer holds");
     add_scene_options(*verb, *options);
-    verb->callback([options] { print_layer(*options, Easel(*options, Easel::Use::kRead)); });
+    verb->callback([options] { print_layer(*options, PaintedScene(*options, PaintedScene::Use::kRead)); });
 }
 
 }  // namespace

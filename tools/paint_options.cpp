@@ -129,14 +129,24 @@ edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_
     return frames;
 }
 
-edit::Brush brush_of(const PaintOptions& options) {
-    edit::Brush brush;
-    brush.radius_m = static_cast<float>(options.radius_m);
-    brush.hardness = static_cast<float>(options.hardness);
-    brush.colour = colour_of(options);
-    brush.alpha = options.colour.empty() ? 0 : static_cast<float>(options.alpha);
-    brush.sigma = static_cast<float>(options.density.value_or(double{voctree::kKeepSigma}));
-    return brush;
+editor::PaintOperation operation_of(const PaintOptions& options, const edit::EditFrames& frames) {
+    const bool shifts = options.hue || options.saturation;
+    editor::PaintOperation operation;
+    operation.kind = shifts ? editor::PaintOperation::Kind::kShift : editor::PaintOperation::Kind::kColour;
+    operation.colour = colour_of(options);
+    operation.opacity = shifts || !options.colour.empty() ? static_cast<float>(options.alpha) : 0;
+    operation.shift = {static_cast<float>(options.hue.value_or(0)), static_cast<float>(options.saturation.value_or(1))};
+    operation.sigma = static_cast<float>(options.density.value_or(double{voctree::kKeepSigma}));
+    operation.frames = frames;
+    return operation;
+}
+
+editor::PaintArea area_of(const PaintOptions& options) {
+    editor::PaintArea area;
+    area.within = region_of(options);
+    area.radius_m = static_cast<float>(options.radius_m);
+    area.hardness = static_cast<float>(options.hardness);
+    return area;
 }
 
 std::vector<glm::dvec2> line_of(const PaintOptions& options) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "edit/brush.h"
+#include "editor/paint_session.h"
 
 namespace neuvv::tools {
 
@@ -58,7 +58,10 @@ void expect_change(const PaintOptions& options);
 // The frames of --frames and --follow; `at` is the one that is looked at.
 edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames);
 
-edit::Brush brush_of(const PaintOptions& options);
+// What is painted, at these frames: --colour, --alpha, --density, --hue, --saturation.
+editor::PaintOperation operation_of(const PaintOptions& options, const edit::EditFrames& frames);
+// The brush, and the region that the verb is kept within.
+editor::PaintArea area_of(const PaintOptions& options);
 std::vector<glm::dvec2> line_of(const PaintOptions& options);  // pixels
 
 // --colour, linear; black where there is none.

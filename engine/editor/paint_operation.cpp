@@ -11,11 +11,7 @@ namespace {
 
 constexpr float kWhole = 0.5f;  // from such a share on, erasing and restoring take a leaf
 
-bool by_halves(PaintOperation::Kind kind) {
-    return kind == PaintOperation::Kind::kColour || kind == PaintOperation::Kind::kShift;
-}
-
-// The frames at which the work holds on each leaf, and the leaves that share them.
+// The frames at which the operation holds on each leaf, and the leaves that share them.
 using Spans = std::map<std::pair<float, float>, std::vector<uint32_t>>;
 Spans spans_of(const edit::Canvas& canvas, std::span<const SelectedLeaf> leaves, const edit::EditFrames& frames) {
     std::vector<voctree::LeafEdit> edits;
@@ -56,44 +52,67 @@ voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer
     return after;
 }
 
+// Of kColour and kErase; without their frames.
+std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
+    const bool erases = operation.kind == PaintOperation::Kind::kErase;
+    std::vector<voctree::LeafEdit> edits;
+    for (const SelectedLeaf& one : leaves) {
+        const float sigma = one.share < kWhole ? voctree::kKeepSigma : erases ? 0 : operation.sigma;
+        const float alpha = erases ? 0 : operation.opacity * one.share;
+        if (alpha <= 0 && sigma < 0) continue;
+        edits.push_back(
+            {.leaf = one.leaf, .colour = erases ? glm::vec3(0) : operation.colour, .alpha = alpha, .sigma = sigma});
+    }
+    return edits;
+}
+
+// A density beside other colours is an edit of its own.
+std::vector<voctree::LeafEdit> density_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
+    PaintOperation density = operation;
+    density.colour = glm::vec3(0);
+    density.kind = PaintOperation::Kind::kColour;
+    density.opacity = 0;
+    return coloured_edits(leaves, density);
+}
+
 }  // namespace
 
 std::shared_ptr<const voctree::EditLayer> apply_operation(const edit::Canvas& canvas, const voctree::EditLayer& before,
                                                           std::span<const SelectedLeaf> leaves,
                                                           const PaintOperation& operation) {
-    std::vector<SelectedLeaf> taken(leaves.begin(), leaves.end());
-    if (!by_halves(operation.kind)) std::erase_if(taken, [](const SelectedLeaf& one) { return one.share < kWhole; });
-    if (taken.empty()) return nullptr;
-    if (operation.kind == PaintOperation::Kind::kRestore)
+    if (operation.kind == PaintOperation::Kind::kRestore) {
+        std::vector<SelectedLeaf> taken(leaves.begin(), leaves.end());
+        std::erase_if(taken, [](const SelectedLeaf& one) { return one.share < kWhole; });
+        if (taken.empty()) return nullptr;
         return std::make_shared<const voctree::EditLayer>(restored(canvas, before, taken, operation.frames));
-    auto after = std::make_shared<voctree::EditLayer>(before);
-    if (operation.kind == PaintOperation::Kind::kShift) {
-        voctree::add_edits(*after, shifted_edits(canvas, taken, operation));
-        return after;
     }
-    const bool erases = operation.kind == PaintOperation::Kind::kErase;
-    std::vector<voctree::LeafEdit> edits;
-    for (const SelectedLeaf& one : taken)
-        edits.push_back({.leaf = one.leaf,
-                         .colour = erases ? glm::vec3(0) : operation.colour,
-                         .alpha = erases ? 0 : operation.opacity * one.share,
-                         .sigma = erases ? 0 : voctree::kKeepSigma});
-    voctree::add_edits(*after, edit::at_frames(canvas, edits, operation.frames));
+    const bool shifts = operation.kind == PaintOperation::Kind::kShift;
+    std::vector<voctree::LeafEdit> edits = edit::at_frames(
+        canvas, shifts ? density_edits(leaves, operation) : coloured_edits(leaves, operation), operation.frames);
+    if (shifts) {
+        const std::vector<voctree::LeafEdit> colours = shifted_edits(canvas, leaves, operation);
+        edits.insert(edits.end(), colours.begin(), colours.end());
+    }
+    if (edits.empty()) return nullptr;
+    auto after = std::make_shared<voctree::EditLayer>(before);
+    voctree::add_edits(*after, edits);
     return after;
 }
 
 std::vector<SelectedLeaf> leaves_for(const edit::Canvas& canvas, const voctree::EditLayer& before,
                                      const edit::Region& region, const PaintOperation& operation) {
-    std::vector<SelectedLeaf> chosen;
-    if (operation.kind != PaintOperation::Kind::kRestore) {
-        for (const uint32_t leaf : edit::leaves_in(canvas, region, operation.frames.first, operation.frames.last))
-            chosen.push_back({leaf, 1});
-        return chosen;
+    std::vector<SelectedLeaf> selected;
+    if (operation.kind == PaintOperation::Kind::kRestore) {
+        for (const voctree::LeafEdit& edit : before.edits)
+            if ((selected.empty() || selected.back().leaf != edit.leaf) && region(canvas.middles[edit.leaf]))
+                selected.push_back({edit.leaf, 1});
+        return selected;
     }
-    for (const voctree::LeafEdit& edit : before.edits)
-        if ((chosen.empty() || chosen.back().leaf != edit.leaf) && region(canvas.middles[edit.leaf]))
-            chosen.push_back({edit.leaf, 1});
-    return chosen;
+    const bool revives = operation.kind != PaintOperation::Kind::kErase && operation.sigma > 0;
+    for (const uint32_t leaf : revives ? edit::all_leaves_in(canvas, region)
+                                       : edit::leaves_in(canvas, region, operation.frames.first, operation.frames.last))
+        selected.push_back({leaf, 1});
+    return selected;
 }
 
 }  // namespace neuvv::editor

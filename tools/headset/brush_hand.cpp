@@ -4,8 +4,6 @@
 
 #include "edit/paint_layers.h"
 #include "media/colour.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::headset {
 
@@ -63,29 +61,11 @@ struct BrushHand::Stroke {
     bool under_way = false, released = false;
     // Once its performer has been read; the jobs' own, one after the other.
     std::shared_ptr<const Ready> ready;
-    std::shared_ptr<const voctree::EditLayer> before;
-    std::vector<uint8_t> covered;  // by leaf
+    std::optional<editor::PaintSession> session;
     bool region_laid = false, met = false, failed = false;
 
     bool waits() const { return !waiting.empty() || (region && !region_laid); }
-    std::shared_ptr<const voctree::EditLayer> lay(const edit::Region& touched);
 };
-
-// Bound by memory: all leaves' middles once a job, 12 bytes each. Null where it meets nothing new.
-std::shared_ptr<const voctree::EditLayer> BrushHand::Stroke::lay(const edit::Region& touched) {
-    const edit::Canvas& canvas = ready->clip->canvas;
-    const editor::PaintOperation operation = operation_of(brush, frame, ready->clip->tree.frames);
-    bool any = false;
-    for (const editor::SelectedLeaf& leaf : editor::leaves_for(canvas, *before, touched, operation)) {
-        any |= !covered[leaf.leaf];
-        covered[leaf.leaf] = 1;
-    }
-    if (!any) return nullptr;
-    std::vector<editor::SelectedLeaf> leaves;
-    for (uint32_t leaf = 0; leaf < covered.size(); leaf++)
-        if (covered[leaf]) leaves.push_back({leaf});
-    return editor::apply_operation(canvas, *before, leaves, operation);
-}
 
 glm::dvec3 BrushHand::tip_of(const xr::Pose& world_aim) {
     return world_aim * glm::dvec3(0, 0, -kTip_m);
@@ -123,14 +103,13 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     ready->layer_path = own ? layers->back().path : edit::free_paint_path(on.editor.document(), performer.node);
     ready->is_new = !own;
     if (ready_ && ready_->clip_path == clip_path) ready->clip = ready_->clip;
-    const bool reads_layer = own && !on.editor.document().paint.contains(ready->layer_path);
-    jobs_.start(says_, [this, &on, ready, reads_layer, id = on.editor.id()]() -> JobQueue::Then {
+    std::vector<std::filesystem::path> layers_to_read;
+    if (own && !on.editor.document().paint.contains(ready->layer_path)) layers_to_read.push_back(ready->layer_path);
+    jobs_.start(says_, [this, &on, ready, layers = std::move(layers_to_read), id = on.editor.id()]() -> JobQueue::Then {
         try {
-            if (!ready->clip)
-                ready->clip = std::make_shared<const editor::PaintClip>(voctree::read_nvv(ready->clip_path));
-            if (reads_layer)
-                ready->layer = std::make_shared<const voctree::EditLayer>(
-                    voctree::read_paint(ready->layer_path, ready->clip->field));
+            const auto read = editor::read_performer(ready->clip_path, ready->clip, layers);
+            ready->clip = read.clip;
+            if (!layers.empty()) ready->layer = read.layers.at(ready->layer_path);
         } catch (const std::exception& error) {
             return [this, &on, id, node = ready->node, problem = std::string(error.what())] {
                 reading_ = false;
@@ -216,10 +195,11 @@ void BrushHand::lay(OnStage& on) {
         const Ready& ready = *stroke->ready;
         if (ready.layer) on.editor.open_layer(ready.layer_path, ready.layer);
         const auto known = on.editor.document().paint.find(ready.layer_path);
-        stroke->before = known != on.editor.document().paint.end()
-                             ? known->second
-                             : std::make_shared<voctree::EditLayer>(voctree::EditLayer{ready.clip->field, {}});
-        stroke->covered.resize(ready.clip->tree.leaf_count);
+        const auto before = known != on.editor.document().paint.end()
+                                ? known->second
+                                : std::make_shared<voctree::EditLayer>(voctree::EditLayer{ready.clip->field, {}});
+        stroke->session.emplace(editor::PaintSubject{ready.clip}, before,
+                                operation_of(stroke->brush, stroke->frame, ready.clip->tree.frames));
     }
     if (stroke->waits())
         lay_more(on, stroke);
@@ -241,7 +221,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
     jobs_.start("", [this, &on, stroke, touched = std::move(touched)]() -> JobQueue::Then {
         std::shared_ptr<const voctree::EditLayer> layer;
         try {
-            layer = stroke->lay(touched);
+            if (stroke->session->add_region(touched)) layer = stroke->session->layer();
         } catch (const std::exception& error) {
             return [this, &on, stroke, problem = std::string(error.what())] {
                 on.editor.tell(problem, true);

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "base/job_queue.h"
-#include "editor/paint_surface.h"
+#include "editor/paint_session.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/on_stage.h"
 

@@ -125,7 +125,7 @@ void PaintTool::draw_stamp(Viewer& viewer) const {
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const media::Image& cells = *stamp_preview_;
     const Area area = stamp_area(viewer);
-    if (!working_) {
+    if (!task_runs_) {
         const float width = area.width / static_cast<float>(cells.width),
                     height = area.height / static_cast<float>(cells.height);
         for (uint32_t y = 0; y < cells.height; y++)
@@ -147,36 +147,38 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     std::filesystem::path path;
     const auto before = open_target(viewer, performer, path);
     if (!before) return;
-    begin_work(viewer);
+    begin_task(viewer);
     viewer.clock.pause();
     Area area = stamp_area(viewer);
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
     area.left -= viewer.picture_area.left;
     area.top -= viewer.picture_area.top;
     const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
-    editor::Projection::Settings settings{{},
-                                          {},
-                                          static_cast<float>(choice.opacity),
-                                          frames_of(performer),
-                                          choice.every_frame && choice.frames != PaintChoice::Frames::kThis};
-    auto projection = std::make_shared<std::optional<editor::Projection>>();
+    editor::PaintOperation operation;
+    operation.opacity = static_cast<float>(choice.opacity);
+    operation.frames = frames_of(performer);
+    const bool every_frame = choice.every_frame && choice.frames != PaintChoice::Frames::kThis;
+    auto session = std::make_shared<std::optional<editor::PaintSession>>();
     editor::post_paint_task(
-        viewer.parts(), desk_, performer.clip, clip_,
+        viewer.parts(), surface_, performer.clip, clip_,
         [=, this, &viewer, image = stamp_, subject = subject_of(viewer, performer, false)](
-            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
-            if (!*projection) {
+            editor::PaintSurface& surface,
+            const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
+            if (!*session) {
                 subject.field = field;
-                settings.image = editor::reduced(*image, factor);
-                settings.camera = part_of(camera, area, settings.image.width, settings.image.height);
-                projection->emplace(subject, before, std::move(settings));
+                editor::PaintArea where;
+                where.image = editor::reduced(*image, factor);
+                where.image_camera = part_of(camera, area, where.image.width, where.image.height);
+                where.every_frame = every_frame;
+                session->emplace(subject, before, operation, std::move(where));
             }
-            if ((*projection)->step(desk)) return {};
-            auto layer = (*projection)->layer();
+            if ((*session)->add_projection(surface)) return {};
+            const auto layer = (*session)->layer();
             return [=, this, &viewer] { put(viewer, performer, path, before, layer, "picture projected"); };
         },
         [this] {
             clip_.reset();
-            working_ = false;
+            task_runs_ = false;
         });
 }
 

@@ -76,7 +76,7 @@ void box_fields(Viewer& viewer, FieldGroup& fields) {
     fields.label("");
     ImGui::BeginDisabled(viewer.paint.busy());
     if (ImGui::Button(kDo[std::min<size_t>(static_cast<size_t>(choice.tool), 3)], {-FLT_MIN, 0}))
-        viewer.paint.work_in_box(viewer);
+        viewer.paint.paint_in_box(viewer);
     fields.report_last("Do");
     ImGui::EndDisabled();
 }

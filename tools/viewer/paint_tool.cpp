@@ -12,8 +12,6 @@
 #include "editor/pointer.h"
 #include "render/trace.h"
 #include "tools/viewer/viewer.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::viewer {
 
@@ -36,12 +34,12 @@ struct PaintTool::Active {
     std::optional<double> waiting_since_s, sent_since_s;  // the events of the first place that waits, that is laid
     glm::dvec2 last{-1e9};
     bool under_way = false, released = false;
-    // Of the drawer's thread.
+    // Of the render thread.
     editor::PaintSubject subject;
     std::shared_ptr<const voctree::EditLayer> before;
     editor::PaintOperation operation;
-    float radius_m = 0, hardness = 0;
-    std::optional<editor::Stroke> stroke;
+    editor::PaintArea area;
+    std::optional<editor::PaintSession> session;
 };
 
 std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
@@ -115,29 +113,26 @@ bool PaintTool::prepare(Viewer& viewer) {
     if (has_clip && missing.empty()) return true;
     if (reading_ || failed_ == viewer.editor.id()) return false;
     reading_ = true;
-    viewer.jobs.start(
-        fmt::format("Reading {}, to be painted", performer->name),
-        [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
-         id = viewer.editor.id()]() mutable -> JobQueue::Then {
-            std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read;
-            try {
-                if (!clip) clip = std::make_shared<const editor::PaintClip>(voctree::read_nvv(path));
-                for (const auto& layer : missing)
-                    read[layer] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(layer, clip->field));
-            } catch (const std::exception& error) {
-                return [this, &viewer, id, problem = std::string(error.what())] {
-                    reading_ = false;
-                    failed_ = id;
-                    viewer.editor.tell(problem, true);
-                };
-            }
-            return [this, path, clip, read] {
-                reading_ = false;
-                clip_path_ = path;
-                clip_ = clip;
-                for (const auto& [name, layer] : read) read_[name] = layer;
-            };
-        });
+    viewer.jobs.start(fmt::format("Reading {}, to be painted", performer->name),
+                      [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
+                       id = viewer.editor.id()]() -> JobQueue::Then {
+                          editor::ReadPerformer read;
+                          try {
+                              read = editor::read_performer(path, clip, missing);
+                          } catch (const std::exception& error) {
+                              return [this, &viewer, id, problem = std::string(error.what())] {
+                                  reading_ = false;
+                                  failed_ = id;
+                                  viewer.editor.tell(problem, true);
+                              };
+                          }
+                          return [this, path, read] {
+                              reading_ = false;
+                              clip_path_ = path;
+                              clip_ = read.clip;
+                              for (const auto& [name, layer] : read.layers) read_[name] = layer;
+                          };
+                      });
     return false;
 }
 
@@ -229,7 +224,7 @@ PaintHands PaintTool::in_picture(Viewer& viewer) {
             choice.stamp_share =
                 std::clamp(choice.stamp_share * std::pow(1.1, double{io.MouseWheel}), kLeastStamp, kMostStamp);
         if (clicked && stamp_loaded()) project_stamp(viewer, *performer);
-        if ((over || working_) && stamp_loaded()) draw_stamp(viewer);
+        if ((over || task_runs_) && stamp_loaded()) draw_stamp(viewer);
     } else {
         if (clicked) begin_stroke(viewer, *performer);
         if (over) draw_brush(viewer, *performer);
@@ -249,14 +244,14 @@ void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) 
     active->document = viewer.editor.id();
     active->world_from_performer = performer.world_from_performer;
     active->subject = subject_of(viewer, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
-    active->radius_m = static_cast<float>(choice.radius_m);
-    active->hardness = static_cast<float>(choice.hardness);
+    active->area.radius_m = static_cast<float>(choice.radius_m);
+    active->area.hardness = static_cast<float>(choice.hardness);
     stroke_ = std::move(active);
     viewer.holds_handle = true;
     go_on(viewer);
 }
 
-// Each frame: takes the pointer's place, and sends what waits as soon as the last is back.
+// Each frame: takes the pointer's pixel, and sends the pixels that wait as soon as the last ones are painted.
 void PaintTool::go_on(Viewer& viewer) {
     Active& stroke = *stroke_;
     if (viewer.escape) {
@@ -287,16 +282,15 @@ void PaintTool::go_on(Viewer& viewer) {
     stroke.under_way = true;
     stroke.sent_since_s = std::exchange(stroke.waiting_since_s, std::nullopt);
     editor::post_paint_task(
-        viewer.parts(), desk_, stroke.clip_path, stroke.subject.clip,
+        viewer.parts(), surface_, stroke.clip_path, stroke.subject.clip,
         [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
-            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) -> JobQueue::Then {
-            if (!active->stroke) {
+            editor::PaintSurface& surface, const std::shared_ptr<const render::Field>& field) -> JobQueue::Then {
+            if (!active->session) {
                 active->subject.field = field;
-                active->stroke.emplace(active->subject, active->before, active->operation, active->radius_m,
-                                       active->hardness);
+                active->session.emplace(active->subject, active->before, active->operation, active->area);
             }
-            std::shared_ptr<const voctree::EditLayer> layer;
-            for (const auto& [camera, places] : waiting) layer = active->stroke->add(desk, camera, places);
+            for (const auto& [camera, pixels] : waiting) active->session->add_touches(surface, camera, pixels);
+            const auto layer = active->session->layer();
             return [this, &viewer, active, layer] { took(viewer, active, layer); };
         },
         [this, &viewer, active = stroke_] {
@@ -335,13 +329,14 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
     hover_.camera = viewer.camera;
     const bool restores = choice.tool == PaintChoice::Tool::kRestore;
     editor::post_paint_task(
-        viewer.parts(), desk_, performer.clip, clip_,
+        viewer.parts(), surface_, performer.clip, clip_,
         [this, &viewer, subject = subject_of(viewer, performer, restores), pixel, camera = viewer.camera,
          world_from_performer = performer.world_from_performer](
-            editor::PaintSurface& desk, const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
+            editor::PaintSurface& surface,
+            const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             subject.field = field;
-            desk.show(subject);
-            const auto place = desk.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
+            surface.show(subject);
+            const auto place = surface.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
             return [this, &viewer, place, camera, world_from_performer] {
                 hover_.under_way = false;
                 hover_.world.reset();
@@ -358,16 +353,16 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
 }
 
 // Until put().
-void PaintTool::begin_work(const Viewer& viewer) {
-    working_ = true;
-    worked_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
+void PaintTool::begin_task(const Viewer& viewer) {
+    task_runs_ = true;
+    task_began_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
 }
 
 void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
                     const std::shared_ptr<const voctree::EditLayer>& before,
                     const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
-    working_ = false;
-    if (worked_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
+    task_runs_ = false;
+    if (task_began_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
         viewer.editor.tell("the stage is another now: nothing was painted", true);
         return;
     }
@@ -398,19 +393,20 @@ std::string PaintTool::put_layer(edit::Document& document, uint32_t node, const 
     return edit::put_paint(document, node, path, "paint", layer, what);
 }
 
-// No device is asked: on the working thread.
-void PaintTool::work_in_box(Viewer& viewer) {
+// The device is not needed: a job does it.
+void PaintTool::paint_in_box(Viewer& viewer) {
     const auto performer = this->performer(viewer);
     std::filesystem::path path;
     if (!performer || busy() || !prepare(viewer)) return;
     const auto before = open_target(viewer, *performer, path);
     if (!before) return;
-    begin_work(viewer);
+    begin_task(viewer);
     const editor::PaintOperation operation = operation_of(*performer, false);
     const edit::Region box = edit::box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
     viewer.jobs.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> JobQueue::Then {
-        auto layer = editor::apply_operation(clip->canvas, *before,
-                                             editor::leaves_for(clip->canvas, *before, box, operation), operation);
+        editor::PaintSession session({clip}, before, operation);
+        session.add_region(box);
+        const auto layer = session.layer();
         return [=, this, &viewer] {
             put(viewer, who, path, before, layer,
                 fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));

@@ -1,9 +1,9 @@
 // Painting in the picture: brush, stamp and box under the pointer, and what of it is under way. paint_panel.cpp is its
 // panel.
 //
-//     pointer ─► waiting places ─► Stroke on the drawer's thread ─► layer ─► Editor::drag ─► picture
-//                      ▲                                              │
-//                      └────────── the next ones, when it is back ────┘
+//     pointer ─► waiting pixels ─► PaintSession on the render thread ─► layer ─► Editor::drag ─► image
+//                      ▲                                                  │
+//                      └────────── the next ones, when it is back ────────┘
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 #include <set>
 
 #include "edit/paint_layers.h"
-#include "editor/paint_surface.h"
+#include "editor/paint_session.h"
 
 namespace neuvv::viewer {
 
@@ -56,7 +56,7 @@ struct PaintHands {
 
 class PaintTool {
   public:
-    explicit PaintTool(const gpu::Device& device) : desk_(std::make_shared<editor::PaintSurface>(device)) {}
+    explicit PaintTool(const gpu::Device& device) : surface_(std::make_shared<editor::PaintSurface>(device)) {}
 
     PaintChoice choice;
 
@@ -76,12 +76,12 @@ class PaintTool {
     void leave_alone(std::set<std::filesystem::path> layers) { others_ = std::move(layers); }
 
     // For the panel.
-    void work_in_box(Viewer& viewer);
+    void paint_in_box(Viewer& viewer);
     void fit_box(const Viewer& viewer);  // around the performer's leaves
     void add_layer(Viewer& viewer);
     void load_picture(Viewer& viewer);
     bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.picture; }
-    bool busy() const { return stroke_ || working_; }
+    bool busy() const { return stroke_ || task_runs_; }
 
   private:
     struct Active;
@@ -109,7 +109,7 @@ class PaintTool {
     void project_stamp(Viewer& viewer, const PaintedPerformer& performer);
     std::string put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
                           const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
-    void begin_work(const Viewer& viewer);
+    void begin_task(const Viewer& viewer);
     // The end of what was begun with `before`.
     void put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
              const std::shared_ptr<const voctree::EditLayer>& before,
@@ -120,7 +120,7 @@ class PaintTool {
     void draw_brush(const Viewer& viewer, const PaintedPerformer& performer) const;
     void draw_stamp(Viewer& viewer) const;
 
-    std::shared_ptr<editor::PaintSurface> desk_;  // used on the drawer's thread only
+    std::shared_ptr<editor::PaintSurface> surface_;  // used on the render thread only
     // As read, of one clip and the layers that its performers show.
     std::filesystem::path clip_path_;
     bool reading_ = false;
@@ -132,8 +132,8 @@ class PaintTool {
     std::set<std::filesystem::path> others_;
     // A layer that is to become the performer's own, and the one that it shares with others.
     std::pair<std::filesystem::path, std::filesystem::path> own_;
-    bool working_ = false;                   // in a box, or a projection
-    std::pair<uint64_t, size_t> worked_on_;  // the document, and how many nodes it had: else numbers mean others
+    bool task_runs_ = false;                     // in a box, or a projection
+    std::pair<uint64_t, size_t> task_began_on_;  // the document, and how many nodes it had: else numbers mean others
     std::string stamp_path_;
     std::shared_ptr<const media::Image> stamp_, stamp_preview_;
     struct BoxDrag {

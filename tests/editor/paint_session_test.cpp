@@ -1,5 +1,5 @@
 // Painting as the viewer does it, in pieces while the hand moves: the same as edit/ paints at once.
-#include "editor/paint_surface.h"
+#include "editor/paint_session.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ namespace {
 
 using Kind = editor::PaintOperation::Kind;
 
-struct PaintSurfaces : GpuTest {
+struct PaintSessions : GpuTest {
     std::shared_ptr<const editor::PaintClip> clip = std::make_shared<const editor::PaintClip>(figure_tree());
     std::shared_ptr<const render::Field> field = std::make_shared<const render::Field>(
         render::upload_field(device(), clip->tree, render::WeightPrecision::kHalf));
@@ -25,6 +25,18 @@ struct PaintSurfaces : GpuTest {
 
     editor::PaintSubject subject(float frame = 0, std::vector<editor::WornLayer> paint = {}) const {
         return {clip, field, frame, std::move(paint)};
+    }
+    editor::PaintSession session(editor::PaintSubject of, std::shared_ptr<const voctree::EditLayer> before,
+                                 float radius_m, float hardness) const {
+        editor::PaintArea area;
+        area.radius_m = radius_m;
+        area.hardness = hardness;
+        return {std::move(of), std::move(before), operation, area};
+    }
+    std::shared_ptr<const voctree::EditLayer> touched(editor::PaintSession& in, const stage::Camera& from,
+                                                      std::span<const glm::dvec2> pixels) {
+        in.add_touches(surface, from, pixels);
+        return in.layer();
     }
     // What edit/ paints, asked once.
     voctree::EditLayer painted_at_once(float frame) {
@@ -40,16 +52,16 @@ struct PaintSurfaces : GpuTest {
     }
 };
 
-TEST_F(PaintSurfaces, PaintInPiecesWhatTheBrushPaintsAtOnce) {
+TEST_F(PaintSessions, PaintInPiecesWhatTheBrushPaintsAtOnce) {
     for (const float frame : {0.0f, 1.0f}) {
         const voctree::EditLayer want = painted_at_once(frame);
         ASSERT_GT(want.edits.size(), 500u);
         for (const size_t piece : {size_t{1}, size_t{2}, line.size()}) {
-            editor::Stroke stroke(subject(frame), empty, operation, 0.05f, 0.6f);
+            editor::PaintSession stroke = session(subject(frame), empty, 0.05f, 0.6f);
             std::shared_ptr<const voctree::EditLayer> layer;
             size_t before = 0;
             for (size_t i = 0; i < line.size(); i += piece) {
-                layer = stroke.add(surface, camera, std::span(line).subspan(i, std::min(piece, line.size() - i)));
+                layer = touched(stroke, camera, std::span(line).subspan(i, std::min(piece, line.size() - i)));
                 ASSERT_TRUE(layer);
                 EXPECT_GE(layer->edits.size(), before) << "it only grows";
                 before = layer->edits.size();
@@ -60,23 +72,23 @@ TEST_F(PaintSurfaces, PaintInPiecesWhatTheBrushPaintsAtOnce) {
     }
 }
 
-TEST_F(PaintSurfaces, FindNothingBesideThePerformer) {
-    editor::Stroke stroke(subject(), empty, operation, 0.05f, 0.6f);
-    EXPECT_FALSE(stroke.add(surface, camera, std::vector<glm::dvec2>{{2, 2}, {20, 2}}));
-    EXPECT_TRUE(stroke.add(surface, camera, std::vector<glm::dvec2>{{75, 60}})) << "until it meets something";
+TEST_F(PaintSessions, FindNothingBesideThePerformer) {
+    editor::PaintSession stroke = session(subject(), empty, 0.05f, 0.6f);
+    EXPECT_FALSE(touched(stroke, camera, std::vector<glm::dvec2>{{2, 2}, {20, 2}}));
+    EXPECT_TRUE(touched(stroke, camera, std::vector<glm::dvec2>{{75, 60}})) << "until it meets something";
 }
 
-TEST_F(PaintSurfaces, BeginALineAnewFromAnotherCamera) {
+TEST_F(PaintSessions, BeginALineAnewFromAnotherCamera) {
     const glm::dvec2 head[] = {{75, 60}}, shoulder[] = {{75, 140}};
     stage::Camera other = camera;
     other.world_from_camera[3].x += 1e-6;
-    editor::Stroke moved(subject(), empty, operation, 0.02f, 1), still(subject(), empty, operation, 0.02f, 1);
-    moved.add(surface, camera, head);
-    still.add(surface, camera, head);
-    EXPECT_LT(moved.add(surface, other, shoulder)->edits.size(), still.add(surface, camera, shoulder)->edits.size());
+    editor::PaintSession moved = session(subject(), empty, 0.02f, 1), still = session(subject(), empty, 0.02f, 1);
+    moved.add_touches(surface, camera, head);
+    still.add_touches(surface, camera, head);
+    EXPECT_LT(touched(moved, other, shoulder)->edits.size(), touched(still, camera, shoulder)->edits.size());
 }
 
-TEST_F(PaintSurfaces, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
+TEST_F(PaintSessions, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
     const glm::dvec2 at[] = {{75, 60}};
     surface.show(subject());
     const auto first = surface.surface_at(camera, at[0]);
@@ -85,25 +97,28 @@ TEST_F(PaintSurfaces, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
     EXPECT_NEAR(glm::distance(*first, kHead), kHeadRadius, 2.0 / kFigureSide) << "on the head's surface";
 
     operation.kind = Kind::kErase;
-    const auto hole = editor::Stroke(subject(), empty, operation, 0.1f, 1).add(surface, camera, at);
+    editor::PaintSession hole_session = session(subject(), empty, 0.1f, 1);
+    const auto hole = touched(hole_session, camera, at);
     ASSERT_TRUE(hole);
     const editor::PaintSubject holed = subject(0, {{hole}});
     surface.show(holed);
     const auto second = surface.surface_at(camera, at[0]);
     ASSERT_TRUE(second);
     EXPECT_GT(glm::distance(*second, glm::dvec3(camera.world_from_camera[3])), depth + 0.05) << "seen through the hole";
-    const auto deeper = editor::Stroke(holed, hole, operation, 0.1f, 1).add(surface, camera, at);
+    editor::PaintSession deeper_session = session(holed, hole, 0.1f, 1);
+    const auto deeper = touched(deeper_session, camera, at);
     EXPECT_GT(deeper->edits.size(), hole->edits.size());
 
     operation.kind = Kind::kRestore;
-    const auto filled = editor::Stroke(subject(), hole, operation, 0.11f, 1).add(surface, camera, at);
+    editor::PaintSession filled_session = session(subject(), hole, 0.11f, 1);
+    const auto filled = touched(filled_session, camera, at);
     ASSERT_TRUE(filled);
     EXPECT_TRUE(filled->edits.empty());
     surface.show(subject(0, {{filled}}));
     EXPECT_EQ(surface.surface_at(camera, at[0]), first);
 }
 
-TEST_F(PaintSurfaces, ProjectAsEditDoes) {
+TEST_F(PaintSessions, ProjectAsEditDoes) {
     media::Image image(40, 30);
     for (uint32_t i = 0; i < 40 * 30; i++) {
         uint8_t* to = image.at(i % 40, i / 40);
@@ -112,6 +127,7 @@ TEST_F(PaintSurfaces, ProjectAsEditDoes) {
     }
     stage::Camera onto = figure_camera(40);
     onto.height = 30;
+    const editor::PaintOperation half{.opacity = 0.5f, .frames = {0, 1, edit::Follow::kNot}};
     render::Picker picker(device(), *field);
     const auto at = [&](float frame) {
         picker.show(frame);
@@ -121,16 +137,16 @@ TEST_F(PaintSurfaces, ProjectAsEditDoes) {
         return edits;
     };
     {
-        editor::Projection once(subject(), empty, {image, onto, 0.5f, {0, 1, edit::Follow::kNot}, false});
-        EXPECT_FALSE(once.step(surface)) << "one step";
+        editor::PaintSession once(subject(), empty, half, {.image = image, .image_camera = onto});
+        EXPECT_FALSE(once.add_projection(surface)) << "one step";
         voctree::EditLayer want = *empty;
         voctree::add_edits(want, edit::at_frames(clip->canvas, at(0), {0, 1, edit::Follow::kNot}));
         ASSERT_GT(want.edits.size(), 100u);
         EXPECT_EQ(once.layer()->edits, want.edits);
     }
-    editor::Projection every(subject(), empty, {image, onto, 0.5f, {0, 1, edit::Follow::kNot}, true});
-    EXPECT_TRUE(every.step(surface));
-    EXPECT_FALSE(every.step(surface));
+    editor::PaintSession every(subject(), empty, half, {.image = image, .image_camera = onto, .every_frame = true});
+    EXPECT_TRUE(every.add_projection(surface));
+    EXPECT_FALSE(every.add_projection(surface));
     std::vector<voctree::LeafEdit> all;
     for (const float frame : {0.0f, 1.0f})
         for (voctree::LeafEdit edit : at(frame)) {

@@ -1,4 +1,4 @@
-#include "tools/paint_easel.h"
+#include "tools/painted_scene.h"
 
 #include <fmt/format.h>
 
@@ -48,24 +48,24 @@ bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const
     return is_same_file(stage::file_of_uri(stage.file, entry.uri, "paint"), layer);
 }
 
-StagePlace place_on_stage(const PaintOptions& options, Easel::Use use) {
-    StagePlace place;
-    place.stage = stage::load_stage(options.scene);
-    place.performer = chosen_performer(place.stage, options.node);
-    const std::vector<stage::PaintLayer>& list = place.who().settings.paint;
-    while (place.layer < list.size() && !is_painted(place.stage, list[place.layer], options.layer)) place.layer++;
-    if (place.layer == list.size() && use == Easel::Use::kPaint) {
+StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use) {
+    StagedPerformer staged;
+    staged.stage = stage::load_stage(options.scene);
+    staged.performer = chosen_performer(staged.stage, options.node);
+    const std::vector<stage::PaintLayer>& list = staged.who().settings.paint;
+    while (staged.layer < list.size() && !is_painted(staged.stage, list[staged.layer], options.layer)) staged.layer++;
+    if (staged.layer == list.size() && use == PaintedScene::Use::kPaint) {
         prepare_output_file("scene", options.scene);
-        stage::StageFile file = place.stage.file;
-        place.change = edit::add_paint_layer(file, place.who().node, options.layer, {});
-        place.stage = stage::make_stage(std::move(file));
+        stage::StageFile file = staged.stage.file;
+        staged.change = edit::add_paint_layer(file, staged.who().node, options.layer, {});
+        staged.stage = stage::make_stage(std::move(file));
     }
-    place.instant = stage::stage_at(place.stage, options.time_s.value_or(0));
-    return place;
+    staged.instant = stage::stage_at(staged.stage, options.time_s.value_or(0));
+    return staged;
 }
 
-std::optional<StagePlace> opened_stage(const PaintOptions& options, Easel::Use use) {
-    if (editor::has_stage_ending(options.scene)) return place_on_stage(options, use);
+std::optional<StagedPerformer> opened_stage(const PaintOptions& options, PaintedScene::Use use) {
+    if (editor::has_stage_ending(options.scene)) return find_on_stage(options, use);
     if (!options.node.empty())
         throw InputError("--node", options.node, "is for stages", "leave it out: a .nvv is one performer");
     if (options.time_s)
@@ -95,86 +95,87 @@ stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double 
 }
 
 // In the world: a path's, the stage's by name, or as `neuvv render` chooses one.
-stage::Camera stage_camera(const PaintOptions& options, const StagePlace& place, PictureSize size) {
+stage::Camera stage_camera(const PaintOptions& options, const StagedPerformer& staged, PictureSize size) {
     if (names_camera_path(options.camera)) return path_camera(options, size);
     if (options.key) throw InputError("--key", fmt::format("{}", *options.key), "is for camera paths", "leave it out");
-    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(place.instant));
+    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(staged.instant));
     if (orbits)
-        return orbit_camera(stage::performers_box(place.stage, place.instant), options.orbit_deg.value_or(0), size);
-    return stage::camera_of(place.stage, options.camera, place.instant, size.width, size.height);
+        return orbit_camera(stage::performers_box(staged.stage, staged.instant), options.orbit_deg.value_or(0), size);
+    return stage::camera_of(staged.stage, options.camera, staged.instant, size.width, size.height);
 }
 
 }  // namespace
 
-Easel::Easel(const PaintOptions& options, Use use)
-    : place(opened_stage(options, use)),
-      tree(voctree::read_clip(place ? place->stage.clips[place->who().clip].path
-                                    : std::filesystem::path(options.scene))),
-      canvas(tree) {
-    layer.field = voctree::painted_field(tree);
-    if (use == Use::kRead || std::filesystem::exists(options.layer))
-        layer = voctree::read_paint(options.layer, layer.field);
-    at = static_cast<float>(options.at.value_or(place ? double{place->stands().frame} : 0));
-    if (!(at >= 0 && at <= static_cast<float>(tree.frames - 1)))
+PaintedScene::PaintedScene(const PaintOptions& options, Use use) : staged(opened_stage(options, use)) {
+    const std::filesystem::path clip_path =
+        staged ? staged->stage.clips[staged->who().clip].path : std::filesystem::path(options.scene);
+    clip = editor::read_performer(clip_path, nullptr, {}).clip;
+    layer = std::make_shared<voctree::EditLayer>(use == Use::kRead || std::filesystem::exists(options.layer)
+                                                     ? voctree::read_paint(options.layer, clip->field)
+                                                     : voctree::EditLayer{clip->field, {}});
+    at = static_cast<float>(options.at.value_or(staged ? double{staged->stands().frame} : 0));
+    if (!(at >= 0 && at <= static_cast<float>(clip->tree.frames - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
-                         fmt::format("choose 0 to {}", tree.frames - 1));
-    if (!place) return;
-    for (const stage::PaintLayer& entry : place->who().settings.paint) {
-        const bool read = entry.visible && entry.opacity > 0 && !is_painted(place->stage, entry, options.layer);
-        others_.push_back(read ? std::make_unique<voctree::EditLayer>(voctree::read_paint(
-                                     stage::file_of_uri(place->stage.file, entry.uri, place->who().name), layer.field))
-                               : nullptr);
+                         fmt::format("choose 0 to {}", clip->tree.frames - 1));
+    if (!staged) return;
+    for (const stage::PaintLayer& entry : staged->who().settings.paint) {
+        const bool read = entry.visible && entry.opacity > 0 && !is_painted(staged->stage, entry, options.layer);
+        others_.push_back(read
+                              ? std::make_shared<const voctree::EditLayer>(voctree::read_paint(
+                                    stage::file_of_uri(staged->stage.file, entry.uri, staged->who().name), clip->field))
+                              : nullptr);
     }
 }
 
-std::vector<render::PaintUse> Easel::shown() const {
-    if (!place) return {render::PaintUse{&layer}};
-    std::vector<render::PaintUse> uses;
+editor::PaintSubject PaintedScene::subject() const {
+    editor::PaintSubject subject{.clip = clip, .frame = at};
+    if (!staged) subject.paint = {{layer}};
     for (size_t i = 0; i < others_.size(); i++) {
-        const stage::PaintLayer& entry = place->who().settings.paint[i];
+        const stage::PaintLayer& entry = staged->who().settings.paint[i];
         if (!entry.visible || entry.opacity <= 0) continue;
-        uses.push_back({others_[i] ? others_[i].get() : &layer, entry.blend, static_cast<float>(entry.opacity)});
+        subject.paint.push_back({others_[i] ? others_[i] : layer, entry.blend, static_cast<float>(entry.opacity)});
     }
-    return uses;
+    return subject;
 }
 
-void Easel::leave() {
-    if (!place || place->change.empty()) return;
-    place->change.clear();
-    place->layer = place->who().settings.paint.size();
+void PaintedScene::leave() {
+    if (!staged || staged->change.empty()) return;
+    staged->change.clear();
+    staged->layer = staged->who().settings.paint.size();
 }
 
-void Easel::save(const PaintOptions& options) const {
-    voctree::write_paint(options.layer, layer);
-    if (!place || place->change.empty()) return;
-    stage::StageFile file = place->stage.file;
+void PaintedScene::save(const PaintOptions& options) const {
+    voctree::write_paint(options.layer, *layer);
+    if (!staged || staged->change.empty()) return;
+    stage::StageFile file = staged->stage.file;
     if (stage::read_stage_file(options.scene).saved->bytes != file.saved->bytes)
         throw InputError(options.scene, "", "was changed by somebody else meanwhile",
                          fmt::format("add the layer, which is painted: `neuvv stage paint {} {} --add {}`",
-                                     options.scene, place->who().node, options.layer));
+                                     options.scene, staged->who().node, options.layer));
     stage::save_stage_file(file, options.scene);
 }
 
-PictureSize picture_size(const PaintOptions& options, const Easel& easel) {
+PictureSize picture_size(const PaintOptions& options, const PaintedScene& scene) {
     if (!options.size.empty()) return parse_size(options.size);
-    if (easel.place ? names_camera_path(options.camera) : !options.camera.empty()) {
+    if (scene.staged ? names_camera_path(options.camera) : !options.camera.empty()) {
         const stage::CameraPath path = training::read_camera_path(options.camera, 1);
         if (path.width > 0 && path.height > 0) return {path.width, path.height};
     }
-    return easel.place ? kStageSize : kClipSize;
+    return scene.staged ? kStageSize : kClipSize;
 }
 
-stage::Camera camera_of(const PaintOptions& options, const Easel& easel, PictureSize size) {
-    if (!easel.place)
-        return options.camera.empty() ? orbit_camera(occupied_box(easel.tree), options.orbit_deg.value_or(0), size)
-                                      : path_camera(options, size);
-    const StagePlace& place = *easel.place;
-    if (!stage::is_placeable(place.stands().world_from_performer))
+stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, PictureSize size) {
+    if (!scene.staged)
+        return options.camera.empty()
+                   ? orbit_camera(occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
+                   : path_camera(options, size);
+    const StagedPerformer& staged = *scene.staged;
+    if (!stage::is_placeable(staged.stands().world_from_performer))
         throw InputError(
-            options.scene, fmt::format("/nodes/{}", place.who().node),
-            fmt::format("\"{}\" is flat, or out of this world, at {} s", place.who().name, place.instant.time_s),
+            options.scene, fmt::format("/nodes/{}", staged.who().node),
+            fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.who().name, staged.instant.time_s),
             "choose another --time");
-    return render::in_performer(stage_camera(options, place, size), glm::mat4(place.stands().world_from_performer));
+    return render::in_performer(stage_camera(options, staged, size), glm::mat4(staged.stands().world_from_performer));
 }
 
 }  // namespace neuvv::tools
