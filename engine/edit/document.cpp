@@ -82,12 +82,6 @@ ordered_json* find_extension(stage::StageJson& document, const char* name) {
     return find_extension(std::as_const(document), name) ? &document.edit("extensions")[name] : nullptr;
 }
 
-const ordered_json* find_extension(const ordered_json& owner, const char* name) {
-    const ordered_json* extensions = find_member(owner, "extensions");
-    const ordered_json* found = extensions ? find_member(*extensions, name) : nullptr;
-    return found && found->is_object() ? found : nullptr;
-}
-
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name) {
     if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
     if (!owner["extensions"].is_object())
