@@ -1,4 +1,4 @@
-// OpenXR as this room uses it: its headers, failures as exceptions, handles that destroy themselves.
+// OpenXR as this module uses it: its headers, failures as exceptions, handles that destroy themselves.
 #pragma once
 
 #include <volk.h>

@@ -21,7 +21,7 @@ std::vector<OptionalExtension> optional_extensions();
 
 constexpr uint32_t kEyes = 2;
 
-// One instance of the runtime, and its headset. All else of this room lives shorter.
+// One instance of the runtime, and its headset. Everything else of this module lives shorter.
 class Runtime {
   public:
     // Throws RuntimeFailure, in a line that says what to start or to plug in, where there is no runtime, no headset, no

@@ -1,4 +1,4 @@
-// Inside of this room only: finding one's way in a stage's JSON, to read it and to change it.
+// For this module alone: finding one's way in a stage's JSON, to read it and to change it.
 //
 // References into an ordered_json do not outlive a new member of an object that holds them: scene_of and append_node
 // come before references into the same list are taken. References into a member of the document do not outlive its next

@@ -77,7 +77,8 @@ class PassScope {
     uint32_t number_;
 };
 
-// Push constants must be exactly what the shader declares (assert).
+// Push constants must be exactly what the shader declares (assert), here and below.
+//
 // As many workgroups as hold so many threads; nothing for 0. The shader's own size of a workgroup says how many those
 // are, and the shader ignores the threads that are left over.
 void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint64_t threads, const void* push,

@@ -1,4 +1,4 @@
-// Inside of this room only: the checked hand-over from bytes to tinygltf's model.
+// For this module alone: the checked hand-over from bytes to tinygltf's model.
 #pragma once
 
 // As in third_party/tinygltf.cpp: the class's layout depends on them.

@@ -1,4 +1,4 @@
-// Inside of this room only: tangents where a material has a normal map.
+// For this module alone: tangents where a material has a normal map.
 #pragma once
 
 #include "stage/gltf_scene.h"

@@ -9,7 +9,7 @@ NEUVV_SHARED
 // How much the losses weigh against L_rgb, from the option (training/loss.h names them) to the kernels.
 struct LossWeights {
     float grad;        // of L_grad (errata 16)
-    float point;       // of the point loss (trace_adjoint.glsl)
+    float point;       // of the point loss (ray_adjoint.glsl)
     float smoothness;  // of the smoothness of opacity (smooth.comp)
 };
 

@@ -1,4 +1,4 @@
-// The gpu room: the choice of a device, limits, copies, reflection and bindings.
+// engine/gpu: the choice of a device, limits, copies, reflection and bindings.
 #include <gtest/gtest.h>
 
 #include <array>
