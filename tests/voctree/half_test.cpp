@@ -57,7 +57,7 @@ TEST(Half, AgreesWithTheCompilersFloat16) {
         const auto bits = static_cast<uint32_t>(random.engine());
         const float value = std::bit_cast<float>(bits);
         if (!(std::fabs(value) < 65520.0f)) continue;
-        ASSERT_EQ(std::bit_cast<uint16_t>(static_cast<_Float16>(value)), half_from_float(value)) << value;
+        ASSERT_EQ(std::bit_cast<uint16_t>(static_cast<_Float16>(value)), voctree::half_from_float(value)) << value;
     }
 }
 #endif
