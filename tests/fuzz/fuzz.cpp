@@ -109,36 +109,36 @@ fs::path clip_name(const fs::path& folder) {
     return {};
 }
 
-VOctree clip_in(const fs::path& folder) {
-    return read_clip(clip_name(folder));
+voctree::VOctree clip_in(const fs::path& folder) {
+    return voctree::read_clip(clip_name(folder));
 }
 
-EditLayer paint_in(const fs::path& folder) {
-    return read_paint(folder / "layer.nvpaint", painted_field(clip_in(folder)));
+voctree::EditLayer paint_in(const fs::path& folder) {
+    return voctree::read_paint(folder / "layer.nvpaint", voctree::painted_field(clip_in(folder)));
 }
 
-Dataset dataset_in(const fs::path& folder, Split split) {
-    return load_dataset(folder, split, {.mattes_needed = false});
+training::Dataset dataset_in(const fs::path& folder, training::Split split) {
+    return training::load_dataset(folder, split, {.mattes_needed = false});
 }
 
 // Loads what is sound: throws where it is not.
 void load(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
-        load_stage(stage);
+        stage::load_stage(stage);
     else if (fs::exists(folder / "layer.nvpaint"))
         paint_in(folder);
     else if (!clip_name(folder).empty())
         clip_in(folder);
     else
-        for (const Split split : {Split::kTrain, Split::kTest}) dataset_in(folder, split);
+        for (const training::Split split : {training::Split::kTrain, training::Split::kTest}) dataset_in(folder, split);
 }
 
 std::string complaint_about_folder(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
-        return fuzz::complaint_about_stage([&] { return load_stage(stage); });
+        return fuzz::complaint_about_stage([&] { return stage::load_stage(stage); });
     if (fs::exists(folder / "layer.nvpaint")) return fuzz::complaint_about_paint([&] { return paint_in(folder); });
     if (!clip_name(folder).empty()) return fuzz::complaint_about_clip([&] { return clip_in(folder); });
-    for (const Split split : {Split::kTrain, Split::kTest})
+    for (const training::Split split : {training::Split::kTrain, training::Split::kTest})
         if (const std::string complaint = fuzz::complaint_about([&] { return dataset_in(folder, split); });
             !complaint.empty())
             return complaint;
