@@ -209,7 +209,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
         course.add(result, step.weights);
         if (seconds_now() - course.reported >= 1) go_on = callback(course.report(settings, psi));
     }
-    callback(course.report(settings, psi));
+    if (course.steps > 0) callback(course.report(settings, psi));  // else the last step has been reported
 }
 
 }  // namespace
