@@ -1,4 +1,4 @@
-// The picture around a stage: equirectangular, its middle towards −Z, its top +Y, turned about +Y. Level i of the mips is
+// The image around a stage: equirectangular, its middle towards −Z, its top +Y, turned about +Y. Level i of the mips is
 // blurred as a surface of roughness i / last mirrors it. The includer declares
 //   uniform Lights { ShaderLights lights; };  uniform sampler2D environment;
 #ifndef NEUVV_ENVIRONMENT_GLSL

@@ -1,14 +1,14 @@
-// Eye: a stage's pictures of both eyes to a headset's images, linear (an image's format encodes), with how near things are,
+// Eye: a stage's images of both eyes to a headset's images, linear (an image's format encodes), with how near things are,
 // so that hands and panels are hidden by what stands before them: of performers where the ray's alpha is a half or more
 // (errata 12), else of the set.
-// Reads picture and rays; writes premultiplied light and depth near / metres along the axis. One invocation a pixel of both
+// Reads image and rays; writes premultiplied light and depth near / metres along the axis. One invocation a pixel of both
 // eyes; bound by memory, 28 bytes a pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/eye.h"
 #include "shared/trace.h"
 
-layout(binding = kEyePicture) uniform utextureBuffer picture;
+layout(binding = kEyeImage) uniform utextureBuffer image;
 layout(binding = kEyeRadiance) uniform textureBuffer radiance;
 layout(binding = kEyeDepth) uniform textureBuffer depth;
 layout(binding = kEyeCameras) uniform textureBuffer cameras;
@@ -31,7 +31,7 @@ float metres_at(uvec2 pixel, int texel) {
     return texelFetch(depth, ray).x / length(camera_line(view, at));
 }
 
-// Dark from the edge inwards, about the middle of the picture.
+// Dark from the edge inwards, about the middle of the image.
 float veil(vec2 at) {
     const float from_middle = length(at / vec2(push.width, push.height) - 0.5) * 2.0;
     return push.vignette * smoothstep(1.1 - 0.7 * push.vignette, 1.3 - 0.6 * push.vignette, from_middle);
@@ -40,7 +40,7 @@ float veil(vec2 at) {
 void main() {
     const uvec2 pixel = uvec2(gl_FragCoord.xy);
     const int texel = int((view * push.height + pixel.y) * push.width + pixel.x);
-    const vec4 shown = unpackUnorm4x8(texelFetch(picture, texel).x);
+    const vec4 shown = unpackUnorm4x8(texelFetch(image, texel).x);
     light = vec4(srgb_decode(shown.rgb) * shown.a, shown.a);
     if (push.vignette > 0.0) light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), veil(gl_FragCoord.xy));
     gl_FragDepth = clamp(push.near_m / metres_at(pixel, texel), 0.0, 1.0);

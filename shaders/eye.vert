@@ -1,4 +1,4 @@
-// Eye: one triangle over each eye's picture; an instance an eye.
+// Eye: one triangle over each eye's image; an instance an eye.
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require
 

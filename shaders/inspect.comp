@@ -1,4 +1,4 @@
-// Inspect: what rays' walks were like (shared/inspect.h) to a picture: levels, or steps, by a colour map; black where there is
+// Inspect: what rays' walks were like (shared/inspect.h) to an image: levels, or steps, by a colour map; black where there is
 // none. A pixel shows the level of that of its samples × samples rays that met something nearest, and the mean of their steps;
 // where rays are fewer than pixels, those of the nearest ray.
 // Reads radiance and depth in tile order; writes as resolve.comp does, opaque. One thread a pixel, one workgroup 8×8 pixels.
@@ -12,13 +12,13 @@ layout(local_size_x = kTilePixels) in;
 layout(binding = kInspectRays) uniform textureBuffer rays;
 layout(binding = kInspectDepth) uniform textureBuffer depth;
 layout(binding = kInspectCameras) uniform textureBuffer cameras;
-layout(binding = kInspectPicture, r32ui) writeonly uniform uimageBuffer picture;
+layout(binding = kInspectImage, r32ui) writeonly uniform uimageBuffer image;
 layout(push_constant) uniform Push { InspectPush push; };
 #include "colour_map.glsl"
 #include "grid.glsl"
-#include "picture_pixel.glsl"
+#include "image_pixel.glsl"
 
-// The ray around a place of the picture.
+// The ray around a place of the image.
 uvec2 ray_around(uint view, vec2 place) {
     const int camera = int(kCameraTexels * view);
     const vec2 last = vec2(texelFetch(cameras, camera + 1).w, texelFetch(cameras, camera + 2).w) - 1.0;
@@ -43,5 +43,5 @@ void main() {
     const float shown = push.level != 0u ? level : steps / float(push.samples * push.samples);
     const float place = clamp((shown - push.least) / (push.most - push.least), 0.0, 1.0);
     const vec4 colour = vec4(shown > 0.0 ? viridis(place) : vec3(0.0), 1.0);
-    imageStore(picture, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
+    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
 }

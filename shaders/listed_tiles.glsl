@@ -19,7 +19,7 @@ vec2 tile_range(uint tile) {
 
 uint first_camera() { return kInto != kIntoRay ? push.first_camera : 0u; }
 
-// Metres along a camera's axis at which the set ends what is seen at a place of a view's picture.
+// Metres along a camera's axis at which the set ends what is seen at a place of a view's image.
 float set_end(uint view, vec2 at) {
     if (kInto == kIntoRay || push.set_width == 0u) return 1e30;
     const uvec2 texel = uvec2(at);

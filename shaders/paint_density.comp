@@ -1,5 +1,5 @@
 // Paint on a slice, first half: the densities. After σ of all leaves is there, leaves whose edits hold at this
-// instant get theirs; one that was dead and gets a density takes a slot, one that gets none dies: its cells are taken
+// time get theirs; one that was dead and gets a density takes a slot, one that gets none dies: its cells are taken
 // out of the live ones, and its slot is passed over.
 // Reads edits (20 bytes each, those of a leaf one after the other); reads and writes head, live cells and count. One
 // thread a painted leaf. Bound by memory: 16 bytes an edit, 60 a leaf whose density changes.

@@ -7,7 +7,7 @@
 
 // The includer's: which tile this workgroup has, between which distances its rays run (metres), how many cameras
 // stand before those in the performer's space, which are the world's (0: they are these), and where along the camera's axis
-// something solid ends what is seen at a place of its picture (metres).
+// something solid ends what is seen at a place of its image (metres).
 uint tile_group();
 vec2 tile_range(uint tile);
 uint first_camera();
@@ -17,16 +17,16 @@ struct Ray {
     uint index;    // of the per-ray buffers
     uint in_tile;  // 0..63, row by row
     uint view;     // the tile's camera
-    vec2 at;       // in its picture
+    vec2 at;       // in its image
     vec3 origin;
     vec3 direction;      // unit
-    vec2 range;          // metres of it to walk; none (x > y) where the pixel lies beyond the picture's edge
+    vec2 range;          // metres of it to walk; none (x > y) where the pixel lies beyond the image's edge
     float world_metres;  // of one of its metres
 };
 
 const float kFar = 1e30;  // metres
 
-// Moves the n × n rays of a pixel, which are pixels of an enlarged picture, within their cells: no two of them share a
+// Moves the n × n rays of a pixel, which are pixels of an enlarged image, within their cells: no two of them share a
 // column or a row then, and an edge near the upright or the level shows n² shades in place of n.
 vec2 rook_shift(uvec2 cell, uint n) {
     const uvec2 of_pixel = cell % n;
@@ -55,9 +55,9 @@ Ray tile_ray() {
     ray.view = tile.x;
     ray.at = at;
     ray.index = group * kTilePixels + ray.in_tile;
-    const bool in_picture = all(lessThan(vec2(cell), size));
-    ray.range = in_picture ? tile_range(group) : vec2(kFar, 0.0);
-    if (in_picture) ray.range.y = min(ray.range.y, set_end(tile.x, at) * length(line));
+    const bool in_image = all(lessThan(vec2(cell), size));
+    ray.range = in_image ? tile_range(group) : vec2(kFar, 0.0);
+    if (in_image) ray.range.y = min(ray.range.y, set_end(tile.x, at) * length(line));
     ray.origin = texelFetch(cameras, first).xyz;
     ray.direction = normalize(line);
     ray.world_metres = first_camera() == 0u ? 1.0 : length(camera_line(tile.x, at)) / length(line);

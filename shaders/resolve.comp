@@ -1,9 +1,9 @@
-// Resolve: traced rays to a picture. Colour over a background (blended in linear light), alpha, or depth.
+// Resolve: traced rays to an image. Colour over a background (blended in linear light), alpha, or depth.
 // A pixel is the mean of its samples × samples rays, each with the set behind it, colour and alpha premultiplied and
 // linear, depth by alpha.
 // Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits a channel, in rows. One thread a pixel, one
 // workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel, with a set 40
-// a ray. Pictures of several views stand behind each other,
+// a ray. Images of several views stand behind each other,
 // each with all its tiles of rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -11,12 +11,12 @@
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(constant_id = 0) const bool kListed = false;  // only some of the picture's tiles
+layout(constant_id = 0) const bool kListed = false;  // only some of the image's tiles
 layout(constant_id = 1) const bool kSet = false;     // the set is behind and before the rays
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
-layout(binding = kResolvePicture, r32ui) writeonly uniform uimageBuffer picture;
-layout(binding = kResolveTiles) uniform utextureBuffer picture_tiles;
+layout(binding = kResolveImage, r32ui) writeonly uniform uimageBuffer image;
+layout(binding = kResolveTiles) uniform utextureBuffer image_tiles;
 layout(binding = kResolveCameras) uniform textureBuffer cameras;
 layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
 layout(binding = kResolveSetFront) uniform textureBuffer set_front;
@@ -28,7 +28,7 @@ layout(push_constant) uniform Push { ResolvePush push; };
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, view;
     uvec2 pixel;
-    if (kListed) group = texelFetch(picture_tiles, int(group)).x;
+    if (kListed) group = texelFetch(image_tiles, int(group)).x;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
     Shown sum = Shown(vec4(0.0), 0.0, 0.0);
     for (uint i = 0u; i < push.samples * push.samples; i++) {

@@ -1,4 +1,4 @@
-// Background of the set: the environment's picture where nothing stands. Reads the picture; writes its light, opaque, and
+// Background of the set: the environment's image where nothing stands. Reads the image; writes its light, opaque, and
 // infinity. One invocation a texel; bound by texture fetches.
 #version 460
 #extension GL_GOOGLE_include_directive : require

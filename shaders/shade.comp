@@ -10,7 +10,7 @@ layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(binding = kShadeEntries) uniform utextureBuffer entries;
 layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kShadePlaces) uniform utextureBuffer leaf_places;
+layout(binding = kShadePlaces) uniform utextureBuffer leaf_positions;
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
 layout(push_constant) uniform Push { ShadePush push; };
@@ -30,7 +30,7 @@ void main() {
     const int first = int(entry * sh_count(kHhDegree));
     const uvec2 words = texelFetch(entries, first).xy;
     const uint leaf = texelFetch(entry_leaf, int(entry)).x;
-    const float sh_y[kMaxShCount] = sh_basis(direction_of(texelFetch(leaf_places, int(leaf == kNoLeaf ? 0u : leaf)).xy));
+    const float sh_y[kMaxShCount] = sh_basis(direction_of(texelFetch(leaf_positions, int(leaf == kNoLeaf ? 0u : leaf)).xy));
     vec3 raw = sh_y[0] * vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y));
     for (uint j = 1u; j < sh_count(kHhDegree); j++) {
         const uvec2 more = texelFetch(entries, first + int(j)).xy;

@@ -1,10 +1,10 @@
 // What a pixel shows of the rays that it takes from and of the set, and where these stand. The includer pushes a
-// ResolvePush, says by kSet whether there is a set, and binds uimageBuffer `picture` and textureBuffers `cameras`,
+// ResolvePush, says by kSet whether there is a set, and binds uimageBuffer `image` and textureBuffers `cameras`,
 // `set_colour`, `set_front` and `set_depth`.
 #ifndef NEUVV_SHOW_GLSL
 #define NEUVV_SHOW_GLSL
 #include "grid.glsl"
-#include "picture_pixel.glsl"
+#include "image_pixel.glsl"
 #include "srgb.glsl"
 
 vec4 show_colour(vec4 light) {
@@ -23,7 +23,7 @@ struct Shown {
     float metres, weight;
 };
 
-// What is seen at a texel of the set's picture where `light` is before it, `metres` away.
+// What is seen at a texel of the set's image where `light` is before it, `metres` away.
 Shown with_set(uint view, uvec2 texel, vec4 light, float metres) {
     Shown shown = Shown(light, light.a > 0.0 ? light.a * metres : 0.0, light.a);
     if (!kSet) return shown;
@@ -43,7 +43,7 @@ void store_pixel(uint view, uvec2 pixel, vec4 light, float metres) {
     vec4 shown = show_colour(light);
     if (push.show == kShowAlpha) shown = vec4(light.aaa, 1.0);
     if (push.show == kShowDepth) shown = show_depth(metres);
-    imageStore(picture, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(shown)));
+    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(shown)));
 }
 
 #endif

@@ -1,4 +1,4 @@
-// How far an instance is from each tile of the pictures that may see it: the live leaves of every node, boxed, go to the
+// How far an instance is from each tile of the images that may see it: the live leaves of every node, boxed, go to the
 // tiles that their box covers. Rays start at the least distance of their tile and end at the largest; tiles that no box covers
 // have no rays.
 // Reads nodes, down to a level whose nodes look smaller than a tile; takes the minimum in two words a covered tile. One thread

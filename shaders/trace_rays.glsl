@@ -1,5 +1,5 @@
 // The rays of 8×8 pixel tiles, front to back; main() of trace.comp, trace_tree.comp and direct.comp, which differ in what a
-// ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and say by kDear whether that is dearer than a
+// ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and say by kExpensive whether that is dearer than a
 // descent (march.glsl). One workgroup a tile, one thread a pixel. What becomes of a ray's premultiplied linear RGB and alpha,
 // and its depth, the includer says: store_ray.glsl or store_instance.glsl, which it includes after composite.glsl and ray.glsl.
 
@@ -12,7 +12,7 @@ void main() {
                               is_hidden(ray) ? vec2(kFar, 0.0) : ray.range);
     MarchSegment part;
     while (sum.transmittance >= push.box_min.w && march_enter(march))
-        while (sum.transmittance >= push.box_min.w && (kDear ? march_next(march, part) : march_leaf(march, part))) {
+        while (sum.transmittance >= push.box_min.w && (kExpensive ? march_next(march, part) : march_leaf(march, part))) {
             const vec3 colour = sample_colour();
             const float before = sum.transmittance;
             part.t_out = max(part.t_in, min(part.t_out, ray.range.y));  // nothing within the set

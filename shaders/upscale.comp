@@ -1,4 +1,4 @@
-// Upscale: rays that are fewer than pixels (grid.glsl) to a picture. Catmull-Rom over 4×4 rays, rows first, each result held
+// Upscale: rays that are fewer than pixels (grid.glsl) to an image. Catmull-Rom over 4×4 rays, rows first, each result held
 // between its two nearest, so that no edge gets a halo; where a ray stands at each pixel's centre it is that ray.
 // Reads radiance and depth in tile order; writes as resolve.comp does. One thread a pixel, one workgroup 8×8 pixels,
 // of the listed tiles or with a set of all. Bound by its 20 fetches a pixel, most of them from cache.
@@ -12,8 +12,8 @@ layout(constant_id = 0) const bool kListed = true;
 layout(constant_id = 1) const bool kSet = false;
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
-layout(binding = kResolvePicture, r32ui) writeonly uniform uimageBuffer picture;
-layout(binding = kResolveTiles) uniform utextureBuffer picture_tiles;
+layout(binding = kResolveImage, r32ui) writeonly uniform uimageBuffer image;
+layout(binding = kResolveTiles) uniform utextureBuffer image_tiles;
 layout(binding = kResolveCameras) uniform textureBuffer cameras;
 layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
 layout(binding = kResolveSetFront) uniform textureBuffer set_front;
@@ -61,7 +61,7 @@ Seen light_between(uint view, vec2 place, ivec2 last) {
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, view;
-    if (kListed) group = texelFetch(picture_tiles, int(group)).x;
+    if (kListed) group = texelFetch(image_tiles, int(group)).x;
     uvec2 pixel;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
     const int camera = int(kCameraTexels * view);

@@ -1,5 +1,5 @@
 // Volume depth: expected termination depth of the rays (errata 12) as metres along the camera's axis, at each texel of the
-// set's picture; infinity where they see nothing.
+// set's image; infinity where they see nothing.
 // Reads radiance and depth in tile order; writes rows. One thread a texel of all views. Bound by memory, 24 bytes a texel.
 #version 460
 #extension GL_GOOGLE_include_directive : require

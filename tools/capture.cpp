@@ -34,7 +34,7 @@ struct Options {
 
 void run_capture(Options& options, const CommonOptions& common) {
     training::CaptureSettings& settings = options.settings;
-    const PictureSize size = parse_size(options.size);
+    const media::ImageSize size = parse_size(options.size);
     settings.width = size.width;
     settings.height = size.height;
     if (options.background != "clear" && options.background != "checker")
@@ -54,8 +54,8 @@ void run_capture(Options& options, const CommonOptions& common) {
     progress.reset();
     if (!result.complete)
         throw RuntimeFailure(
-            fmt::format("stopped; {} has pictures but no transforms: run capture again", options.folder));
-    fmt::print("{}: {} pictures, {} train and {} test cameras\n", options.folder, result.pictures, result.train_cameras,
+            fmt::format("stopped; {} has images but no transforms: run capture again", options.folder));
+    fmt::print("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
                result.test_cameras);
 }
 
@@ -70,7 +70,7 @@ void add_capture(CLI::App& app, CommonOptions& common) {
     verb->add_option("--cameras", settings.cameras, "cameras of the dome, in four rings")->capture_default_str();
     verb->add_option("--frames", settings.frames, "instants to capture")->capture_default_str();
     verb->add_option("--fps", settings.fps, "instants a second")->capture_default_str();
-    verb->add_option("--size", options->size, "of the pictures, WxH pixels")->capture_default_str();
+    verb->add_option("--size", options->size, "of the images, WxH pixels")->capture_default_str();
     verb->add_option("--animation", settings.animation, "its name or index; default: the first");
     verb->add_option("--holdout", settings.holdout, "share of the cameras kept for the test")->capture_default_str();
     verb->add_option("--background", options->background, "clear or checker")->capture_default_str();

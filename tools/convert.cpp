@@ -1,4 +1,4 @@
-// neuvv convert: a scene as a smaller file, its weights in steps as coarse as its pictures allow.
+// neuvv convert: a scene as a smaller file, its weights in steps as coarse as its images allow.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ float error_of(int strength) {
     return std::exp2(static_cast<float>(strength - kStrengths) / 4);
 }
 
-// Pictures of one tree after the other, from the same views.
+// Images of one tree after the other, from the same views.
 class Views {
   public:
     Views(const gpu::Device& device, const voctree::VOctree& tree, const ConvertOptions& options)
@@ -59,23 +59,23 @@ class Views {
         settings.height = size_.height;
         settings.samples = kDefaultSamples;
         settings.resolve.background = {1, 1, 1, 1};
-        std::vector<media::Image> pictures;
+        std::vector<media::Image> images;
         for (const ViewStep& view : views_) {
             settings.instances[0].frame = static_cast<float>(view.frame);
-            pictures.push_back(renderer.render(view.camera, settings));
+            images.push_back(renderer.render(view.camera, settings));
         }
-        return pictures;
+        return images;
     }
 
   private:
     const gpu::Device& device_;
-    PictureSize size_;
+    media::ImageSize size_;
     std::vector<ViewStep> views_;
 };
 
-double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& pictures) {
+double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
     double worst = 99;
-    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], pictures[i]).psnr);
+    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
     return worst;
 }
 
@@ -91,7 +91,7 @@ struct Choice {
     double psnr = 0;
 };
 
-// Bisection for the coarsest strength whose pictures keep the quality. Throws InputError where none does.
+// Bisection for the coarsest strength whose images keep the quality. Throws InputError where none does.
 Choice choose(const voctree::VOctree& tree, const Views& views, const ConvertOptions& options) {
     const std::vector<media::Image> truth = views.render(tree);
     Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
@@ -152,7 +152,7 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
                                     {"leaves_before", outcome.leaves_before},
                                     {"leaves", outcome.leaves}}));
     else
-        fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} pictures has {:.1f} dB\n",
+        fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} images has {:.1f} dB\n",
                    options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
                    100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
                    outcome.leaves_before, options.views, outcome.choice.psnr);
@@ -163,15 +163,15 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
 }  // namespace
 
 void add_convert(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("convert", "Write a scene smaller, its pictures as good as asked for");
+    CLI::App* verb = app.add_subcommand("convert", "Write a scene smaller, its images as good as asked for");
     const auto options = std::make_shared<ConvertOptions>();
     verb->add_option("scene", options->scene, "The .nvv file, or the .npz of a PlenOctree")->required();
     verb->add_option("-o,--output", options->output, "The .nvv to write; may be the same")->required();
     verb->add_option("--quality", options->quality,
-                     "PSNR in dB that each picture keeps at least, against the scene's own picture")
+                     "PSNR in dB that each image keeps at least, against the scene's own image")
         ->check(number_between(10, 90))
         ->capture_default_str();
-    verb->add_option("--views", options->views, "Pictures that are compared, over one orbit as the clip plays")
+    verb->add_option("--views", options->views, "Images that are compared, over one orbit as the clip plays")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     verb->add_option("--size", options->size, "WIDTHxHEIGHT of them")->capture_default_str();
@@ -181,7 +181,7 @@ void add_convert(CLI::App& app, CommonOptions& common) {
         ->capture_default_str();
     verb->add_flag("--json", options->json, "Print JSON: psnr_db, bytes_before, bytes, leaves, ...");
     verb->footer(std::string("Rounds weights in coarser steps, more where leaves show little: the coarsest that keep "
-                             "the quality, by bisection.\nPSNR is over whole pictures on white, as `neuvv eval` takes "
+                             "the quality, by bisection.\nPSNR is over whole images on white, as `neuvv eval` takes "
                              "it. What else the file carries (chunks that only some\nprograms know) is left out.\n") +
                  kDeviceHelp + kExamplesHead +
                  "  neuvv convert build/performer.nvv -o build/small.nvv\n"

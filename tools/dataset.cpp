@@ -1,4 +1,4 @@
-// neuvv dataset: what a folder of pictures is to the program, before hours of training go into it.
+// neuvv dataset: what a folder of images is to the program, before hours of training go into it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,13 +15,13 @@
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
 #include "training/hull.h"
-#include "training/pictures.h"
+#include "training/images.h"
 
 namespace neuvv::tools {
 
 namespace {
 
-constexpr size_t kSampleCameras = 64, kSampleInstants = 3;  // whose pictures are looked at
+constexpr size_t kSampleCameras = 64, kSampleTimes = 3;  // whose images are looked at
 constexpr size_t kNamesShown = 40;
 constexpr uint32_t kSheetCell = 200;
 
@@ -56,7 +56,7 @@ std::vector<T> spread(const std::vector<T>& all, size_t count) {
     return chosen;
 }
 
-// Some cameras at some instants; a camera without any of those instants shows its first.
+// Some cameras at some times; a camera without any of those times shows its first.
 training::Rig sample(const training::Rig& rig) {
     std::set<double> times;
     std::map<uint32_t, std::vector<const training::Shot*>> shots;
@@ -64,7 +64,7 @@ training::Rig sample(const training::Rig& rig) {
         times.insert(shot.time);
         shots[shot.camera].push_back(&shot);
     }
-    const std::vector<double> instants = spread(std::vector<double>(times.begin(), times.end()), kSampleInstants);
+    const std::vector<double> instants = spread(std::vector<double>(times.begin(), times.end()), kSampleTimes);
     std::vector<uint32_t> cameras;
     for (const auto& [camera, of_camera] : shots) cameras.push_back(camera);
     training::Rig result = rig;
@@ -84,7 +84,7 @@ training::Rig sample(const training::Rig& rig) {
     return result;
 }
 
-// Share of the pixels that are performer; nothing where no picture has a matte.
+// Share of the pixels that are performer; nothing where no image has a matte.
 std::optional<double> matte_share(const training::Dataset& dataset) {
     double opaque = 0, pixels = 0;
     bool clear = false;
@@ -116,13 +116,13 @@ const char* text_of(training::LensModel model) {
 const char* text_of(training::MaskMeaning meaning) {
     switch (meaning) {
         case training::MaskMeaning::kLabels:
-            return "any value but 0 is the performer: they become the pictures' mattes";
+            return "any value but 0 is the performer: they become the images' mattes";
         case training::MaskMeaning::kUsable:
             return "white pixels are looked at, black ones teach nothing";
         case training::MaskMeaning::kIgnore:
             return "black pixels are looked at, white ones teach nothing";
         default:
-            return "white is the performer, black the background: they become the pictures' mattes";
+            return "white is the performer, black the background: they become the images' mattes";
     }
 }
 
@@ -182,7 +182,7 @@ void print_layers(const training::Rig& rig, const DatasetOptions& options, const
     print_field("masks", masks == 0 ? "none" : fmt::format("{}; {}", masks, text_of(rig.masks)));
     print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
     print_field("mattes",
-                matte ? fmt::format("yes; the performer fills {:.1f} % of a picture", 100 * *matte)
+                matte ? fmt::format("yes; the performer fills {:.1f} % of an image", 100 * *matte)
                       : fmt::format("none, and training needs them: make them with `neuvv matte {}`", options.folder));
 }
 
@@ -197,23 +197,22 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
 }
 
 void print_memory(const training::Rig& rig) {
-    print_field("memory",
-                fmt::format("{} for these pictures in training, next to the model; half of what is free is {}",
-                            size_text(training::picture_need(rig).bytes), size_text(training::picture_budget())));
+    print_field("memory", fmt::format("{} for these images in training, next to the model; half of what is free is {}",
+                                      size_text(training::image_need(rig).bytes), size_text(training::image_budget())));
 }
 
 void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,
           const std::vector<training::RigCamera>& test, const training::Dataset& seen, const std::optional<Box>& box) {
     media::write_png(folder / "rig.png", draw_rig(train, test, box));
-    std::vector<media::Image> pictures;
+    std::vector<media::Image> images;
     std::vector<std::string> names;
     for (const training::View& view : seen.views) {
-        if (view.camera != pictures.size()) continue;  // the first of each
-        pictures.push_back(view.image);
+        if (view.camera != images.size()) continue;  // the first of each
+        images.push_back(view.image);
         names.push_back(rig.cameras[view.camera].name);
     }
-    const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(pictures.size()))));
-    media::Image sheet = training::contact_sheet(pictures, columns, kSheetCell);
+    const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(images.size()))));
+    media::Image sheet = training::contact_sheet(images, columns, kSheetCell);
     for (uint32_t i = 0; i < names.size(); ++i)
         draw_text(sheet, static_cast<int>(i % columns * kSheetCell + 4), static_cast<int>(i / columns * kSheetCell + 4),
                   names[i], {200, 0, 120});
@@ -233,7 +232,7 @@ void run(const DatasetOptions& options) {
                            options.format);
     const training::Rig& rig = *wanted.found;
     const training::Rig looked_at = sample(rig);
-    const training::Dataset seen = training::read_pictures(looked_at, {.mattes_needed = false});
+    const training::Dataset seen = training::read_images(looked_at, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(seen);
     const auto hull =
         matte ? look_for([&] { return training::hull_box(seen); }) : Finding<Box>{{}, "not known without mattes"};
@@ -258,18 +257,18 @@ void run(const DatasetOptions& options) {
 }  // namespace
 
 void add_dataset(CLI::App& app, CommonOptions&) {
-    CLI::App* verb = app.add_subcommand("dataset", "Say what a data set holds, and draw its cameras and pictures");
+    CLI::App* verb = app.add_subcommand("dataset", "Say what a data set holds, and draw its cameras and images");
     const auto options = std::make_shared<DatasetOptions>();
     verb->add_option("dataset", options->folder, "The data set's folder")->required();
     add_format_option(*verb, options->format);
-    verb->add_option("--split", options->split, "Whose pictures are looked at")
+    verb->add_option("--split", options->split, "Whose images are looked at")
         ->check(CLI::IsMember({"train", "test"}))
         ->capture_default_str();
     verb->add_option("-o,--output", options->output,
                      "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
-                     "orange) and contact_sheet.png (a picture of each camera) into this folder");
+                     "orange) and contact_sheet.png (an image of each camera) into this folder");
     verb->footer(
-        "Reads the calibration whole, and of the pictures those of at most 64 cameras at 3 instants.\n"
+        "Reads the calibration whole, and of the images those of at most 64 cameras at 3 instants.\n"
         "training/README.md describes the layouts.\n\n"
         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
         "  neuvv dataset build/performer\n"

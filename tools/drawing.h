@@ -1,4 +1,4 @@
-// Lines and small letters on a picture.
+// Lines and small letters on an image.
 #pragma once
 
 #include <array>

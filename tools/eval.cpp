@@ -1,4 +1,4 @@
-// neuvv eval: a scene measured against the pictures of a data set.
+// neuvv eval: a scene measured against the images of a data set.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 
 // A measure is of the recording, not of the renderer's edges: more rays than a video needs.
 constexpr uint32_t kMeasureSamples = 4;
-constexpr size_t kSheetRows = 8, kPagePictures = 12;
+constexpr size_t kSheetRows = 8, kPageImages = 12;
 constexpr uint32_t kSheetCell = 320;
 
 const std::map<std::string, training::Split> kSplits = {
@@ -82,14 +82,14 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const training::Datas
     return json;
 }
 
-// Writes each view's three pictures as they come, and the contact sheet in the end.
-struct PictureFolder {
+// Writes each view's three images as they come, and the contact sheet in the end.
+struct ImageFolder {
     std::filesystem::path folder;
     std::vector<size_t> on_sheet;
     std::vector<media::Image> sheet = {};
 
     void add(size_t view, const std::string& name, const media::Image& truth, const media::Image& render) {
-        const media::Image error = training::error_picture(truth, render);
+        const media::Image error = training::error_image(truth, render);
         media::write_png(folder / (name + "_truth.png"), truth);
         media::write_png(folder / (name + "_render.png"), render);
         media::write_png(folder / (name + "_error.png"), error);
@@ -101,21 +101,21 @@ struct PictureFolder {
     }
 };
 
-// Keeps the pictures that the page shows: some spread over cameras and instants, and the worst of all.
+// Keeps the images that the page shows: some spread over cameras and times, and the worst of all.
 struct PageCollector {
     std::vector<size_t> chosen;
-    std::vector<PagePicture> pictures = {};
-    PagePicture worst = {};
+    std::vector<PageImage> images = {};
+    PageImage worst = {};
     double worst_psnr = 1e9;
 
     void add(size_t view, const media::Image& truth, const media::Image& render, double psnr) {
-        if (std::binary_search(chosen.begin(), chosen.end(), view)) pictures.push_back({view, truth, render});
+        if (std::binary_search(chosen.begin(), chosen.end(), view)) images.push_back({view, truth, render});
         if (psnr >= worst_psnr) return;
         worst_psnr = psnr;
         worst = {view, truth, render};
     }
     void finish() {
-        if (!std::binary_search(chosen.begin(), chosen.end(), worst.view)) pictures.push_back(std::move(worst));
+        if (!std::binary_search(chosen.begin(), chosen.end(), worst.view)) images.push_back(std::move(worst));
     }
 };
 
@@ -155,8 +155,8 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     std::optional<training::Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
     std::vector<double> lpips;
-    PictureFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
-    PageCollector page{training::spread_views(dataset, kPagePictures)};
+    ImageFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
+    PageCollector page{training::spread_views(dataset, kPageImages)};
     const gpu::Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
@@ -176,7 +176,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (!options.html.empty()) {
         page.finish();
         const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name};
-        write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.pictures));
+        write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.images));
     }
     const std::string json = json_text(json_of(options, dataset, evaluation, lpips));
     if (options.json == "-") {
@@ -185,46 +185,45 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     }
     if (!options.json.empty()) write_text_file(options.json, json);
     print(evaluation, dataset, options.per);
-    if (network) fmt::print("LPIPS, mean over pictures: {:.5f}\n", mean_lpips(lpips));
+    if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
 }
 
 }  // namespace
 
 void add_eval(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("eval", "Measure a scene against the pictures of a data set");
+    CLI::App* verb = app.add_subcommand("eval", "Measure a scene against the images of a data set");
     const auto options = std::make_shared<EvalOptions>();
     verb->add_option("scene", options->scene, "The .nvv file")->required();
     verb->add_option("dataset", options->dataset, "The data set's folder")->required();
     add_format_option(*verb, options->format);
-    verb->add_option("--split", options->split, "Which of its pictures")
+    verb->add_option("--split", options->split, "Which of its images")
         ->check(CLI::IsMember(kSplits))
         ->capture_default_str();
     add_samples_option(*verb, options->samples);
     verb->add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");
-    verb->add_option(
-        "--images", options->images,
-        "Write NAME_truth.png, NAME_render.png, NAME_error.png of each picture NAME, and contact_sheet.png "
-        "(rows of truth, render, error), into this folder");
+    verb->add_option("--images", options->images,
+                     "Write NAME_truth.png, NAME_render.png, NAME_error.png of each image NAME, and contact_sheet.png "
+                     "(rows of truth, render, error), into this folder");
     verb->add_option("--html", options->html,
-                     "Write one page to this file that opens in any browser: pictures to slide over each other or to "
+                     "Write one page to this file that opens in any browser: images to slide over each other or to "
                      "blink between, curves over the clip, all numbers");
     verb->add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
         ->check(CLI::IsMember({"camera", "frame"}))
         ->capture_default_str();
     verb->add_option("--lpips", options->lpips,
                      "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
-                     "them): the mean, and in --json each picture's");
+                     "them): the mean, and in --json each image's");
     verb->footer(
         std::string(
-            "Each picture is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
+            "Each image is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
             "composited over white in encoded values, and compared whole, values scaled to [0,1]:\n"
             "  PSNR  -10 log10(mean over pixels and R, G, B of the squared error), dB; at most 99\n"
             "  SSIM  Wang et al. 2004: Gaussian window of 11x11, sigma 1.5, K1 0.01, K2 0.03; mean over R, G, B\n"
-            "        and the pixels whose whole window lies inside the picture\n"
+            "        and the pixels whose whole window lies inside the image\n"
             "  MAE   mean absolute error\n"
             "  FLIP  LDR-FLIP (Andersson et al. 2020), mean over pixels, seen from 67 pixels per degree: 0 where\n"
             "        nobody sees a difference, at most 1\n"
-            "The mean is over pictures, also per camera and per frame. In the error picture, 0.25 and more is "
+            "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
             "white.\n") +
         kDeviceHelp + kExamplesHead +
         "  neuvv eval build/performer.nvv build/performer\n"

@@ -178,7 +178,7 @@ std::string all_tables(const training::Dataset& dataset, const training::Evaluat
                                 training::frame_of_view(dataset, dataset.views[i]), cells(evaluation.views[i]));
     return "<div class=\"tables\">\n" + table("Cameras", "<th>camera</th><th>pictures</th>", of_cameras) +
            table("Frames", "<th>frame</th><th>time</th><th>pictures</th>", of_frames) +
-           table("All pictures", "<th>picture</th><th>camera</th><th>frame</th>", of_views) + "</div>\n";
+           table("All images", "<th>picture</th><th>camera</th><th>frame</th>", of_views) + "</div>\n";
 }
 
 std::string layer(const media::Image& image, const char* name) {
@@ -190,27 +190,26 @@ media::Image page_sized(const media::Image& image) {
     return std::max(image.width, image.height) > kPageSide ? training::scaled_to_fit(image, kPageSide) : image;
 }
 
-std::string figure(const training::Dataset& dataset, const training::Evaluation& evaluation,
-                   const PagePicture& picture) {
-    const training::Quality& quality = evaluation.views[picture.view];
-    std::string caption = html_text(dataset.views[picture.view].name) + ":";
+std::string figure(const training::Dataset& dataset, const training::Evaluation& evaluation, const PageImage& image) {
+    const training::Quality& quality = evaluation.views[image.view];
+    std::string caption = html_text(dataset.views[image.view].name) + ":";
     for (const Metric& metric : metrics())
         caption += fmt::format(" {} {:.{}f}{}", metric.name, metric.of(quality), metric.digits, metric.unit);
-    const media::Image flip_map = training::flip_picture(training::flip(picture.truth, picture.render),
-                                                         picture.truth.width, picture.truth.height);
-    return "<figure hidden><div class=\"stage\">\n" + layer(page_sized(picture.truth), "truth") +
-           layer(page_sized(picture.render), "render") +
-           layer(page_sized(training::error_picture(picture.truth, picture.render)), "error") +
+    const media::Image flip_map =
+        training::flip_image(training::flip(image.truth, image.render), image.truth.width, image.truth.height);
+    return "<figure hidden><div class=\"stage\">\n" + layer(page_sized(image.truth), "truth") +
+           layer(page_sized(image.render), "render") +
+           layer(page_sized(training::error_image(image.truth, image.render)), "error") +
            layer(page_sized(flip_map), "FLIP") + "<div class=\"bar\"></div></div><figcaption>" + caption +
            "</figcaption></figure>\n";
 }
 
 std::string controls(const training::Dataset& dataset, const training::Evaluation& evaluation,
-                     const std::vector<PagePicture>& pictures) {
+                     const std::vector<PageImage>& images) {
     std::string names;
-    for (const PagePicture& picture : pictures)
-        names += fmt::format("<option>{} ({:.2f} dB)</option>", html_text(dataset.views[picture.view].name),
-                             evaluation.views[picture.view].psnr);
+    for (const PageImage& image : images)
+        names += fmt::format("<option>{} ({:.2f} dB)</option>", html_text(dataset.views[image.view].name),
+                             evaluation.views[image.view].psnr);
     const auto layers = [](size_t chosen) {
         constexpr const char* kNames[] = {"truth", "render", "error", "FLIP"};
         std::string options;
@@ -219,12 +218,12 @@ std::string controls(const training::Dataset& dataset, const training::Evaluatio
         return options;
     };
     return fmt::format(
-        "<div class=\"controls\"><label>picture <select id=\"pick\">{}</select></label>\n"
+        "<div class=\"controls\"><label>image <select id=\"pick\">{}</select></label>\n"
         "<label>left <select id=\"left\">{}</select></label>\n<label>right <select id=\"right\">{}</select></label>\n"
         "<button id=\"blink\" aria-pressed=\"false\">blink</button>\n<label>zoom <select id=\"zoom\">"
         "<option "
         "value=\"0\">fit</option><option>1</option><option>2</option><option>4</option></select></label></div>\n"
-        "<p>Drag in the picture to move the border. Keys: ← → other picture, 1 2 3 4 truth, render, error, FLIP on the "
+        "<p>Drag in the image to move the border. Keys: ← → other image, 1 2 3 4 truth, render, error, FLIP on the "
         "right, b blink.</p>\n",
         names, layers(0), layers(1));
 }
@@ -256,20 +255,20 @@ std::string html_text(const std::string& text) {
 }
 
 std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
-                            const training::Evaluation& evaluation, const std::vector<PagePicture>& pictures) {
+                            const training::Evaluation& evaluation, const std::vector<PageImage>& images) {
     std::string page = kHead;
     page += fmt::format("<title>{}</title>\n{}</head><body>\n", html_text(facts.scene), kStyle);
     page += fmt::format("<h1>{} against {}</h1>\n", html_text(facts.scene), html_text(facts.dataset));
-    page += fmt::format("<p>{} pictures of {} cameras and {} frames, {} split, rendered on {}.<br><b>",
+    page += fmt::format("<p>{} images of {} cameras and {} frames, {} split, rendered on {}.<br><b>",
                         evaluation.views.size(), dataset.cameras.size(), dataset.times.size(), html_text(facts.split),
                         html_text(facts.device));
     for (const Metric& metric : metrics())
         page += fmt::format("{} {:.{}f}{} &ensp;", metric.name, metric.of(evaluation.mean), metric.digits, metric.unit);
     page +=
-        "</b></p>\n<p>Means over pictures; 8-bit sRGB over white. Higher PSNR and SSIM, lower MAE and FLIP are "
-        "better. The error picture is white from a difference of 0.25.</p>\n<h2>Pictures</h2>\n";
-    page += controls(dataset, evaluation, pictures);
-    for (const PagePicture& picture : pictures) page += figure(dataset, evaluation, picture);
+        "</b></p>\n<p>Means over images; 8-bit sRGB over white. Higher PSNR and SSIM, lower MAE and FLIP are "
+        "better. The error image is white from a difference of 0.25.</p>\n<h2>Images</h2>\n";
+    page += controls(dataset, evaluation, images);
+    for (const PageImage& image : images) page += figure(dataset, evaluation, image);
     page += "<h2>Over the clip</h2>\n<div class=\"plots\">";
     for (const Metric& metric : metrics()) page += plot(metric, evaluation.frames);
     page +=

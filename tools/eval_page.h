@@ -1,4 +1,4 @@
-// What `neuvv eval --html` writes: one HTML file that holds its pictures and opens without a server or a network.
+// What `neuvv eval --html` writes: one HTML file that holds its images and opens without a server or a network.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace neuvv::tools {
 
-// A picture of the page, kept while the evaluation goes on.
-struct PagePicture {
+// An image of the page, kept while the evaluation goes on.
+struct PageImage {
     size_t view = 0;  // index into Dataset::views
     media::Image truth, render;
 };
@@ -18,12 +18,12 @@ struct PageFacts {
     std::string scene, dataset, split, device;
 };
 
-// The page: means, curves over the clip's instants, tables of cameras, instants and pictures, and `pictures` with
+// The page: means, curves over the clip's times, tables of cameras, times and images, and `images` with
 // truth, render, error and FLIP to slide over each other or to blink between; scaled down to at most kPageSide pixels.
 // All names are escaped.
 constexpr uint32_t kPageSide = 1280;
 std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
-                            const training::Evaluation& evaluation, const std::vector<PagePicture>& pictures);
+                            const training::Evaluation& evaluation, const std::vector<PageImage>& images);
 
 // Text as HTML: <, >, &, " and ' as entities, control characters as spaces.
 std::string html_text(const std::string& text);

@@ -6,11 +6,11 @@
 
 namespace neuvv::tools {
 
-std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::StageInstant& instant) {
+std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     std::vector<render::SetLight> lights;
-    for (const stage::InstantLight& light : instant.lights) lights.push_back(render::set_light(light));
+    for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(render::set_light(light));
     const ShaderLights packed =
-        render::pack_lights(lights, {}, {}, {}, stage::performers_box(stage, instant), std::nullopt);
+        render::pack_lights(lights, {}, {}, {}, stage::performers_box(stage, evaluated), std::nullopt);
     std::vector<LightShare> shares(lights.size());
     for (size_t i = 0; i < lights.size(); ++i) {
         LightShare& share = shares[i];

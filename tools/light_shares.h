@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 namespace neuvv::tools {
 
@@ -14,7 +14,7 @@ struct LightShare {
     std::string text;  // what the limits take away
 };
 
-// By instant.lights.
-std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::StageInstant& instant);
+// By time.lights.
+std::vector<LightShare> shares_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated);
 
 }  // namespace neuvv::tools

@@ -26,7 +26,7 @@ training::Dataset shown_dataset(const training::Dataset& training, const trainin
     try {
         return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
     } catch (const std::runtime_error& error) {
-        fmt::print(stderr, "the preview shows a training picture, as no held-out one can be read: {}\n", error.what());
+        fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
         return training::preview_dataset(training);
     }
 }

@@ -1,4 +1,4 @@
-// What a training run shows of itself besides the progress line: a preview picture and a log of its numbers.
+// What a training run shows of itself besides the progress line: a preview image and a log of its numbers.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ void prepare_live_outputs(const LiveOptions& options);
 
 class LiveReport {
   public:
-    // Loads a held-out picture where a preview is wanted; a data set without any gives one of the training's.
+    // Loads a held-out image where a preview is wanted; a data set without any gives one of the training's.
     LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
                LiveOptions options);
 

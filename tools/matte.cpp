@@ -1,4 +1,4 @@
-// neuvv matte: which part of each picture is the performer, for captures that do not say so.
+// neuvv matte: which part of each image is the performer, for captures that do not say so.
 #include <fmt/format.h>
 
 #include <memory>
@@ -38,7 +38,7 @@ void run_matte(MatteOptions options) {
     if (!made.missing_split.empty())
         fmt::print(stderr, "one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
     fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
-               made.pictures, made.cameras, made.cameras_with_plate, what.output.string());
+               made.images, made.cameras, made.cameras_with_plate, what.output.string());
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");
 }
 
@@ -47,7 +47,7 @@ void run_matte(MatteOptions options) {
 void add_matte(CLI::App& app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
     training::MakeMattes& what = options->what;
-    CLI::App* verb = app.add_subcommand("matte", "Find the performer in pictures that have no alpha");
+    CLI::App* verb = app.add_subcommand("matte", "Find the performer in images that have no alpha");
     verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
     add_format_option(*verb, what.format);
     verb->add_option("-o,--output", what.output,
@@ -55,7 +55,7 @@ void add_matte(CLI::App& app, CommonOptions&) {
     CLI::Option* from =
         verb->add_option("--from", what.from,
                          "Take the mattes of another program instead: NAME.png (alpha, or else brightness) for each "
-                         "picture NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
+                         "image NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
     verb->add_option("--threshold", what.settings.threshold,
                      "What differs from the background by so many times the camera's noise is the performer")
         ->check(number_between(1, 250))
@@ -63,11 +63,11 @@ void add_matte(CLI::App& app, CommonOptions&) {
         ->excludes(from);
     verb->add_flag("--overwrite", options->overwrite, "Replace mattes that are there");
     verb->footer(
-        "The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its pictures:\n"
+        "The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its images:\n"
         "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
         "its\n"
-        "picture; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
-        "contact_sheet.png shows picture, matte, and the performer over magenta.\n\n"
+        "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
+        "contact_sheet.png shows image, matte, and the performer over magenta.\n\n"
         "Examples:\n"
         "  neuvv matte studio\n"
         "  neuvv matte studio --threshold 20 --overwrite\n"

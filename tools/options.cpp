@@ -62,19 +62,19 @@ std::optional<NumberField> number_field(const std::string& text, size_t begin) {
 
 }  // namespace
 
-PictureSize parse_size(const std::string& text) {
-    PictureSize size;
+media::ImageSize parse_size(const std::string& text) {
+    media::ImageSize size;
     const size_t cross = std::min(text.find('x'), text.size());
     const bool numbers = cross < text.size() && read_number(std::string_view(text).substr(0, cross), size.width) &&
                          read_number(std::string_view(text).substr(cross + 1), size.height);
     if (!numbers || size.width == 0 || size.height == 0 || std::max(size.width, size.height) > media::kMaxImageSide)
-        throw InputError("--size", text, fmt::format("is not a picture's size of 1 to {} a side", media::kMaxImageSide),
+        throw InputError("--size", text, fmt::format("is not an image's size of 1 to {} a side", media::kMaxImageSide),
                          "write WIDTHxHEIGHT, as in 1280x720");
     return size;
 }
 
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
-                                  const std::string& mend) {
+                                  const std::string& fix) {
     std::vector<double> numbers;
     for (const std::string& part : split(text, ',')) {
         double number = NAN;
@@ -82,13 +82,13 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
         if (error == std::errc::result_out_of_range) number = std::strtod(part.c_str(), nullptr);  // all or nothing
         if (stop != part.data() + part.size()) number = NAN;
         if (std::abs(number) > kMaxNumber)
-            throw InputError(option, text, fmt::format("is too large: {} is the most", kMaxNumber), mend);
+            throw InputError(option, text, fmt::format("is too large: {} is the most", kMaxNumber), fix);
         numbers.push_back(number);
     }
     bool sound = numbers.size() == count;
     for (const double number : numbers) sound = sound && std::isfinite(number);
     if (!sound)
-        throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), mend);
+        throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), fix);
     return numbers;
 }
 
@@ -128,30 +128,30 @@ FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
     return range;
 }
 
-PictureOutput parse_output(const std::string& text) {
+ImageOutput parse_output(const std::string& text) {
     const std::string ending = lower(std::filesystem::path(text).extension().string());
-    if (ending == ".mp4") return {PictureOutput::Kind::kVideo, text};
+    if (ending == ".mp4") return {ImageOutput::Kind::kVideo, text};
     const bool exr = ending == ".exr";
     if (ending != ".png" && !exr)
         throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
                          "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
     const size_t percent = text.find('%');
-    if (percent == std::string::npos) return {PictureOutput::Kind::kPicture, text, exr};
+    if (percent == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
     const auto field = number_field(text, percent);
     if (!field || text.find('%', field->end) != std::string::npos)
-        throw InputError("--output", text, "needs one place for the picture's number", "write it as in out_%04d.png");
-    return {PictureOutput::Kind::kNumberedPictures, text, exr};
+        throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
+    return {ImageOutput::Kind::kNumberedImages, text, exr};
 }
 
-std::filesystem::path PictureOutput::file(const std::string& word) const {
-    if (kind != Kind::kNumberedPictures) return path;
+std::filesystem::path ImageOutput::file(const std::string& word) const {
+    if (kind != Kind::kNumberedImages) return path;
     const std::string text = path.string();
     const NumberField field = number_field(text, text.rfind('%')).value();
     return text.substr(0, field.begin) + word + text.substr(field.end);
 }
 
-std::filesystem::path PictureOutput::file(uint32_t i) const {
-    if (kind != Kind::kNumberedPictures) return path;
+std::filesystem::path ImageOutput::file(uint32_t i) const {
+    if (kind != Kind::kNumberedImages) return path;
     const std::string text = path.string();
     return file(fmt::format("{:0{}}", i, number_field(text, text.rfind('%')).value().digits));
 }

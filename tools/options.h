@@ -1,4 +1,4 @@
-// What a user writes on the command line, as values. Everything here throws InputError naming the option and the mend.
+// What a user writes on the command line, as values. Everything here throws InputError naming the option and the fix.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "media/image.h"
+
 namespace neuvv::tools {
 
-struct PictureSize {
-    uint32_t width = 0, height = 0;
-};
 // Of a clip and of a stage, where nobody says otherwise.
-constexpr PictureSize kClipSize{720, 720}, kStageSize{1280, 720};
+constexpr media::ImageSize kClipSize{720, 720}, kStageSize{1280, 720};
 
 // "1280x720".
-PictureSize parse_size(const std::string& text);
+media::ImageSize parse_size(const std::string& text);
 
-// "1,-2.5,3e-2": so many numbers of at most 1e9. `mend` says how they are written.
+// "1,-2.5,3e-2": so many numbers of at most 1e9. `fix` says how they are written.
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
-                                  const std::string& mend);
+                                  const std::string& fix);
 
 // Linear RGB and opacity of one of CSS's sixteen basic names, "grey", "clear", "#rrggbb" or "rrggbb" (sRGB). `option`
 // is for the error.
@@ -33,19 +32,19 @@ struct FrameRange {
 // "a:b", "a:", ":b", "a" or empty for the whole clip of `frames` frames.
 FrameRange parse_frame_range(const std::string& text, uint32_t frames);
 
-// Where the pictures of a render go.
-struct PictureOutput {
-    enum class Kind { kVideo, kNumberedPictures, kPicture } kind = Kind::kVideo;
-    std::filesystem::path path;  // a pattern for kNumberedPictures
+// Where the images of a render go.
+struct ImageOutput {
+    enum class Kind { kVideo, kNumberedImages, kImage } kind = Kind::kVideo;
+    std::filesystem::path path;  // a pattern for kNumberedImages
     bool exr = false;            // linear light and depth, not sRGB
 
-    // The file of picture i.
+    // The file of image i.
     std::filesystem::path file(uint32_t i) const;
     // The pattern's file with a word in place of the number; the path itself where there is no number.
     std::filesystem::path file(const std::string& word) const;
 };
 // "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
-PictureOutput parse_output(const std::string& text);
+ImageOutput parse_output(const std::string& text);
 
 // Called before any work, so that it is not done in vain: makes the folder (or the file's folder, which may be the
 // working one) where it is missing, and expects that it can be written into. `option` is for the error.

@@ -74,7 +74,7 @@ Layer brushed(const PaintedScene& scene, const PaintOptions& options, const edit
               const CommonOptions& common) {
     expect_change(options);
     const std::vector<glm::dvec2> line = line_of(options);
-    const stage::Camera camera = camera_of(options, scene, picture_size(options, scene));
+    const stage::Camera camera = camera_of(options, scene, image_size(options, scene));
     DeviceScene on_device(scene, common);
     editor::PaintSession session = on_device.session(scene, operation_of(options, frames), area_of(options));
     session.add_touches(on_device.surface, camera, line);
@@ -163,7 +163,7 @@ void restore(const PaintOptions& options) {
 }
 
 void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
-    CLI::App* verb = paints.add_subcommand("project", "A picture, from a camera, onto what the camera sees");
+    CLI::App* verb = paints.add_subcommand("project", "An image, from a camera, onto what the camera sees");
     add_scene_options(*verb, *options);
     verb->add_option("--image", options->image, "The PNG; where it is transparent, nothing is painted")->required();
     add_camera_options(*verb, *options);

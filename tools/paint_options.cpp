@@ -82,7 +82,7 @@ void add_density_option(CLI::App& verb, PaintOptions& options) {
 void add_brush_options(CLI::App& verb, PaintOptions& options) {
     verb.add_option("--line", options.line, "X,Y X,Y ...: the pixels that the stroke goes along")->required();
     verb.add_option("--size", options.size,
-                    "WIDTHxHEIGHT of the picture that they lie in (default: that of `neuvv render`: of the path of "
+                    "WIDTHxHEIGHT of the image that they lie in (default: that of `neuvv render`: of the path of "
                     "--camera, else 720x720, of a stage 1280x720)");
     verb.add_option("--radius", options.radius_m, "In the performer's own metres, wherever it stands")
         ->check(number_between(1e-6, 1e6))
@@ -123,9 +123,9 @@ edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_
                     : options.follow == "run" ? edit::Follow::kRun
                                               : edit::Follow::kNot;
     const FrameRange range = parse_frame_range(options.frames, clip_frames);
-    const bool instant = options.frames.empty() && frames.follow != edit::Follow::kNot;
-    frames.first = instant ? at : static_cast<float>(range.first);
-    frames.last = instant ? at : static_cast<float>(range.last);
+    const bool evaluated = options.frames.empty() && frames.follow != edit::Follow::kNot;
+    frames.first = evaluated ? at : static_cast<float>(range.first);
+    frames.last = evaluated ? at : static_cast<float>(range.last);
     return frames;
 }
 

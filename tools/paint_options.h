@@ -22,7 +22,7 @@ struct PaintOptions {
     std::string follow = "not";
     bool every_frame = false;
     // From where
-    std::string camera, image, size;  // empty: that of the picture that `neuvv render` makes
+    std::string camera, image, size;  // empty: that of the image that `neuvv render` makes
     std::optional<uint32_t> key;
     std::optional<double> orbit_deg;
     // Which leaves

@@ -35,12 +35,12 @@ uint32_t chosen_performer(const stage::Stage& stage, const std::string& node) {
     std::string names;
     for (const stage::StagePerformer& one : all)
         names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", one.node, one.name);
-    const std::string mend = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
-    if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), mend);
+    const std::string fix = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
+    if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), fix);
     const uint32_t index = edit::find_node(stage.file, node);
     for (uint32_t i = 0; i < all.size(); i++)
         if (all[i].node == index) return i;
-    throw InputError("--node", node, "is no performer of the stage", mend);
+    throw InputError("--node", node, "is no performer of the stage", fix);
 }
 
 // Whether an entry of a performer's list names the painted layer.
@@ -60,7 +60,7 @@ StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use
         staged.change = edit::add_paint_layer(file, staged.who().node, options.layer, {});
         staged.stage = stage::make_stage(std::move(file));
     }
-    staged.instant = stage::stage_at(staged.stage, options.time_s.value_or(0));
+    staged.evaluated = stage::stage_at(staged.stage, options.time_s.value_or(0));
     return staged;
 }
 
@@ -75,7 +75,7 @@ std::optional<StagedPerformer> opened_stage(const PaintOptions& options, Painted
 }
 
 // The key of a camera path.
-stage::Camera path_camera(const PaintOptions& options, PictureSize size) {
+stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
     const stage::CameraPath path = training::read_camera_path(options.camera, 1);
     const uint32_t key = options.key.value_or(0);
     if (key >= path.keys.size())
@@ -85,7 +85,7 @@ stage::Camera path_camera(const PaintOptions& options, PictureSize size) {
 }
 
 // On the orbit around a box, at an angle.
-stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, PictureSize size) {
+stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     stage::Camera camera = orbit_path(box, {{0, 0}, 25, 25}, size)[0].camera;
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0));
@@ -95,13 +95,13 @@ stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double 
 }
 
 // In the world: a path's, the stage's by name, or as `neuvv render` chooses one.
-stage::Camera stage_camera(const PaintOptions& options, const StagedPerformer& staged, PictureSize size) {
+stage::Camera stage_camera(const PaintOptions& options, const StagedPerformer& staged, media::ImageSize size) {
     if (names_camera_path(options.camera)) return path_camera(options, size);
     if (options.key) throw InputError("--key", fmt::format("{}", *options.key), "is for camera paths", "leave it out");
-    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(staged.instant));
+    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(staged.evaluated));
     if (orbits)
-        return orbit_camera(stage::performers_box(staged.stage, staged.instant), options.orbit_deg.value_or(0), size);
-    return stage::camera_of(staged.stage, options.camera, staged.instant, size.width, size.height);
+        return orbit_camera(stage::performers_box(staged.stage, staged.evaluated), options.orbit_deg.value_or(0), size);
+    return stage::camera_of(staged.stage, options.camera, staged.evaluated, size.width, size.height);
 }
 
 }  // namespace
@@ -155,7 +155,7 @@ void PaintedScene::save(const PaintOptions& options) const {
     stage::save_stage_file(file, options.scene);
 }
 
-PictureSize picture_size(const PaintOptions& options, const PaintedScene& scene) {
+media::ImageSize image_size(const PaintOptions& options, const PaintedScene& scene) {
     if (!options.size.empty()) return parse_size(options.size);
     if (scene.staged ? names_camera_path(options.camera) : !options.camera.empty()) {
         const stage::CameraPath path = training::read_camera_path(options.camera, 1);
@@ -164,7 +164,7 @@ PictureSize picture_size(const PaintOptions& options, const PaintedScene& scene)
     return scene.staged ? kStageSize : kClipSize;
 }
 
-stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, PictureSize size) {
+stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, media::ImageSize size) {
     if (!scene.staged)
         return options.camera.empty()
                    ? orbit_camera(occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
@@ -173,7 +173,7 @@ stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, 
     if (!stage::is_placeable(staged.stands().world_from_performer))
         throw InputError(
             options.scene, fmt::format("/nodes/{}", staged.who().node),
-            fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.who().name, staged.instant.time_s),
+            fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.who().name, staged.evaluated.time_s),
             "choose another --time");
     return render::in_performer(stage_camera(options, staged, size), glm::mat4(staged.stands().world_from_performer));
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "editor/paint_session.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "tools/options.h"
 #include "tools/paint_options.h"
 
@@ -15,14 +15,14 @@ namespace neuvv::tools {
 // A performer on its stage, at the time that is looked at.
 struct StagedPerformer {
     stage::Stage stage;
-    stage::StageInstant instant;
-    uint32_t performer = 0;  // of stage.performers and instant.performers
+    stage::EvaluatedStage evaluated;
+    uint32_t performer = 0;  // of stage.performers and time.performers
     size_t layer = 0;        // the painted one's index in its list: in `stage`, though it may not be saved yet; the
                              // list's size: it is not there
     std::string change;      // what adding it there said; empty where it lay there before
 
     const stage::StagePerformer& who() const { return stage.performers[performer]; }
-    const stage::InstantPerformer& stands() const { return instant.performers[performer]; }
+    const stage::EvaluatedPerformer& stands() const { return evaluated.performers[performer]; }
 };
 
 struct PaintedScene {
@@ -50,9 +50,9 @@ struct PaintedScene {
     std::vector<std::shared_ptr<const voctree::EditLayer>> others_;
 };
 
-// The size of the picture whose pixels the options name.
-PictureSize picture_size(const PaintOptions& options, const PaintedScene& scene);
-// The camera of the options in a picture of this size, in the performer's space as it stands on its stage.
-stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, PictureSize size);
+// The size of the image whose pixels the options name.
+media::ImageSize image_size(const PaintOptions& options, const PaintedScene& scene);
+// The camera of the options in an image of this size, in the performer's space as it stands on its stage.
+stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, media::ImageSize size);
 
 }  // namespace neuvv::tools

@@ -1,4 +1,4 @@
-// neuvv render: a clip or a stage as a free-viewpoint video or as pictures.
+// neuvv render: a clip or a stage as a free-viewpoint video or as images.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
     const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
     if (options.json)
         fmt::print("{}", json_text({{"output", options.output},
-                                    {"pictures", totals.pictures},
+                                    {"pictures", totals.images},
                                     {"rendered", totals.rendered},
                                     {"width", totals.size.width},
                                     {"height", totals.size.height},
@@ -28,8 +28,8 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                                     {"seconds", totals.seconds},
                                     {"mrays_per_second", mrays_per_s}}));
     else
-        fmt::print("{}: {} pictures of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n",
-                   options.output, totals.pictures, totals.size.width, totals.size.height, totals.rendered,
+        fmt::print("{}: {} images of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n", options.output,
+                   totals.images, totals.size.width, totals.size.height, totals.rendered,
                    1000 * totals.seconds / static_cast<double>(std::max<size_t>(1, totals.rendered)), mrays_per_s);
 }
 
@@ -61,7 +61,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         ->required();
     verb.add_option(
             "-o,--output", options.output,
-            "out.mp4, or out_%04d.png, or out.png for a single picture, of one instant (--frames F) the orbit's first; "
+            "out.mp4, or out_%04d.png, or out.png for a single image, of one instant (--frames F) the orbit's first; "
             ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         ->required();
     CLI::Option* orbit =
@@ -70,7 +70,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option(
             "--camera", options.camera,
             "A camera path of instant-ngp or nerfstudio, or a transforms.json: with seconds a path, else one "
-            "picture a key. At the keys' times of the clip, else as it plays. One key without a time is a fixed "
+            "image a key. At the keys' times of the clip, else as it plays. One key without a time is a fixed "
             "camera. Of a stage also `path`, its own camera path (neuvv stage path), for as long as the stage lasts, "
             "or the "
             "name of one of its cameras (default: its first camera, also where it has a path)")
@@ -81,7 +81,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         "with a time ignore it");
     verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one instant (default: all of it)");
     verb.add_option("--fps", options.fps,
-                    "Pictures a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
+                    "Images a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
                     "speed, and frames "
                     "between its own are "
                     "interpolated");
@@ -89,7 +89,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
                     "WIDTHxHEIGHT (default: that of --camera, else 720x720, of a stage 1280x720)");
     verb.add_option(
         "--background", options.background,
-        "A colour's name, '#rrggbb' or clear (default: white for a video, clear for pictures; of a stage its own). It "
+        "A colour's name, '#rrggbb' or clear (default: white for a video, clear for images; of a stage its own). It "
         "stands in a stage's environment's place, which shines all the same");
     CLI::Option* samples = add_samples_option(verb, options.samples);
     CLI::Option* scale =
@@ -134,21 +134,20 @@ void add_options(CLI::App& verb, RenderOptions& options) {
     verb.add_option("--falloff", options.falloff, "on or off. Of a stage: whether lights shine on performers")
         ->check(CLI::IsMember({"on", "off"}));
     verb.add_flag("--resume", options.resume,
-                  "Go on with a render that was interrupted. Numbered pictures always can, by the record beside them "
-                  "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its pictures beside it "
+                  "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
+                  "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
                   "until it is whole");
-    verb.add_flag(
-        "--capture", options.capture,
-        "Capture the first picture with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
+    verb.add_flag("--capture", options.capture,
+                  "Capture the first image with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
     verb.add_flag("--json", options.json,
-                  "Print JSON: output, pictures, rendered, width, height, fps, seconds (from submission until the "
-                  "pictures were there), ...");
+                  "Print JSON: output, images, rendered, width, height, fps, seconds (from submission until the "
+                  "images were there), ...");
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("render", "Render a clip or a stage to a free-viewpoint video or to pictures");
+    CLI::App* verb = app.add_subcommand("render", "Render a clip or a stage to a free-viewpoint video or to images");
     const auto options = std::make_shared<RenderOptions>();
     add_options(*verb, *options);
     verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass; of a stage not on software devices, whose "

@@ -6,7 +6,7 @@
 
 #include "render/frame.h"
 #include "tools/commands.h"
-#include "tools/picture_sink.h"
+#include "tools/image_sink.h"
 
 namespace neuvv::tools {
 
@@ -21,7 +21,7 @@ struct RenderOptions {
     bool orbit = false, depth = false, alpha = false, level = false, cost = false;
     double cost_max = double{render::ResolveSettings{}.cost_max};
     bool direct = false, resume = false, json = false;
-    bool capture = false;  // the first picture, by RenderDoc
+    bool capture = false;  // the first image, by RenderDoc
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
     std::optional<std::string> blend;
@@ -29,27 +29,27 @@ struct RenderOptions {
 };
 
 struct RenderTotals {
-    size_t pictures = 0, rendered = 0;
-    PictureSize size;
+    size_t images = 0, rendered = 0;
+    media::ImageSize size;
     double fps = 0, rays = 0, seconds = 0;
 };
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common);
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common);
 
-// What the pictures show, as the output can hold it: a video no transparency, an .exr no picture of depth and the like.
+// What the images show, as the output can hold it: a video no transparency, an .exr no image of depth and the like.
 // Throws InputError.
-render::ResolveSettings resolve_settings(const RenderOptions& options, const PictureOutput& output);
-void expect_fitting_output(const PictureOutput& output, const RenderOptions& options);
-void expect_fitting_output(const PictureOutput& output, size_t pictures);
+render::ResolveSettings resolve_settings(const RenderOptions& options, const ImageOutput& output);
+void expect_fitting_output(const ImageOutput& output, const RenderOptions& options);
+void expect_fitting_output(const ImageOutput& output, size_t images);
 // That of --fps, else of the camera path where it has one, else `otherwise`.
 double checked_fps(const RenderOptions& options, double path_fps, double otherwise);
 inline uint32_t samples_of(const RenderOptions& options) {
     return options.scale < 1 ? 1 : options.samples;
 }
 
-// All that the pictures depend on but scene, camera and device, whose rounding nobody sees.
-RenderFacts render_facts(const RenderOptions& options, double fps, PictureSize size, size_t pictures);
+// All that the images depend on but scene, camera and device, whose rounding nobody sees.
+RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images);
 
 // How long a frame took: from its submission until it was there, and each pass on the device.
 struct FrameTimes {
@@ -61,13 +61,13 @@ FrameTimes times_of(const Renderer& renderer) {
     return {renderer.milliseconds(), renderer.pass_times()};
 }
 
-// The buffer of --pass that the frame has just left, as a picture; tells its range.
-media::Image pass_picture(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i);
+// The buffer of --pass that the frame has just left, as an image; tells its range.
+media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i);
 
-// The pictures that the sink has not, one after the other: `render` puts picture i into it. Throws RuntimeFailure where
+// The images that the sink has not, one after the other: `render` puts image i into it. Throws RuntimeFailure where
 // the user stops it.
-RenderTotals render_pictures(const RenderOptions& options, const PictureOutput& output, PictureSize size, double fps,
-                             uint32_t pictures, PictureSink& sink, const gpu::Device& device,
-                             const std::function<FrameTimes(uint32_t)>& render);
+RenderTotals render_images(const RenderOptions& options, const ImageOutput& output, media::ImageSize size, double fps,
+                           uint32_t images, ImageSink& sink, const gpu::Device& device,
+                           const std::function<FrameTimes(uint32_t)>& render);
 
 }  // namespace neuvv::tools

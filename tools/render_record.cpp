@@ -30,7 +30,7 @@ RenderRecord read_record(const std::filesystem::path& path) {
     for (const auto& [name, value] : root["render"].value.items())
         record.facts[name] = json_string(JsonNode{value, file.name, "render." + name});
     record.finished =
-        static_cast<uint32_t>(json_number(root["finished"], 0, kMaxFinished, "a number of finished pictures"));
+        static_cast<uint32_t>(json_number(root["finished"], 0, kMaxFinished, "a number of finished images"));
     return record;
 }
 
@@ -70,7 +70,7 @@ void write_render_record(const std::filesystem::path& file, const RenderRecord& 
     write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
-uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts& facts) {
+uint32_t finished_images(const std::filesystem::path& file, const RenderFacts& facts) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return 0;
     const RenderRecord record = read_record(file);
@@ -86,8 +86,8 @@ uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts&
     throw InputError(
         file.string(), differing,
         is_content(now) && is_content(then)
-            ? "was changed since the pictures that are there were rendered"
-            : fmt::format("was {} for the pictures that are there, and is {} now", words_of(then), words_of(now)),
+            ? "was changed since the images that are there were rendered"
+            : fmt::format("was {} for the images that are there, and is {} now", words_of(then), words_of(now)),
         kAnew);
 }
 

@@ -1,4 +1,4 @@
-// What lies beside the pictures of a render: all that they depend on, and how many are finished. A render that was
+// What lies beside the images of a render: all that they depend on, and how many are finished. A render that was
 // interrupted goes on by it, and two different ones are not mixed.
 #pragma once
 
@@ -17,14 +17,14 @@ std::string content_fact(const std::filesystem::path& file);
 
 struct RenderRecord {
     RenderFacts facts;
-    uint32_t finished = 0;  // pictures, from the first
+    uint32_t finished = 0;  // images, from the first
 };
 
 // Atomically.
 void write_render_record(const std::filesystem::path& file, const RenderRecord& record);
 
-// How many pictures are finished of a render with these facts; 0 where there is no record. Throws InputError for a
+// How many images are finished of a render with these facts; 0 where there is no record. Throws InputError for a
 // record of another render, naming what differs, and for a damaged one.
-uint32_t finished_pictures(const std::filesystem::path& file, const RenderFacts& facts);
+uint32_t finished_images(const std::filesystem::path& file, const RenderFacts& facts);
 
 }  // namespace neuvv::tools

@@ -16,20 +16,20 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr double kMaxPictures = 1e6;
+constexpr double kMaxImages = 1e6;
 constexpr const char* kStagePath = "path";  // --camera: the stage's own
 constexpr double kTurnSeconds = 4;          // of a stage that nothing moves on and no camera sees
 
 struct StagePlan {
-    PictureOutput output;
+    ImageOutput output;
     render::ResolveSettings resolve;
     stage::Stage stage;
     std::optional<stage::CameraPath> path;  // else a camera of the stage,
     bool own_path = false;                  // the path is the stage's: in its time
     std::vector<ViewStep> turn;             // or where it has none a turn around it
     double first_s = 0, fps = 25;
-    uint32_t pictures = 1;
-    PictureSize size;
+    uint32_t images = 1;
+    media::ImageSize size;
 
     double time_s(uint32_t i) const { return first_s + i / fps; }
 };
@@ -70,31 +70,31 @@ void override_settings(const RenderOptions& options, stage::Stage& stage) {
 
 // One turn around the stage, for stages that nobody has put a camera on.
 std::vector<ViewStep> turn_around(const StagePlan& plan) {
-    const double seconds = std::max(kTurnSeconds, plan.pictures / plan.fps);
+    const double seconds = std::max(kTurnSeconds, plan.images / plan.fps);
     Playback turn;  // as if a clip of that many frames played
     turn.clip_fps = turn.output_fps = plan.fps;
     turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
     return orbit_path(stage::performers_box(plan.stage, stage::stage_at(plan.stage, plan.first_s)), turn, plan.size);
 }
 
-// The camera of picture i.
-stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, const stage::StageInstant& instant,
+// The camera of image i.
+stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, const stage::EvaluatedStage& evaluated,
                         uint32_t i) {
-    const PictureSize size = plan.size;
+    const media::ImageSize size = plan.size;
     if (plan.path) return stage::camera_at(*plan.path, plan.time_s(i), size.width, size.height);
     if (!plan.turn.empty()) return plan.turn[i % plan.turn.size()].camera;
-    return stage::camera_of(plan.stage, options.camera, instant, size.width, size.height);
+    return stage::camera_of(plan.stage, options.camera, evaluated, size.width, size.height);
 }
 
-// Nearest and farthest that anything stands in pictures of depth, by some instants of them all.
+// Nearest and farthest that anything stands in images of depth, by some times of them all.
 void set_depth_range(const RenderOptions& options, StagePlan& plan) {
-    constexpr uint32_t kInstants = 32;
+    constexpr uint32_t kTimes = 32;
     double nearest = INFINITY, farthest = 0;
-    for (uint32_t k = 0; k < std::min(kInstants, plan.pictures); k++) {
-        const auto i = static_cast<uint32_t>(uint64_t{plan.pictures} * k / std::min(kInstants, plan.pictures));
-        const stage::StageInstant instant = stage::stage_at(plan.stage, plan.time_s(i));
+    for (uint32_t k = 0; k < std::min(kTimes, plan.images); k++) {
+        const auto i = static_cast<uint32_t>(uint64_t{plan.images} * k / std::min(kTimes, plan.images));
+        const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =
-            depth_range({{camera_of(options, plan, instant, i), 0}}, stage::performers_box(plan.stage, instant));
+            depth_range({{camera_of(options, plan, evaluated, i), 0}}, stage::performers_box(plan.stage, evaluated));
         nearest = std::min(nearest, near);
         farthest = std::max(farthest, far);
     }
@@ -102,25 +102,25 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
     plan.resolve.depth_far_m = static_cast<float>(farthest);
 }
 
-// Which pictures: those of --time, else of the whole path in a file, else of the whole stage.
+// Which images: those of --time, else of the whole path in a file, else of the whole stage.
 void plan_time(const RenderOptions& options, StagePlan& plan) {
     if (plan.path && !plan.own_path && options.time.empty()) {
-        plan.pictures = static_cast<uint32_t>(path_pictures(*plan.path, plan.fps, plan.stage.duration_s));
+        plan.images = static_cast<uint32_t>(path_images(*plan.path, plan.fps, plan.stage.duration_s));
         return;
     }
     const bool moves = plan.path && !plan.own_path && plan.path->keys.size() > 1;
     const auto [first_s, last_s] = time_range(options.time, moves ? plan.path->duration_s : plan.stage.duration_s);
-    const double pictures = std::max(1.0, std::round((last_s - first_s) * plan.fps));
-    if (pictures > kMaxPictures)
-        throw InputError("--time", options.time, fmt::format("makes more than {} pictures", kMaxPictures),
+    const double images = std::max(1.0, std::round((last_s - first_s) * plan.fps));
+    if (images > kMaxImages)
+        throw InputError("--time", options.time, fmt::format("makes more than {} images", kMaxImages),
                          "choose less of it, or a lower --fps");
     plan.first_s = first_s;
-    plan.pictures = static_cast<uint32_t>(pictures);
+    plan.images = static_cast<uint32_t>(images);
 }
 
 // More lights than the renderer takes are no mistake of the file, but a surprise.
-void tell_of_lights(const stage::Stage& stage, const stage::StageInstant& instant) {
-    const std::vector<LightShare> shares = shares_of(stage, instant);
+void tell_of_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    const std::vector<LightShare> shares = shares_of(stage, evaluated);
     const std::string file = stage.file.path.string();
     size_t shining = 0, casting = 0, shadowless = 0;
     for (const LightShare& share : shares) {
@@ -141,7 +141,7 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.output = parse_output(options.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
-    const PictureSize wanted = options.size.empty() ? PictureSize{} : parse_size(options.size);
+    const media::ImageSize wanted = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.stage = stage::load_stage(options.scene);
     override_settings(options, plan.stage);
     plan.fps = checked_fps(options, 0, plan.stage.fps);
@@ -154,15 +154,15 @@ StagePlan plan_stage(const RenderOptions& options) {
         plan.own_path = true;
     }
     plan_time(options, plan);
-    const bool still = plan.output.kind == PictureOutput::Kind::kPicture;
-    if (still && options.time.empty() && (!plan.path || plan.own_path)) plan.pictures = 1;
-    expect_fitting_output(plan.output, plan.pictures);
+    const bool still = plan.output.kind == ImageOutput::Kind::kImage;
+    if (still && options.time.empty() && (!plan.path || plan.own_path)) plan.images = 1;
+    expect_fitting_output(plan.output, plan.images);
     plan.size = wanted.width                    ? wanted
-                : plan.path && plan.path->width ? PictureSize{plan.path->width, plan.path->height}
+                : plan.path && plan.path->width ? media::ImageSize{plan.path->width, plan.path->height}
                                                 : kStageSize;
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
-    const stage::StageInstant first = stage::stage_at(plan.stage, plan.first_s);
+    const stage::EvaluatedStage first = stage::stage_at(plan.stage, plan.first_s);
     if (!plan.path && (options.orbit || (!stage::has_camera(first) && options.camera.empty())))
         plan.turn = turn_around(plan);
     camera_of(options, plan, first, 0);  // there is one
@@ -171,9 +171,9 @@ StagePlan plan_stage(const RenderOptions& options) {
     return plan;
 }
 
-// All files that the pictures depend on.
+// All files that the images depend on.
 RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
-    RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.pictures);
+    RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.images);
     facts["stage"] = content_fact(options.scene);
     for (const stage::StageClip& clip : plan.stage.clips) facts["clip " + clip.path.string()] = content_fact(clip.path);
     if (const auto& environment = plan.stage.settings.environment)
@@ -198,26 +198,26 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     return facts;
 }
 
-void render_picture(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
-                    PictureSink& sink) {
-    const stage::StageInstant instant = stage::stage_at(plan.stage, plan.time_s(i));
-    const stage::Camera camera = camera_of(options, plan, instant, i);
-    renderer.show(instant, options.background.empty());
-    render::FrameSettings settings = renderer.settings_at(instant);
+void render_image(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
+                  ImageSink& sink) {
+    const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
+    const stage::Camera camera = camera_of(options, plan, evaluated, i);
+    renderer.show(evaluated, options.background.empty());
+    render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
-    const media::Image picture = renderer.frames().render(camera, settings);
+    const media::Image image = renderer.frames().render(camera, settings);
     if (sink.exr())
-        sink.add(i, renderer.linear_picture_of(camera, plan.resolve.background));
+        sink.add(i, renderer.linear_image_of(camera, plan.resolve.background));
     else
-        sink.add(i, options.pass.empty() ? picture : pass_picture(options, renderer.frames(), i));
+        sink.add(i, options.pass.empty() ? image : pass_image(options, renderer.frames(), i));
 }
 
 }  // namespace
 
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
-    PictureSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
+    ImageSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
     const gpu::Device device(common.device);
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
@@ -225,8 +225,8 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     const auto read = [&](size_t done, size_t) { reading.update(done); };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
-    return render_pictures(options, plan.output, plan.size, plan.fps, plan.pictures, sink, device, [&](uint32_t i) {
-        render_picture(renderer, options, plan, i, sink);
+    return render_images(options, plan.output, plan.size, plan.fps, plan.images, sink, device, [&](uint32_t i) {
+        render_image(renderer, options, plan, i, sink);
         return times_of(renderer.frames());
     });
 }

@@ -18,7 +18,7 @@ constexpr size_t kLongestName = 14;
 constexpr Colour kWhite = {255, 255, 255}, kBlack = {0, 0, 0}, kGrey = {150, 150, 150}, kTrain = {30, 90, 200},
                  kTest = {230, 110, 0};
 
-// A projection along a world axis onto a square of the picture.
+// A projection along a world axis onto a square of the image.
 struct Panel {
     double left = 0;  // pixels
     glm::dvec3 right{1, 0, 0}, down{0, 0, 1}, centre{0};
@@ -35,7 +35,7 @@ glm::dvec3 place(const training::RigCamera& camera) {
     return glm::dvec3(camera.world_from_camera[3]);
 }
 
-// The picture's corners at this depth.
+// The image's corners at this depth.
 std::array<glm::dvec3, 4> corners(const training::RigCamera& camera, double depth) {
     const training::Lens& lens = camera.lens;
     const double width = lens.width ? lens.width : 2 * lens.cx, height = lens.height ? lens.height : 2 * lens.cy;

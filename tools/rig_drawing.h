@@ -1,4 +1,4 @@
-// A rig as a picture: every camera's frustum and name, and the scene's box, from above and from the side.
+// A rig as an image: every camera's frustum and name, and the scene's box, from above and from the side.
 #pragma once
 
 #include <optional>

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 #include "stage/camera_path_json.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/stage_options.h"
@@ -55,7 +55,7 @@ struct PathOptions {
     bool remove = false;
 };
 
-// The key that a camera of the stage makes at an instant.
+// The key that a camera of the stage makes at a time.
 stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, double time_s) {
     const stage::Camera camera = stage::camera_of(stage, name, stage::stage_at(stage, time_s), 2, 2);
     stage::CameraPathKey key;

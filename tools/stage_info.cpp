@@ -11,7 +11,7 @@
 #include "gpu/device.h"
 #include "render/frame.h"
 #include "stage/camera_path_json.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "tools/light_shares.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
@@ -72,7 +72,7 @@ Stand stand_of(const glm::dmat4& world_from_node) {
     return stand;
 }
 
-const stage::GltfLight& light_of(const stage::Stage& stage, const stage::InstantLight& light) {
+const stage::GltfLight& light_of(const stage::Stage& stage, const stage::EvaluatedLight& light) {
     return stage.scene.lights[static_cast<size_t>(stage.scene.nodes[light.node].light)];
 }
 
@@ -82,13 +82,13 @@ ordered_json paint_json(const stage::PerformerSettings& settings) {
     return list;
 }
 
-ordered_json performers_json(const stage::Stage& stage, const stage::StageInstant& instant) {
+ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     auto list = ordered_json::array();
-    for (const stage::InstantPerformer& at : instant.performers) {
+    for (const stage::EvaluatedPerformer& at : evaluated.performers) {
         const stage::StagePerformer& performer = stage.performers[at.performer];
         const stage::PerformerSettings& settings = performer.settings;
         const double length = stage::length_s(performer.timeline);
-        const Stand stand = stand_of(instant.pose.world_from_node[performer.node]);
+        const Stand stand = stand_of(evaluated.pose.world_from_node[performer.node]);
         list.push_back({{"node", performer.node},
                         {"name", performer.name},
                         {"clip", at.clip},
@@ -109,7 +109,7 @@ ordered_json performers_json(const stage::Stage& stage, const stage::StageInstan
     return list;
 }
 
-ordered_json light_json(const stage::Stage& stage, const stage::InstantLight& light, const LightShare& share) {
+ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightShare& share) {
     const stage::GltfLight& source = light_of(stage, light);
     ordered_json json = {{"node", light.node},
                          {"name", stage::node_title(stage.scene, light.node)},
@@ -127,12 +127,12 @@ ordered_json light_json(const stage::Stage& stage, const stage::InstantLight& li
     return json;
 }
 
-ordered_json json_of(const stage::Stage& stage, const stage::StageInstant& instant,
+ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
                      const std::vector<ClipMemory>& memory) {
     ordered_json json = {{"file", stage.file.path.string()},
                          {"duration", stage.duration_s},
                          {"fps", stage.fps},
-                         {"at", instant.time_s},
+                         {"at", evaluated.time_s},
                          {"ambient", vector_json(stage.ambient)},
                          {"background", vector_json(stage.settings.background)},
                          {"blend", stage::kStageBlendNames[static_cast<size_t>(stage.settings.blend)]},
@@ -141,7 +141,7 @@ ordered_json json_of(const stage::Stage& stage, const stage::StageInstant& insta
     if (const auto& environment = stage.settings.environment)
         json["environment"] = {
             {"uri", environment->uri}, {"intensity", environment->intensity}, {"rotation", environment->rotation_deg}};
-    json["performers"] = performers_json(stage, instant);
+    json["performers"] = performers_json(stage, evaluated);
     json["clips"] = json["lights"] = json["cameras"] = ordered_json::array();
     uint64_t total = 0;
     for (size_t i = 0; i < stage.clips.size(); ++i) {
@@ -153,10 +153,10 @@ ordered_json json_of(const stage::Stage& stage, const stage::StageInstant& insta
         total += memory[i].field_bytes + memory[i].slice_bytes;
     }
     if (!memory.empty()) json["device_bytes"] = total;
-    const std::vector<LightShare> shares = shares_of(stage, instant);
+    const std::vector<LightShare> shares = shares_of(stage, evaluated);
     for (size_t i = 0; i < shares.size(); ++i)
-        json["lights"].push_back(light_json(stage, instant.lights[i], shares[i]));
-    for (const stage::InstantCamera& camera : instant.cameras)
+        json["lights"].push_back(light_json(stage, evaluated.lights[i], shares[i]));
+    for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         json["cameras"].push_back({{"node", camera.node},
                                    {"name", camera.name},
                                    {"position", vector_json(glm::dvec3(camera.world_from_camera[3]))},
@@ -219,7 +219,7 @@ std::string paint_text(const stage::PerformerSettings& settings) {
 }
 
 // What is not as usual with a performer.
-std::string more_of(const stage::StagePerformer& performer, const stage::InstantPerformer& at,
+std::string more_of(const stage::StagePerformer& performer, const stage::EvaluatedPerformer& at,
                     const glm::dmat4& world_from_node) {
     const stage::PerformerSettings& settings = performer.settings;
     std::string text = settings.time.empty() ? "as the clip's" : stage::text_of(settings.time);
@@ -235,7 +235,7 @@ std::string more_of(const stage::StagePerformer& performer, const stage::Instant
     return text;
 }
 
-std::string light_text(const stage::Stage& stage, const stage::InstantLight& light, const LightShare& share) {
+std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightShare& share) {
     const stage::GltfLight& source = light_of(stage, light);
     std::string text =
         fmt::format("{:.6g} {}", source.intensity, light.kind == stage::GltfLightKind::kDirectional ? "lx" : "cd");
@@ -269,14 +269,14 @@ std::string path_text(const stage::CameraPath& path) {
                        path.cyclic ? fmt::format(", back every {:.6g} s", path.duration_s) : "");
 }
 
-void print_performers(const stage::Stage& stage, const stage::StageInstant& instant) {
-    if (instant.performers.empty()) return;
+void print_performers(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    if (evaluated.performers.empty()) return;
     fmt::print("\nnode  performer         clip  frame   at                      time\n");
-    for (const stage::InstantPerformer& at : instant.performers) {
+    for (const stage::EvaluatedPerformer& at : evaluated.performers) {
         const stage::StagePerformer& performer = stage.performers[at.performer];
         fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
                    place_text(glm::dvec3(at.world_from_performer[3])),
-                   more_of(performer, at, instant.pose.world_from_node[performer.node]));
+                   more_of(performer, at, evaluated.pose.world_from_node[performer.node]));
     }
 }
 
@@ -296,31 +296,32 @@ void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memor
     if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
 }
 
-void print_lights(const stage::Stage& stage, const stage::StageInstant& instant) {
-    if (instant.lights.empty()) return;
+void print_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    if (evaluated.lights.empty()) return;
     fmt::print("\nnode  light             kind         at                      light\n");
-    const std::vector<LightShare> shares = shares_of(stage, instant);
+    const std::vector<LightShare> shares = shares_of(stage, evaluated);
     for (size_t i = 0; i < shares.size(); ++i) {
-        const stage::InstantLight& light = instant.lights[i];
+        const stage::EvaluatedLight& light = evaluated.lights[i];
         fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
                    kind_name(light.kind), place_text(light.position), light_text(stage, light, shares[i]));
     }
 }
 
-void print(const stage::Stage& stage, const stage::StageInstant& instant, const std::vector<ClipMemory>& memory) {
+void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const std::vector<ClipMemory>& memory) {
     fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
-               stage.file.path.string(), stage.duration_s, stage.fps, instant.performers.size(), instant.lights.size(),
-               instant.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
+               stage.file.path.string(), stage.duration_s, stage.fps, evaluated.performers.size(),
+               evaluated.lights.size(), evaluated.cameras.size(), stage.scene.meshes.size(),
+               stage.scene.animations.size());
     fmt::print("{}\n", settings_text(stage));
     if (stage.settings.camera_path) fmt::print("{}\n", path_text(*stage.settings.camera_path));
     if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) fmt::print("hidden: {}\n", hidden);
     if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty())
         fmt::print("locked: {}\n", locked);
-    print_performers(stage, instant);
+    print_performers(stage, evaluated);
     print_clips(stage, memory);
-    print_lights(stage, instant);
-    if (!instant.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
-    for (const stage::InstantCamera& camera : instant.cameras)
+    print_lights(stage, evaluated);
+    if (!evaluated.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
+    for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
                    camera.orthographic ? std::string("orthogr.")
                                        : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
@@ -331,13 +332,13 @@ void print(const stage::Stage& stage, const stage::StageInstant& instant, const 
 
 void print_stage_info(const StageInfoOptions& options, const CommonOptions& common) {
     const stage::Stage stage = stage::load_stage(options.stage);
-    const stage::StageInstant instant = stage::stage_at(stage, options.at_s);
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, options.at_s);
     const std::vector<ClipMemory> memory =
         options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();
     if (options.json)
-        fmt::print("{}", json_text(json_of(stage, instant, memory)));
+        fmt::print("{}", json_text(json_of(stage, evaluated, memory)));
     else
-        print(stage, instant, memory);
+        print(stage, evaluated, memory);
 }
 
 void add_stage_info(CLI::App& stage, CommonOptions& common) {

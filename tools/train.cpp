@@ -11,7 +11,7 @@
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "training/formats.h"
-#include "training/pictures.h"
+#include "training/images.h"
 #include "training/psi_tree.h"
 #include "training/schedule.h"
 #include "training/train.h"
@@ -24,7 +24,7 @@ struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string format = training::kAnyFormat;
     training::TrainSettings settings;
-    double max_megabytes = 0, picture_gigabytes = 0;
+    double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
     std::string init = "hull";
@@ -77,21 +77,20 @@ void prepare_output(const std::filesystem::path& output) {
 }
 
 training::LoadOptions load_options(const TrainOptions& options) {
-    const bool given = options.picture_gigabytes > 0;
-    return {
-        .format = options.format,
-        .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.picture_gigabytes) : training::picture_budget()};
+    const bool given = options.image_gigabytes > 0;
+    return {.format = options.format,
+            .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
-// Says what the pictures will take before it reads them.
-training::Dataset load_pictures(const TrainOptions& options, const training::LoadOptions& load) {
+// Says what the images will take before it reads them.
+training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    const training::PictureNeed need = training::picture_need(rig);
-    fmt::print(stderr, "{}: {} cameras, {} frames, {} pictures of {}x{} = {}, budget {}{}\n", options.dataset.string(),
-               need.cameras, need.frames, need.pictures, need.width, need.height, size_text(need.bytes),
+    const training::ImageNeed need = training::image_need(rig);
+    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
+               need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
                size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
-    return training::read_pictures(rig, load);
+    return training::read_images(rig, load);
 }
 
 void run_train(const TrainOptions& options, const CommonOptions& common) {
@@ -101,7 +100,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     const training::LoadOptions load = load_options(options);
-    const training::Dataset dataset = load_pictures(options, load);
+    const training::Dataset dataset = load_images(options, load);
     LiveReport live(device, dataset, load, options.live);
     training::TrainSettings settings = options.settings;
     settings.program = "NeuVV " NEUVV_VERSION;
@@ -192,8 +191,8 @@ void add_train(CLI::App& app, CommonOptions& common) {
         verb->add_option(weight_option(one), options->settings.weights.*one.weight, one.meaning)
             ->check(number_between(0.0, 100.0))
             ->capture_default_str();
-    verb->add_option("--picture-memory", options->picture_gigabytes,
-                     "GB that pictures may take in memory; more are streamed from disk (default: half of what is free)")
+    verb->add_option("--picture-memory", options->image_gigabytes,
+                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         ->check(number_between(1e-6, 1e6));
     verb->add_option("--seed", options->settings.seed, "Same seed, same batches")
         ->check(CLI::NonNegativeNumber)
@@ -202,7 +201,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "--resume", options->settings.resume,
         "Go on from OUTPUT.state; shape, bounds, losses and seed are the run's, --minutes or --steps its whole budget");
     verb->add_option("--preview", options->live.preview,
-                     "Keep this PNG showing a held-out picture: truth, render, error; rewritten every few seconds");
+                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
     verb->add_option("--metrics", options->live.metrics,
                      "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
                      "(see training/metrics_log.h); --resume continues it");

@@ -27,7 +27,7 @@ void add_view(CLI::App& app, CommonOptions& common) {
     verb->add_option("--report", options->report,
                      "Keep this JSON file up to date with what the window shows and where, for programs that drive it");
     verb->add_option("--screenshots", options->screenshots,
-                     "The folder for F12; otherwise the one for pictures ($XDG_PICTURES_DIR, ~/Pictures)");
+                     "The folder for F12; otherwise the one for images ($XDG_PICTURES_DIR, ~/Pictures)");
     verb->add_option(
             "--shaders", options->shaders,
             "For who writes shaders: this folder of their sources is watched, and what changes is seen at once; a "
@@ -50,7 +50,7 @@ void add_view(CLI::App& app, CommonOptions& common) {
         viewer.validate = options->validate;
         if (options->ui_scale > 0) viewer.ui_scale = static_cast<float>(options->ui_scale);
         if (!options->size.empty()) {
-            const PictureSize size = parse_size(options->size);
+            const media::ImageSize size = parse_size(options->size);
             viewer.size = VkExtent2D{size.width, size.height};
         }
         viewer::Viewer(viewer, common.device).run();

@@ -17,12 +17,12 @@ namespace {
 
 constexpr double kTurnSeconds = 4;  // at least
 constexpr double kElevation = 10 * std::numbers::pi / 180;
-constexpr double kAngleOfView = 35 * std::numbers::pi / 180;  // of the picture's shorter side
+constexpr double kAngleOfView = 35 * std::numbers::pi / 180;  // of the image's shorter side
 constexpr double kMargin = 1.08;                              // around the box
-constexpr double kMaxPictures = 1e6;
+constexpr double kMaxImages = 1e6;
 
-// The frame of the clip at picture i: the range plays over and over, each of its frames as long as any other. A .nvv
-// has its rate as a float: a rate like 59.94 must be rounded alike, or pictures would drift off the frames of a clip
+// The frame of the clip at image i: the range plays over and over, each of its frames as long as any other. A .nvv
+// has its rate as a float: a rate like 59.94 must be rounded alike, or images would drift off the frames of a clip
 // of 29.97.
 double playing_frame(const Playback& playback, double i) {
     const double span = playback.range.last - playback.range.first + 1;
@@ -30,10 +30,10 @@ double playing_frame(const Playback& playback, double i) {
     return std::min(playback.range.first + played, playback.range.last);
 }
 
-size_t picture_count(double fps, double seconds) {
+size_t image_count(double fps, double seconds) {
     const double count = std::round(seconds * fps);
-    if (!(count <= kMaxPictures))
-        throw InputError("--fps", fmt::format("{}", fps), fmt::format("makes more than {} pictures", kMaxPictures),
+    if (!(count <= kMaxImages))
+        throw InputError("--fps", fmt::format("{}", fps), fmt::format("makes more than {} images", kMaxImages),
                          "choose fewer --frames or a lower --fps");
     return std::max<size_t>(1, static_cast<size_t>(count));
 }
@@ -55,7 +55,7 @@ Axes orbit_axes(double turn) {
 }
 
 // The distance from which an upright cylinder of this radius and half height just fits. A point p about the centre is
-// inside the picture where |p·right| and |p·up| are at most (distance − p·back)·tan(half angle of view).
+// inside the image where |p·right| and |p·up| are at most (distance − p·back)·tan(half angle of view).
 double fitting_distance(double radius, double half_height, double tan_x, double tan_y) {
     constexpr int kPoints = 64;
     const Axes axes = orbit_axes(0);
@@ -74,7 +74,7 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
 
 std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) {
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
         const double edge = std::ldexp(1.0, -static_cast<int>(place.depth));
         const glm::dvec3 corner = glm::dvec3(place.x, place.y, place.z) * edge;
         low = glm::min(low, corner);
@@ -89,9 +89,9 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
 }
 
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
-                                 PictureSize size) {
+                                 media::ImageSize size) {
     const double seconds = clip_seconds(playback);
-    const size_t count = picture_count(playback.output_fps, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
+    const size_t count = image_count(playback.output_fps, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
     const glm::dvec3 centre = 0.5 * (box.first + box.second), half = 0.5 * (box.second - box.first);
     const double tan_short = std::tan(0.5 * kAngleOfView), shorter = std::min(size.width, size.height);
     const double distance =
@@ -114,10 +114,10 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 }
 
 std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
-                                 PictureSize size, PictureSize fallback) {
+                                 media::ImageSize size, media::ImageSize fallback) {
     if (size.width == 0) size = {path.width, path.height};
     if (size.width == 0) size = fallback;
-    std::vector<ViewStep> steps(path_pictures(path, playback.output_fps, clip_seconds(playback)));
+    std::vector<ViewStep> steps(path_images(path, playback.output_fps, clip_seconds(playback)));
     for (size_t i = 0; i < steps.size(); ++i) {
         const double time_s = static_cast<double>(i) / playback.output_fps;
         const std::optional<double> clip_time = stage::clip_time_at(path, time_s);
@@ -132,11 +132,11 @@ bool names_camera_path(const std::string& camera) {
     return std::filesystem::path(camera).extension() == ".json";
 }
 
-size_t path_pictures(const stage::CameraPath& path, double fps, double still_s) {
-    if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : picture_count(fps, still_s);
-    if (path.cyclic) return picture_count(fps, path.duration_s);
-    constexpr double kRounding = 1e-6;  // of a picture: a last key at i / fps is picture i
-    return picture_count(fps, (std::floor(path.duration_s * fps + kRounding) + 1) / fps);
+size_t path_images(const stage::CameraPath& path, double fps, double still_s) {
+    if (path.keys.size() == 1) return path.keys[0].clip_time ? 1 : image_count(fps, still_s);
+    if (path.cyclic) return image_count(fps, path.duration_s);
+    constexpr double kRounding = 1e-6;  // of an image: a last key at i / fps is image i
+    return image_count(fps, (std::floor(path.duration_s * fps + kRounding) + 1) / fps);
 }
 
 std::pair<double, double> depth_range(const std::vector<ViewStep>& path, const std::pair<glm::dvec3, glm::dvec3>& box) {

@@ -92,7 +92,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
                      "programs that drive it");
     verb->add_flag("--validate", headset.validate, "With Vulkan's validation layers");
     verb->footer(
-        "Controls (xr/README.md has a picture, and what they are on other controllers):\n"
+        "Controls (xr/README.md has an image, and what they are on other controllers):\n"
         "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
         "  left stick up throws you there, sideways steps through time; right stick sideways turns you, up and down "
         "is the speed\n"
@@ -109,7 +109,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
         wanted.report = options->report;
         wanted.quality.mask = !options->no_mask;
         wanted.quality.depth = !options->no_depth;
-        wanted.quality.keep_pictures = wanted.mirror;
+        wanted.quality.keep_images = wanted.mirror;
         if (options->inset > 0) wanted.quality.inset = options->inset;
         if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
         headset::watch_in_headset(wanted);

@@ -11,7 +11,7 @@ struct Backdrop {
     double tile_m = 0.5;
 };
 
-// What a camera sees of it: an opaque picture, averaged over each pixel's area.
+// What a camera sees of it: an opaque image, averaged over each pixel's area.
 media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera);
 
 }  // namespace neuvv::training

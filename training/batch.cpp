@@ -11,7 +11,7 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
-constexpr double kMostInARow = 0.125;  // of an instant's epoch: more of it at once makes the others forgotten
+constexpr double kMostInARow = 0.125;  // of a time's epoch: more of it at once makes the others forgotten
 
 uint32_t tiles_across(uint32_t pixels) {
     return (pixels + kTile - 1) / kTile;
@@ -47,18 +47,18 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
     parallel_for(dataset.views.size(), 8, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) has_foreground_[i] = find_foreground(dataset.views[i].image);
     });
-    instants_.resize(dataset.times.size());
+    frames_.resize(dataset.times.size());
     double tiles = 0;
     for (uint32_t i = 0; i < dataset.views.size(); i++) {
         const auto time = std::lower_bound(dataset.times.begin(), dataset.times.end(), dataset.views[i].time);
-        instants_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
+        frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const auto foreground = std::count(has_foreground_[i].begin(), has_foreground_[i].end(), true);
         tiles += static_cast<double>(foreground) +
                  double{kBackgroundShare} *
                      (static_cast<double>(has_foreground_[i].size()) - static_cast<double>(foreground));
     }
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
-    const double batches = tiles / static_cast<double>(instants_.size()) / std::max(tiles_per_batch, 1u);
+    const double batches = tiles / static_cast<double>(frames_.size()) / std::max(tiles_per_batch, 1u);
     in_a_row_ =
         static_cast<uint32_t>(std::clamp(kMostInARow * batches, 1.0, static_cast<double>(std::max(in_a_row, 1u))));
 }
@@ -68,35 +68,35 @@ void BatchSampler::shuffle(std::vector<T>& values) {
     for (size_t i = values.size(); i > 1; i--) std::swap(values[i - 1], values[random_() % i]);
 }
 
-void BatchSampler::refill(Instant& instant) {
-    for (const uint32_t view : instant.views) {
+void BatchSampler::refill(FrameViews& frame) {
+    for (const uint32_t view : frame.views) {
         const uint32_t across = tiles_across(dataset_.views[view].image.width);
         const std::vector<bool>& foreground = has_foreground_[view];
         for (size_t i = 0; i < foreground.size(); i++)
             if (foreground[i] || uniform(random_) < kBackgroundShare)
-                instant.queue.push_back({view, static_cast<uint16_t>(i % across), static_cast<uint16_t>(i / across)});
+                frame.queue.push_back({view, static_cast<uint16_t>(i % across), static_cast<uint16_t>(i / across)});
     }
-    if (instant.queue.empty()) instant.queue.push_back({instant.views[0], 0, 0});
-    shuffle(instant.queue);
+    if (frame.queue.empty()) frame.queue.push_back({frame.views[0], 0, 0});
+    shuffle(frame.queue);
 }
 
 BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
     if (left_ == 0 && !round_.empty()) round_.pop_back();
     if (round_.empty()) {
-        round_.resize(instants_.size());
+        round_.resize(frames_.size());
         std::iota(round_.begin(), round_.end(), 0u);
         shuffle(round_);
     }
     if (left_ == 0) left_ = in_a_row_;
     left_--;
     Drawn drawn{round_.back(), {}};
-    Instant& instant = instants_[drawn.instant];
-    if (instant.queue.empty()) refill(instant);
+    FrameViews& frame = frames_[drawn.frame];
+    if (frame.queue.empty()) refill(frame);
     const size_t wanted = std::max<size_t>(tiles_per_batch_ / (samples * samples), 1);
-    const auto first = instant.queue.end() - static_cast<ptrdiff_t>(std::min(wanted, instant.queue.size()));
-    drawn.tiles.assign(first, instant.queue.end());
-    instant.queue.erase(first, instant.queue.end());
-    if (instant.queue.empty()) left_ = 0;
+    const auto first = frame.queue.end() - static_cast<ptrdiff_t>(std::min(wanted, frame.queue.size()));
+    drawn.tiles.assign(first, frame.queue.end());
+    frame.queue.erase(first, frame.queue.end());
+    if (frame.queue.empty()) left_ = 0;
     drawn_++;
     return drawn;
 }
@@ -105,7 +105,7 @@ Batch BatchSampler::next(uint32_t samples) {
     const Drawn drawn = draw(samples);
     Batch batch;
     batch.samples = samples;
-    batch.time = dataset_.times[drawn.instant];
+    batch.time = dataset_.times[drawn.frame];
     std::mt19937_64 random(seed_ ^ drawn_ * 0x9e3779b97f4a7c15u);  // its own, so that skip() need not draw
     for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
     return batch;

@@ -43,7 +43,7 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
         !within(lens.s1, kMaxDistortion) || !within(lens.s2, kMaxDistortion))
         throw InputError(file, place, "has a distortion that no lens has", "calibrate again");
     if ((lens.width == 0) != (lens.height == 0) || std::max(lens.width, lens.height) > media::kMaxImageSide)
-        throw InputError(file, place, fmt::format("is for pictures of {}×{}", lens.width, lens.height),
+        throw InputError(file, place, fmt::format("is for images of {}×{}", lens.width, lens.height),
                          fmt::format("a side has 1 to {} pixels", media::kMaxImageSide));
     for (int i = 0; i < 3; ++i)
         if (!within(camera.world_from_camera[3][i], kMaxDistance))

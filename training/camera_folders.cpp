@@ -52,7 +52,7 @@ std::filesystem::path find_video(const std::filesystem::path& folder, const std:
 std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFrames>& cameras) {
     std::map<std::string, double, NaturalOrder> times;
     for (const CameraFrames& from : cameras)
-        for (const auto& [name, picture] : from.frames) times.try_emplace(name, 0);
+        for (const auto& [name, image] : from.frames) times.try_emplace(name, 0);
     const double last = std::max(1.0, static_cast<double>(times.size()) - 1);
     double next = 0;
     for (auto& [name, time] : times) time = next++ / last;
@@ -77,25 +77,25 @@ bool NaturalOrder::operator()(const std::string& a, const std::string& b) const 
     return a_left != b_left ? a_left < b_left : a < b;  // "1" and "01" differ, too
 }
 
-Frames pictures_in(const std::filesystem::path& folder) {
+Frames images_in(const std::filesystem::path& folder) {
     Frames frames;
     std::error_code error;
     for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
         const std::string extension = lower_extension(entry->path());
         if (extension != ".png" && extension != ".jpg" && extension != ".jpeg") continue;
-        const auto [same, fresh] = frames.try_emplace(entry->path().stem().string(), PictureSource{entry->path(), -1});
+        const auto [same, fresh] = frames.try_emplace(entry->path().stem().string(), ImageSource{entry->path(), -1});
         if (!fresh)
             throw InputError(entry->path().string(), "",
                              fmt::format("is named like {}", same->second.path.filename().string()),
-                             "keep one picture a frame");
+                             "keep one image a frame");
     }
     return frames;
 }
 
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps) {
     for (const auto& place : {folder / "images" / camera, folder / camera})
-        if (Frames frames = pictures_in(place); !frames.empty()) return frames;
+        if (Frames frames = images_in(place); !frames.empty()) return frames;
     for (const auto& place : {folder / "videos", folder})
         if (const auto video = find_video(place, camera); !video.empty()) return frames_of_video(video, fps);
     return {};
@@ -109,7 +109,7 @@ std::filesystem::path first_folder(const std::filesystem::path& folder, std::ini
 }
 
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
-    Frames found = pictures_in(masks / camera);
+    Frames found = images_in(masks / camera);
     if (found.empty()) {
         double ignored = 0;
         const auto video = find_video(masks, camera);
@@ -123,13 +123,13 @@ Frames masks_of_camera(const std::filesystem::path& masks, const std::string& ca
                              fmt::format("has {} frames, but its camera {}", of_video.size(), frames.size()),
                              "give every frame its mask");
         auto mask = of_video.begin();
-        for (const auto& [name, picture] : frames) in_order[name] = (mask++)->second;
+        for (const auto& [name, image] : frames) in_order[name] = (mask++)->second;
         return in_order;
     }
-    for (const auto& [name, picture] : frames)
+    for (const auto& [name, image] : frames)
         if (!found.contains(name))
             throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
-                             "give every frame its mask, named as the picture");
+                             "give every frame its mask, named as the image");
     return found;
 }
 
@@ -137,25 +137,25 @@ void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& camer
     size_t frames = 0;
     for (const CameraFrames& from : cameras) frames += from.frames.size();
     if (cameras.size() > 1 && times_of(cameras).size() == frames)
-        throw InputError(rig.folder.string(), "", "no picture of one camera is named as one of another",
-                         "name the pictures of an instant alike: images/<camera>/000000.jpg");
+        throw InputError(rig.folder.string(), "", "no image of one camera is named as one of another",
+                         "name the images of an instant alike: images/<camera>/000000.jpg");
 }
 
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split) {
     const std::map<std::string, double, NaturalOrder> times = times_of(cameras);
     if (std::all_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.group == cameras[0].group; }))
-        throw InputError(rig.file, "", "has one camera with pictures, and one must be held out for the test",
+        throw InputError(rig.file, "", "has one camera with images, and one must be held out for the test",
                          "give two cameras or more");
     for (const CameraFrames& from : cameras) {
         if ((from.group % kHoldOut == 0) != (split == Split::kTest)) continue;
         const auto camera = static_cast<uint32_t>(rig.cameras.size());
         rig.cameras.push_back(from.camera);
-        for (const auto& [name, picture] : from.frames) {
+        for (const auto& [name, image] : from.frames) {
             Shot shot{camera,
                       times.at(name),
                       from.camera.name + "_" + name,
                       fmt::format("{}, frame {}", from.place, name),
-                      picture,
+                      image,
                       {}};
             std::replace(shot.name.begin(), shot.name.end(), '/', '_');
             if (!from.masks.empty()) shot.mask = from.masks.at(name);

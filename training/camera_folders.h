@@ -1,4 +1,4 @@
-// Pictures of a capture kept by camera: images/<camera>/<frame>.jpg or videos/<camera>.mp4, and masks alike.
+// Images of a capture kept by camera: images/<camera>/<frame>.jpg or videos/<camera>.mp4, and masks alike.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@ struct NaturalOrder {
 };
 
 // By frame: file name without extension; of a video the frame's number, six digits.
-using Frames = std::map<std::string, PictureSource, NaturalOrder>;
+using Frames = std::map<std::string, ImageSource, NaturalOrder>;
 
 // The .png, .jpg and .jpeg files of a folder (none: an empty map). Throws InputError for two of one name.
-Frames pictures_in(const std::filesystem::path& folder);
+Frames images_in(const std::filesystem::path& folder);
 
 // Of images/<camera>/, <camera>/, videos/<camera>.* and <camera>.*, the first that is there; empty: none. Sets `fps`
 // where it is a video.
@@ -43,7 +43,7 @@ struct CameraFrames {
 void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& cameras);
 
 // The cameras of a split with their shots: every 8th group is held out, beginning with the first. Frames of one name
-// are one instant; the i-th of all cameras' N instants is the time i/(N−1). Throws InputError where there is but one
+// are one time; the i-th of all cameras' N times is the time i/(N−1). Throws InputError where there is but one
 // group.
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split);
 

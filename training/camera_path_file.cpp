@@ -52,11 +52,11 @@ stage::CameraPathKey key_of(const TransformsFrame& frame, const std::string& fil
     const Intrinsics& in = frame.intrinsics;
     const bool sized = in.width != 0;
     if (!sized && (in.fl_x || in.fl_y || in.cx || in.cy))
-        throw InputError(file, frame.place, "fl_x, fl_y, cx, cy are in pixels of a picture of unknown size",
+        throw InputError(file, frame.place, "fl_x, fl_y, cx, cy are in pixels of an image of unknown size",
                          "give w and h, or camera_angle_x or camera_angle_y alone");
     const Lens lens = make_lens(in, in.width, in.height);
     if (lens.distorts())
-        throw InputError(file, frame.place, "has a lens that distorts: pictures are rendered by pinholes",
+        throw InputError(file, frame.place, "has a lens that distorts: images are rendered by pinholes",
                          "remove camera_model, is_fisheye and k1 to p2");
     stage::CameraPathKey key;
     set_pose(key, frame.world_from_camera);
@@ -219,18 +219,18 @@ double nerfstudio_seconds(const JsonNode& node, const char* name) {
     return json_number(node[name], 1e-6, kMaxPathSeconds, "a duration in seconds");
 }
 
-// `camera_path` holds every picture of the path, `fps` a second.
-void add_nerfstudio_pictures(stage::CameraPath& path, const JsonNode& root) {
+// `camera_path` holds every image of the path, `fps` a second.
+void add_nerfstudio_images(stage::CameraPath& path, const JsonNode& root) {
     if (path.fps == 0) root.fail("has no fps", "save the path in nerfstudio's render panel");
     const double fps = path.fps;
     const NerfstudioWorld world(root);
-    const JsonNode pictures = root["camera_path"];
-    for (size_t i = 0; i < pictures.value.size(); ++i) {
-        path.keys.push_back(nerfstudio_key(pictures[i], "camera_to_world", world));
+    const JsonNode images = root["camera_path"];
+    for (size_t i = 0; i < images.value.size(); ++i) {
+        path.keys.push_back(nerfstudio_key(images[i], "camera_to_world", world));
         path.keys.back().time_s = static_cast<double>(i) / fps;
     }
     path.duration_s = static_cast<double>(path.keys.size() - (path.cyclic ? 0 : 1)) / fps;
-    expect_path_times(path, pictures);
+    expect_path_times(path, images);
 }
 
 // `keyframes` alone: each has the time that it takes to come to it from the one before, the first of a cycle from the
@@ -265,20 +265,20 @@ void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
 
 stage::CameraPath nerfstudio_path(const JsonNode& root) {
     if (root.has("camera_type") && json_string(root["camera_type"]) != "perspective")
-        root["camera_type"].fail("is not perspective: pictures are rendered by pinholes", "save a perspective path");
+        root["camera_type"].fail("is not perspective: images are rendered by pinholes", "save a perspective path");
     stage::CameraPath path;
     path.cyclic = root.has("is_cycle") && json_flag(root["is_cycle"]);
     if (root.has("render_width") && root.has("render_height")) {
         const auto side = [&](const char* name) {
-            return static_cast<uint32_t>(json_number(root[name], 1, media::kMaxImageSide, "a picture's size"));
+            return static_cast<uint32_t>(json_number(root[name], 1, media::kMaxImageSide, "an image's size"));
         };
         path.width = side("render_width");
         path.height = side("render_height");
     }
-    if (root.has("fps")) path.fps = json_number(root["fps"], kMinFps, kMaxFps, "a rate of pictures");
-    const bool pictures = root.has("camera_path") && (!root["camera_path"].value.empty() || !root.has("keyframes"));
-    expect_list(root[pictures ? "camera_path" : "keyframes"]);
-    (pictures ? add_nerfstudio_pictures : add_nerfstudio_keys)(path, root);
+    if (root.has("fps")) path.fps = json_number(root["fps"], kMinFps, kMaxFps, "a rate of images");
+    const bool images = root.has("camera_path") && (!root["camera_path"].value.empty() || !root.has("keyframes"));
+    expect_list(root[images ? "camera_path" : "keyframes"]);
+    (images ? add_nerfstudio_images : add_nerfstudio_keys)(path, root);
     return path;
 }
 

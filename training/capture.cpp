@@ -22,17 +22,17 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double kViewAngle_deg = 30;  // of the picture's shorter side
-constexpr double kMargin = 0.04;       // between the motion and the pictures' borders
+constexpr double kViewAngle_deg = 30;  // of the image's shorter side
+constexpr double kMargin = 0.04;       // between the motion and the images' borders
 constexpr double kBoxMargin = 0.02;    // of the motion's diagonal, around it
 constexpr double kMaxExtent_m = 1e5;   // transforms hold distances up to 1e6
 constexpr double kMinExtent_m = 1e-3;
-constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of pictures drawn but not yet written
+constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images drawn but not yet written
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
 
 void check_settings(const CaptureSettings& s) {
-    const auto expect = [](bool good, const char* option, const std::string& problem, const char* mend) {
-        if (!good) throw InputError("capture", option, problem, mend);
+    const auto expect = [](bool good, const char* option, const std::string& problem, const char* fix) {
+        if (!good) throw InputError("capture", option, problem, fix);
     };
     const uint32_t side = media::kMaxImageSide / render::kSupersample;
     expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "--cameras", fmt::format("{} is out of range", s.cameras),
@@ -73,7 +73,7 @@ void gather_points(const stage::GltfPrimitive& primitive, const stage::PosedVert
     }
 }
 
-// World positions of everything drawn at these instants, primitive by primitive.
+// World positions of everything drawn at these times, primitive by primitive.
 void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times,
                    const std::function<void(const std::vector<glm::vec3>&)>& visit) {
     stage::PosedVertices vertices;
@@ -96,7 +96,7 @@ void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::
 std::string camera_name(size_t camera) {
     return fmt::format("c{:02}", camera);
 }
-std::string picture_name(size_t camera, size_t frame) {
+std::string image_name(size_t camera, size_t frame) {
     return fmt::format("c{:02}_f{:03}", camera, frame);
 }
 
@@ -124,7 +124,7 @@ void write_transforms(const std::filesystem::path& file, const CaptureStage& sta
         if (held[c] != test) continue;
         const json pose = matrix_rows(stage.cameras[c].world_from_camera);
         for (uint32_t f = 0; f < settings.frames; ++f) {
-            json frame = {{"file_path", fmt::format("images/{}.png", picture_name(c, f))},
+            json frame = {{"file_path", fmt::format("images/{}.png", image_name(c, f))},
                           {"time", settings.frames > 1 ? f / (settings.frames - 1.0) : 0.0},
                           {"transform_matrix", pose}};
             if (settings.background == CaptureBackground::kChecker)
@@ -136,7 +136,7 @@ void write_transforms(const std::filesystem::path& file, const CaptureStage& sta
     write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
-// An interrupted capture over an older one must not leave transforms that speak of other pictures.
+// An interrupted capture over an older one must not leave transforms that speak of other images.
 void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
     std::error_code error;
     for (const char* name : {"transforms_train.json", "transforms_test.json"}) {
@@ -154,9 +154,9 @@ void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& 
 
 // What a camera would record: foreground + (1 − α) background, added as light; alpha stays the matte.
 media::Image compose(std::span<const glm::vec4> premultiplied, const media::Image& plate) {
-    media::Image picture = plate;
+    media::Image image = plate;
     for (size_t i = 0; i < premultiplied.size(); ++i) {
-        uint8_t* pixel = &picture.rgba[4 * i];
+        uint8_t* pixel = &image.rgba[4 * i];
         const glm::vec4 light = premultiplied[i];
         const auto alpha = static_cast<uint8_t>(std::lround(std::clamp(light.a, 0.0f, 1.0f) * 255));
         pixel[3] = alpha;
@@ -167,7 +167,7 @@ media::Image compose(std::span<const glm::vec4> premultiplied, const media::Imag
             pixel[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::clamp(sum, 0.0, 1.0))));
         }
     }
-    return picture;
+    return image;
 }
 
 Backdrop backdrop_of(const CaptureStage& stage) {
@@ -198,17 +198,17 @@ void write_plates(Session& session) {
     session.workers.finish();
 }
 
-void write_picture(const Session& session, size_t camera, size_t frame, const render::RasterPicture& picture) {
+void write_image(const Session& session, size_t camera, size_t frame, const render::RasterImage& image) {
     const uint32_t width = session.settings.width, height = session.settings.height;
-    const std::vector<glm::vec4> light = render::box_down(picture, width, height);
-    const auto path = session.folder / "images" / (picture_name(camera, frame) + ".png");
+    const std::vector<glm::vec4> light = render::box_down(image, width, height);
+    const auto path = session.folder / "images" / (image_name(camera, frame) + ".png");
     media::write_png(path, session.plates.empty() ? render::encode_straight(light, width, height)
                                                   : compose(light, session.plates[camera]));
 }
 
 // False where the caller wants to stop.
-bool render_pictures(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
-                     const CaptureProgress& progress) {
+bool render_images(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
+                   const CaptureProgress& progress) {
     const CaptureSettings& settings = session.settings;
     render::Rasterizer rasterizer(device, scene, settings.width, settings.height);
     const std::vector<double> times = frame_times(scene, animation, settings);
@@ -217,12 +217,12 @@ bool render_pictures(Session& session, const gpu::Device& device, const stage::G
         rasterizer.pose(stage::pose_scene(scene, animation, times[f]));
         for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
             if (progress && !progress(session.workers.finished() - before, total)) return false;
-            const render::RasterPicture drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            const render::RasterImage drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
             session.workers.add(
                 [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
-                    render::RasterPicture picture = drawn;
-                    picture.halves = halves;
-                    write_picture(session, c, f, picture);
+                    render::RasterImage image = drawn;
+                    image.halves = halves;
+                    write_image(session, c, f, image);
                 });
         }
     }
@@ -269,16 +269,16 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     prepare_folder(folder, settings);
 
     CaptureResult result;
-    result.pictures = uint64_t{settings.frames} * settings.cameras;
+    result.images = uint64_t{settings.frames} * settings.cameras;
     result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
-    const uint64_t picture_bytes =
+    const uint64_t image_bytes =
         uint64_t{8} * render::kSupersample * render::kSupersample * settings.width * settings.height;
-    const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / picture_bytes, 1, 2 * threads);
+    const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / image_bytes, 1, 2 * threads);
     Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
-    if (!render_pictures(session, device, scene, animation, progress)) return result;
+    if (!render_images(session, device, scene, animation, progress)) return result;
     if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, held, true);
     write_transforms(folder / "transforms_train.json", stage, settings, held, false);
     result.complete = true;

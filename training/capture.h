@@ -30,12 +30,12 @@ struct CaptureSettings {
     CaptureBackground background = CaptureBackground::kClear;
 };
 
-// Pictures written, of how many; returns false to stop.
+// Images written, of how many; returns false to stop.
 using CaptureProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
 struct CaptureResult {
     uint32_t train_cameras = 0, test_cameras = 0;
-    uint64_t pictures = 0;
+    uint64_t images = 0;
     bool complete = false;  // false: stopped, and the folder holds no transforms
 };
 
@@ -47,7 +47,7 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
                       const std::filesystem::path& folder, const CaptureSettings& settings,
                       const CaptureProgress& progress);
 
-// The same cameras without pictures: every camera sees the whole motion. `box` is the motion's, slightly enlarged.
+// The same cameras without images: every camera sees the whole motion. `box` is the motion's, slightly enlarged.
 struct CaptureStage {
     std::vector<DomeCamera> dome;
     std::vector<stage::Camera> cameras;

@@ -37,15 +37,15 @@ ImagesByCamera by_camera(const ColmapModel& model) {
     return result;
 }
 
-// The mask of one image: as COLMAP names it ("a.jpg.png"), or named as the picture.
-PictureSource mask_of(const std::filesystem::path& masks, const std::string& image) {
+// The mask of one image: as COLMAP names it ("a.jpg.png"), or named as the image.
+ImageSource mask_of(const std::filesystem::path& masks, const std::string& image) {
     const std::filesystem::path beside = masks / image;
     std::error_code ignored;
     for (const std::filesystem::path& file : {std::filesystem::path(beside.string() + ".png"),
                                               std::filesystem::path(beside).replace_extension(".png"), beside})
         if (std::filesystem::is_regular_file(file, ignored)) return {file, -1};
     throw InputError(masks.string(), "", fmt::format("has no mask {}.png", image),
-                     "give every picture its mask, or take the folder away");
+                     "give every image its mask, or take the folder away");
 }
 
 // Cameras that stand still while their folder's or video's frames pass.
@@ -64,7 +64,7 @@ std::vector<CameraFrames> still_cameras(Rig& rig, const ColmapModel& model, cons
     return cameras;
 }
 
-// Every image is a camera of its own: a camera that moves, or a scene that does not. Those in folders show the instant
+// Every image is a camera of its own: a camera that moves, or a scene that does not. Those in folders show the time
 // that their file name says; the others all show one.
 std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model, const std::filesystem::path& masks) {
     std::vector<CameraFrames> cameras;
@@ -75,7 +75,7 @@ std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model
             const std::filesystem::path image(model.images[i].name), file = rig.folder / "images" / image;
             std::error_code ignored;
             if (!std::filesystem::is_regular_file(file, ignored))
-                throw InputError(model.file, model.place[i], fmt::format("there is no picture {}", file.string()),
+                throw InputError(model.file, model.place[i], fmt::format("there is no image {}", file.string()),
                                  "put it there");
             CameraFrames camera{model.images[i], model.place[i], groups.size() > 1 ? group : cameras.size(), {}, {}};
             camera.camera.name = std::filesystem::path(image).replace_extension().string();

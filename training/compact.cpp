@@ -29,8 +29,8 @@ float rounded_share(float value, float share) {
 
 void drop_empty_leaves(voctree::VOctree& tree) {
     if (!frames_have_own_bases(tree)) return;
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
-    std::vector<voctree::LeafPlace> kept;
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    std::vector<voctree::LeafPosition> kept;
     std::vector<const float*> weights;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const float* sigma = tree.leaf(i);

@@ -32,26 +32,26 @@ media::Image enlarged(const media::Image& opaque, uint32_t factor) {
 
 }  // namespace
 
-media::Image scaled_to_fit(const media::Image& picture, uint32_t longest) {
-    assert(longest > 0 && "a picture is fitted into pixels");
-    const uint32_t side = std::max({picture.width, picture.height, 1u});
-    const media::Image opaque = media::composite_over(picture, kWhite);
+media::Image scaled_to_fit(const media::Image& image, uint32_t longest) {
+    assert(longest > 0 && "an image is fitted into pixels");
+    const uint32_t side = std::max({image.width, image.height, 1u});
+    const media::Image opaque = media::composite_over(image, kWhite);
     return side > longest ? shrunk(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
 }
 
-media::Image contact_sheet(const std::vector<media::Image>& pictures, uint32_t columns, uint32_t cell) {
+media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t cell) {
     assert(columns > 0 && cell > 0 && "a contact sheet has cells");
-    columns = std::min(columns, static_cast<uint32_t>(pictures.size()));
+    columns = std::min(columns, static_cast<uint32_t>(images.size()));
     if (columns == 0) return {};
-    const auto rows = static_cast<uint32_t>((pictures.size() + columns - 1) / columns);
+    const auto rows = static_cast<uint32_t>((images.size() + columns - 1) / columns);
     media::Image sheet(columns * cell, rows * cell);
     std::fill(sheet.rgba.begin(), sheet.rgba.end(), uint8_t{255});
-    for (uint32_t i = 0; i < pictures.size(); ++i) {
-        const media::Image picture = scaled_to_fit(pictures[i], cell);
-        const uint32_t left = i % columns * cell + (cell - picture.width) / 2;
-        const uint32_t top = i / columns * cell + (cell - picture.height) / 2;
-        for (uint32_t y = 0; y < picture.height; ++y)
-            std::copy_n(picture.at(0, y), size_t{4} * picture.width, sheet.at(left, top + y));
+    for (uint32_t i = 0; i < images.size(); ++i) {
+        const media::Image image = scaled_to_fit(images[i], cell);
+        const uint32_t left = i % columns * cell + (cell - image.width) / 2;
+        const uint32_t top = i / columns * cell + (cell - image.height) / 2;
+        for (uint32_t y = 0; y < image.height; ++y)
+            std::copy_n(image.at(0, y), size_t{4} * image.width, sheet.at(left, top + y));
     }
     return sheet;
 }

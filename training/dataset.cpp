@@ -5,15 +5,15 @@
 
 #include "base/platform.h"
 #include "training/formats.h"
-#include "training/pictures.h"
+#include "training/images.h"
 
 namespace neuvv::training {
 
 Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options) {
-    return read_pictures(read_rig(folder, split, options.format), options);
+    return read_images(read_rig(folder, split, options.format), options);
 }
 
-uint64_t picture_budget() {
+uint64_t image_budget() {
     return std::max<uint64_t>(available_memory_bytes() / 2, 1);
 }
 

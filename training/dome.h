@@ -27,8 +27,8 @@ std::vector<DomeCamera> dome_cameras(uint32_t count);
 // the rings and around them; none for a share of 0. With a share, count must be 2 at least (assert).
 std::vector<bool> held_out(uint32_t count, double share);
 
-// Grows the smallest radius at which every point is in every camera's picture. The lenses are alike: `focal` in half
-// widths and half heights of the picture, the points kept `margin` (a share of the half) away from its border.
+// Grows the smallest radius at which every point is in every camera's image. The lenses are alike: `focal` in half
+// widths and half heights of the image, the points kept `margin` (a share of the half) away from its border.
 struct DomeFit {
     glm::dvec3 centre{0};
     glm::dvec2 focal{1};

@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "training/calibration.h"
 #include "training/camera_folders.h"
+#include "training/image_reader.h"
 #include "training/opencv_yaml.h"
-#include "training/picture_reader.h"
 
 namespace neuvv::training {
 
@@ -53,7 +53,7 @@ uint32_t read_side(const OpencvYaml& file, const std::string& key) {
     const double side = file.number(key).value_or(0);
     if (side == -1 || side == 0) return 0;  // EasyMocap's "not known"
     if (!(side >= 1 && side <= 1e9 && side == std::floor(side)))
-        throw InputError(file.file(), key, fmt::format("is {}", side), "give the pictures' size in pixels");
+        throw InputError(file.file(), key, fmt::format("is {}", side), "give the images' size in pixels");
     return static_cast<uint32_t>(side);
 }
 
@@ -101,7 +101,7 @@ bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFra
     uint8_t brightest = 0;
     for (const CameraFrames& camera : cameras) {
         if (camera.masks.empty() || camera.masks.begin()->second.video_frame >= 0) return false;
-        const media::Image mask = PictureReader().read(camera.masks.begin()->second);
+        const media::Image mask = ImageReader().read(camera.masks.begin()->second);
         for (size_t i = 0; i < mask.rgba.size(); ++i)
             if (i % 4 != 3) brightest = std::max(brightest, mask.rgba[i]);
         if (brightest > kLargestLabel) return false;
@@ -142,7 +142,7 @@ Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
         cameras.push_back(std::move(camera));
     }
     if (cameras.empty())
-        throw InputError(folder.string(), "", "holds no picture of any camera that intri.yml names",
+        throw InputError(folder.string(), "", "holds no image of any camera that intri.yml names",
                          "put them into images/<camera>/");
     expect_common_frames(rig, cameras);
     if (hold_labels(masks, cameras)) rig.masks = MaskMeaning::kLabels;

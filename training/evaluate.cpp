@@ -52,11 +52,11 @@ std::string common_name(const std::vector<const std::string*>& names) {
     return separator == std::string::npos ? "" : names[0]->substr(0, separator);
 }
 
-// Nothing is known of ignored pixels: white in both pictures.
-void whiten_ignored(const View& view, media::Image& picture) {
-    for (uint32_t y = 0; y < picture.height && !view.ignored.empty(); ++y)
-        for (uint32_t x = 0; x < picture.width; ++x)
-            if (view.ignores(x, y)) std::copy(kWhite, kWhite + 3, picture.at(x, y));
+// Nothing is known of ignored pixels: white in both images.
+void whiten_ignored(const View& view, media::Image& image) {
+    for (uint32_t y = 0; y < image.height && !view.ignored.empty(); ++y)
+        for (uint32_t x = 0; x < image.width; ++x)
+            if (view.ignores(x, y)) std::copy(kWhite, kWhite + 3, image.at(x, y));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A VOctree measured against the pictures of a data set.
+// A VOctree measured against the images of a data set.
 #pragma once
 
 #include <functional>
@@ -17,10 +17,10 @@ namespace neuvv::training {
 
 struct Evaluation {
     struct Group {
-        Quality quality;  // mean over its pictures
+        Quality quality;  // mean over its images
         uint32_t images = 0;
     };
-    Quality mean;                // over all pictures
+    Quality mean;                // over all images
     std::vector<Group> cameras;  // by Dataset::cameras
     std::vector<Group> frames;   // by Dataset::times
     std::vector<Quality> views;  // by Dataset::views
@@ -39,18 +39,18 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
 // Index into Dataset::times.
 size_t frame_of_view(const Dataset& dataset, const View& view);
 
-// A name for each camera: what its pictures' names begin with, up to a separator ("c00_f003", "c00_f017": "c00"), or
-// its only picture's name. Where that gives two cameras the same name, all are called by their numbers.
+// A name for each camera: what its images' names begin with, up to a separator ("c00_f003", "c00_f017": "c00"), or
+// its only image's name. Where that gives two cameras the same name, all are called by their numbers.
 std::vector<std::string> camera_labels(const Dataset& dataset);
 
-// At most `count` views, ascending, spread over cameras and instants.
+// At most `count` views, ascending, spread over cameras and times.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
 // What `renderer`, made for a field of `frames` frames, shows of a view, over white.
 media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
                                uint32_t frames, uint32_t samples);
 
-// A view's picture over white; where its camera has a clean plate, without the captured background.
+// A view's image over white; where its camera has a clean plate, without the captured background.
 media::Image truth_over_white(const Dataset& dataset, const View& view);
 
 }  // namespace neuvv::training

@@ -8,7 +8,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr size_t kInstants = 6;  // of the clip, evenly spread: a place's colour is a guess, not a measurement
+constexpr size_t kTimes = 6;  // of the clip, evenly spread: a place's colour is a guess, not a measurement
 
 // Adds what a view shows at a place, weighted by its matte: (Σ α c, Σ α).
 glm::vec4 seen_at(const Dataset& dataset, const View& view, const glm::dmat4& camera_from_world, glm::vec3 place) {
@@ -26,8 +26,8 @@ std::vector<glm::vec3> first_colours(const Dataset& dataset, const std::vector<g
                                      const std::vector<uint32_t>& allowed) {
     const size_t times = dataset.times.size(), words = (times + 31) / 32;
     std::vector<glm::vec4> sums(places.size(), glm::vec4(0));
-    for (size_t i = 0; i < std::min(kInstants, times); i++) {
-        const size_t t = i * times / std::min(kInstants, times);
+    for (size_t i = 0; i < std::min(kTimes, times); i++) {
+        const size_t t = i * times / std::min(kTimes, times);
         for (const View& view : dataset.views) {
             if (view.time != dataset.times[t]) continue;
             const glm::dmat4 camera_from_world = glm::inverse(dataset.cameras[view.camera].world_from_camera);

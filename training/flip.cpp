@@ -117,11 +117,11 @@ Plane along_y(const Plane& in, const Kernel& kernel) {
     return out;
 }
 
-using Picture = std::array<Plane, 3>;
+using LabImage = std::array<Plane, 3>;
 
-Picture opponent_picture(const media::Image& image) {
+LabImage opponent_image(const media::Image& image) {
     const Plane empty(image.width, image.height);
-    Picture out{empty, empty, empty};
+    LabImage out{empty, empty, empty};
     for_each_row(image.height, [&](uint32_t y) {
         for (uint32_t x = 0; x < image.width; x++) {
             const uint8_t* rgb = image.at(x, y);
@@ -161,11 +161,11 @@ Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double
     return out;
 }
 
-// What is left of a picture at this viewing distance, in hunt_lab's colours.
-Picture seen(const Picture& opponent, double pixels_per_degree) {
-    Picture out{blurred(opponent[0], kSensitivities[0], pixels_per_degree),
-                blurred(opponent[1], kSensitivities[1], pixels_per_degree),
-                blurred(opponent[2], kSensitivities[2], pixels_per_degree)};
+// What is left of an image at this viewing distance, in hunt_lab's colours.
+LabImage seen(const LabImage& opponent, double pixels_per_degree) {
+    LabImage out{blurred(opponent[0], kSensitivities[0], pixels_per_degree),
+                 blurred(opponent[1], kSensitivities[1], pixels_per_degree),
+                 blurred(opponent[2], kSensitivities[2], pixels_per_degree)};
     for_each_row(out[0].height, [&](uint32_t y) {
         for (uint32_t x = 0; x < out[0].width; x++) {
             const glm::vec3 c(out[0].row(y)[x], out[1].row(y)[x], out[2].row(y)[x]);
@@ -224,9 +224,9 @@ constexpr uint8_t kMagma[][3] = {{0, 0, 4},      {24, 15, 62},  {69, 16, 119},  
 }  // namespace
 
 std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree) {
-    assert(a.width == b.width && a.height == b.height && "pictures to compare have one size");
-    const Picture opponent_a = opponent_picture(a), opponent_b = opponent_picture(b);
-    const Picture seen_a = seen(opponent_a, pixels_per_degree), seen_b = seen(opponent_b, pixels_per_degree);
+    assert(a.width == b.width && a.height == b.height && "images to compare have one size");
+    const LabImage opponent_a = opponent_image(a), opponent_b = opponent_image(b);
+    const LabImage seen_a = seen(opponent_a, pixels_per_degree), seen_b = seen(opponent_b, pixels_per_degree);
     const Features features_a = features(opponent_a[0], pixels_per_degree);
     const Features features_b = features(opponent_b[0], pixels_per_degree);
     std::vector<float> result(size_t{a.width} * a.height);
@@ -235,7 +235,7 @@ std::vector<float> flip(const media::Image& a, const media::Image& b, double pix
             const float change = std::max(std::abs(features_a.edges.values[i] - features_b.edges.values[i]),
                                           std::abs(features_a.points.values[i] - features_b.points.values[i]));
             const float feature_error = std::sqrt(std::min(1.0f, change / std::numbers::sqrt2_v<float>));
-            const auto colour = [&](const Picture& p) {
+            const auto colour = [&](const LabImage& p) {
                 return glm::vec3(p[0].values[i], p[1].values[i], p[2].values[i]);
             };
             result[i] = std::pow(colour_error(colour(seen_a), colour(seen_b)), 1 - feature_error);
@@ -250,20 +250,20 @@ double mean_of(const std::vector<float>& errors) {
     return sum / static_cast<double>(std::max<size_t>(errors.size(), 1));
 }
 
-media::Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height) {
+media::Image flip_image(const std::vector<float>& errors, uint32_t width, uint32_t height) {
     assert(errors.size() == size_t{width} * height && "one value a pixel");
     constexpr size_t kLast = std::size(kMagma) - 1;
-    media::Image picture(width, height);
+    media::Image image(width, height);
     for (size_t i = 0; i < errors.size(); i++) {
         const float at = std::clamp(errors[i], 0.0f, 1.0f) * static_cast<float>(kLast);
         const size_t from = std::min(static_cast<size_t>(at), kLast - 1);
         const float share = at - static_cast<float>(from);
         for (size_t c = 0; c < 3; c++)
-            picture.rgba[4 * i + c] = static_cast<uint8_t>(std::lround(
-                (1 - share) * static_cast<float>(kMagma[from][c]) + share * static_cast<float>(kMagma[from + 1][c])));
-        picture.rgba[4 * i + 3] = 255;
+            image.rgba[4 * i + c] = static_cast<uint8_t>(std::lround((1 - share) * static_cast<float>(kMagma[from][c]) +
+                                                                     share * static_cast<float>(kMagma[from + 1][c])));
+        image.rgba[4 * i + 3] = 255;
     }
-    return picture;
+    return image;
 }
 
 }  // namespace neuvv::training

@@ -1,4 +1,4 @@
-// LDR-FLIP: how strongly a person who flips between two pictures sees them differ (Andersson et al., "FLIP: A
+// LDR-FLIP: how strongly a person who flips between two images sees them differ (Andersson et al., "FLIP: A
 // Difference Evaluator for Alternating Images", 2020).
 #pragma once
 
@@ -11,13 +11,13 @@ namespace neuvv::training {
 // Pixels per degree of vision: a 0.7 m wide screen of 3840 pixels, 0.7 m away.
 constexpr double kPixelsPerDegree = 67.0206;
 
-// One value in [0,1] a pixel, row by row; 0: no difference is seen. Pictures of one size (assert); alpha is ignored:
+// One value in [0,1] a pixel, row by row; 0: no difference is seen. Images of one size (assert); alpha is ignored:
 // composite first.
 std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree = kPixelsPerDegree);
 
 double mean_of(const std::vector<float>& errors);
 
-// Such values as a picture for looking at: from 0, black, over purple and orange to 1, pale yellow.
-media::Image flip_picture(const std::vector<float>& errors, uint32_t width, uint32_t height);
+// Such values as an image for looking at: from 0, black, over purple and orange to 1, pale yellow.
+media::Image flip_image(const std::vector<float>& errors, uint32_t width, uint32_t height);
 
 }  // namespace neuvv::training

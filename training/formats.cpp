@@ -44,23 +44,23 @@ const Format& find_format(const std::filesystem::path& folder, const std::string
 // What every layout must keep, told in the words of its own file.
 void expect_sound(const Rig& rig) {
     if (rig.shots.empty())
-        throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no picture of this split");
-    std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> pictures;
+        throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no image of this split");
+    std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> images;
     std::map<std::pair<uint32_t, double>, const Shot*> instants;
     std::map<std::string, const Shot*> names;
     for (const Shot& shot : rig.shots) {
-        const auto fail = [&](const std::string& problem, const std::string& mend) {
-            throw InputError(rig.file, shot.place, problem, mend);
+        const auto fail = [&](const std::string& problem, const std::string& fix) {
+            throw InputError(rig.file, shot.place, problem, fix);
         };
         if (!(shot.time >= 0 && shot.time <= 1)) fail(fmt::format("has the time {}, outside [0,1]", shot.time), "");
-        const auto picture = std::pair(shot.picture.path.lexically_normal(), shot.picture.video_frame);
-        if (const auto [same, fresh] = pictures.try_emplace(picture, &shot); !fresh)
-            fail("is the picture of " + same->second->place + " again", "give each frame its own picture");
+        const auto image = std::pair(shot.image.path.lexically_normal(), shot.image.video_frame);
+        if (const auto [same, fresh] = images.try_emplace(image, &shot); !fresh)
+            fail("is the image of " + same->second->place + " again", "give each frame its own image");
         if (const auto [twin, alone] = instants.try_emplace({shot.camera, shot.time}, &shot); !alone)
             fail("has the camera and the time of " + twin->second->place,
                  "remove the duplicate, or give each frame its time");
         if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)
-            fail(fmt::format("bears the name {} of {}", shot.name, twin->second->place), "rename its picture");
+            fail(fmt::format("bears the name {} of {}", shot.name, twin->second->place), "rename its image");
     }
 }
 

@@ -14,8 +14,8 @@ constexpr char kAnyFormat[] = "auto";
 // For --format: kAnyFormat, then the layouts.
 std::vector<std::string> format_names();
 
-// The cameras and pictures of a split, in order of the shots' first use, checked: there is a shot, shots have distinct
-// names, pictures and instants of their camera, and times in [0,1]. `format` is one of format_names(); kAnyFormat takes
+// The cameras and images of a split, in order of the shots' first use, checked: there is a shot, shots have distinct
+// names, images and times of their camera, and times in [0,1]. `format` is one of format_names(); kAnyFormat takes
 // the first layout whose files are there. Throws InputError.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat);
 

@@ -22,13 +22,13 @@ constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts fr
 
 // Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
 // ball: matter in their corners only is worth less than a hull without a fringe, which training would have to clear.
-HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t finest) {
+HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t finest) {
     const float edge = tree.box_size.x / static_cast<float>(1u << place.depth);
     const glm::vec3 centre = tree.box_min + edge * (glm::vec3(place.x, place.y, place.z) + 0.5f);
     return {centre, edge * (place.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
 }
 
-void append_children(std::vector<voctree::LeafPlace>& places, const voctree::LeafPlace& place) {
+void append_children(std::vector<voctree::LeafPosition>& places, const voctree::LeafPosition& place) {
     for (uint32_t i = 0; i < 8; i++)
         places.push_back({2 * place.x + (i & 1), 2 * place.y + (i >> 1 & 1), 2 * place.z + (i >> 2), place.depth + 1});
 }
@@ -39,13 +39,13 @@ bool any_bit(const uint32_t* bits, size_t words) {
 
 // Places that the hull allows in some frame.
 struct Carved {
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     std::vector<uint32_t> bits;     // per place, per dataset time
     std::vector<uint32_t> parents;  // index into what was given, divided by `group`
 };
 
-Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree, const std::vector<voctree::LeafPlace>& places,
-                    uint32_t group, uint32_t finest) {
+Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
+                    const std::vector<voctree::LeafPosition>& places, uint32_t group, uint32_t finest) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(places.size());
     for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i], finest);
@@ -130,7 +130,7 @@ double footprint_at(const Dataset& dataset, glm::dvec3 place) {
     return least;
 }
 
-bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPlace& place, float reach,
+bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& place, float reach,
                 const GrowSettings& settings) {
     if (place.depth >= settings.max_depth || reach < settings.divide_from) return false;
     if (settings.divide_pixels <= 0) return true;
@@ -140,7 +140,7 @@ bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voct
 
 // Which leaves divide; the tree stays within max_leaves.
 std::vector<bool> choose_divided(const Dataset& dataset, const voctree::VOctree& tree,
-                                 const std::vector<voctree::LeafPlace>& places, const LeafUse& use,
+                                 const std::vector<voctree::LeafPosition>& places, const LeafUse& use,
                                  const GrowSettings& settings) {
     std::vector<uint32_t> wanted;
     const bool by_pull = settings.divide_share < 1;
@@ -231,14 +231,14 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
 
     const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
     const uint32_t start = std::min(kFirstDepth, target);
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) places.push_back({x, y, z, start});
     Carved carved = keep_allowed(dataset, tree, places, 1, depth);
     for (uint32_t at = start; at < target; at++) {
-        std::vector<voctree::LeafPlace> finer;
-        for (const voctree::LeafPlace& place : carved.places) append_children(finer, place);
+        std::vector<voctree::LeafPosition> finer;
+        for (const voctree::LeafPosition& place : carved.places) append_children(finer, place);
         carved = keep_allowed(dataset, tree, finer, 8, depth);
     }
     if (carved.places.empty())
@@ -251,10 +251,10 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
 
 voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
                       const GrowSettings& settings) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const std::vector<bool> divided = choose_divided(dataset, tree, places, use, settings);
     const std::vector<bool> stays = choose_kept(use.reach, settings);
-    std::vector<voctree::LeafPlace> grown, children;
+    std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, dividing;
     for (uint32_t i = 0; i < places.size(); i++) {
         if (!stays[i]) continue;
@@ -273,7 +273,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
 
     voctree::VOctree result = same_shape(tree);
-    for (const voctree::LeafPlace& place : carved.places)
+    for (const voctree::LeafPosition& place : carved.places)
         result.node_levels = std::max(result.node_levels, (place.depth + 1) / 2);
     voctree::build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());

@@ -8,7 +8,7 @@
 namespace neuvv::training {
 
 struct TreeShape {
-    uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the pictures show
+    uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the images show
     uint32_t bases = 31;      // C, at most one for each frame is used
     uint32_t hh_degree = 1;
 };

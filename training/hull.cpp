@@ -63,7 +63,7 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
     const double depth = -p.z, radius = static_cast<double>(cell.radius);
     if (depth <= 2 * radius) return Verdict::kUnseen;
     const double x = camera.cx + camera.fx * p.x / depth, y = camera.cy - camera.fy * p.y / depth;
-    // The ball's picture lies inside this rectangle (its nearest point magnifies); matter in it shows in pixels whose
+    // The ball's image lies inside this rectangle (its nearest point magnifies); matter in it shows in pixels whose
     // centre is at most half a pixel further out.
     const double reach_x = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
     const double reach_y = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
@@ -97,7 +97,7 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time) {
     return silhouettes;
 }
 
-// Where the cameras look: the point nearest to all optical axes, and a cube about it that every picture holds.
+// Where the cameras look: the point nearest to all optical axes, and a cube about it that every image holds.
 std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     glm::dmat3 normal(0);
     glm::dvec3 right(0);

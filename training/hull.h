@@ -14,8 +14,8 @@ struct HullCell {
 };
 
 // For each cell one bit per dataset.times entry, ⌈times/32⌉ words a cell, low bit first. A bit is set where no camera
-// that sees the cell whole finds only background (matte below 1/8) over the picture of its ball, and at least two
-// cameras see it (one where the data set has only one). Cells half outside a picture, or on its
+// that sees the cell whole finds only background (matte below 1/8) over the image of its ball, and at least two
+// cameras see it (one where the data set has only one). Cells half outside an image, or on its
 // ignored pixels, are not carved by it.
 // Runs on all cores, one frame after the other.
 std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells);

@@ -21,19 +21,19 @@ struct Lens {
     double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels; pixel centres are at +½
     std::array<double, 6> k{};              // k1 … k6; those that a model lacks are 0
     double p1 = 0, p2 = 0, s1 = 0, s2 = 0;
-    uint32_t width = 0, height = 0;  // of the pictures that fx, fy, cx, cy are for; 0: that of the pictures
+    uint32_t width = 0, height = 0;  // of the images that fx, fy, cx, cy are for; 0: that of the images
 
     bool distorts() const;  // false: straight lines stay straight
 };
 
-// The same lens for pictures scaled to this size.
+// The same lens for images scaled to this size.
 Lens scaled(Lens lens, uint32_t width, uint32_t height);
 
 // Where the lens puts the direction (x, y, 1), in pixels.
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy);
 
 // Smallest distance from the axis (of the direction (x, y, 1)), up to `limit`, at which the lens folds over: directions
-// further out come back towards the middle of the picture. `limit` where there is none.
+// further out come back towards the middle of the image. `limit` where there is none.
 double fold_radius(const Lens& lens, double limit);
 
 }  // namespace neuvv::training

@@ -24,13 +24,13 @@ struct LossBatch {
     LossBatch(const gpu::Device& device, uint32_t tiles);
 
     gpu::Buffer
-        target;  // per ray premultiplied linear RGB and alpha of the foreground, alpha −1 off the picture; host-mapped
+        target;  // per ray premultiplied linear RGB and alpha of the foreground, alpha −1 off the image; host-mapped
     gpu::Buffer background;  // per ray linear RGB; host-mapped
     gpu::Buffer adjoint;     // per ray ∂L/∂(R, G, B, alpha)
     gpu::Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
 };
 
-// Puts a batch of this data set's pictures where the next step reads it; none may be under way.
+// Puts a batch of this data set's images where the next step reads it; none may be under way.
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch);
 
 struct Loss {

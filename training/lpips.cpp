@@ -164,11 +164,11 @@ double Lpips::difference(const Planes& a, const Planes& b, const std::vector<flo
 }
 
 double Lpips::distance(const media::Image& a, const media::Image& b) const {
-    assert(a.width == b.width && a.height == b.height && "pictures to compare have one size");
+    assert(a.width == b.width && a.height == b.height && "images to compare have one size");
     if (std::min(a.width, a.height) < kLeastSide)
         throw InputError(
             "--lpips", "",
-            fmt::format("the pictures are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kLeastSide),
+            fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kLeastSide),
             "leave it out");
     Planes of_a = input(a), of_b = input(b);
     double sum = 0;

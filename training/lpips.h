@@ -1,4 +1,4 @@
-// LPIPS: how different two pictures look to a network trained for recognition, calibrated by what people said (Zhang et
+// LPIPS: how different two images look to a network trained for recognition, calibrated by what people said (Zhang et
 // al., "The Unreasonable Effectiveness of Deep Features as a Perceptual Metric", 2018; version 0.1, AlexNet). The
 // weights are not ours to give: the user exports them (training/README.md says how).
 #pragma once
@@ -20,7 +20,7 @@ class Lpips {
     // Throws InputError for arrays that are missing or of another shape.
     explicit Lpips(const std::filesystem::path& weights);
 
-    // 0 for equal pictures. Of one size (assert), alpha ignored; throws InputError for pictures below
+    // 0 for equal images. Of one size (assert), alpha ignored; throws InputError for images below
     // kLeastSide pixels a side, of which the network's last layers see nothing.
     static constexpr uint32_t kLeastSide = 32;
     double distance(const media::Image& a, const media::Image& b) const;

@@ -11,13 +11,13 @@
 #include "base/parallel.h"
 #include "training/contact_sheet.h"
 #include "training/formats.h"
-#include "training/picture_reader.h"
+#include "training/image_reader.h"
 
 namespace neuvv::training {
 
 namespace {
 
-constexpr size_t kTogether = 16;  // pictures held while their mattes are computed on all cores
+constexpr size_t kTogether = 16;  // images held while their mattes are computed on all cores
 constexpr size_t kSheetRows = 12;
 constexpr uint32_t kSheetCell = 320;
 constexpr uint8_t kMagenta[3] = {255, 0, 255};
@@ -43,16 +43,16 @@ Rigs read_rigs(const MakeMattes& what) {
 }
 
 void expect_distinct_names(const std::vector<Rig>& rigs) {
-    std::map<std::string, const PictureSource*> names;
+    std::map<std::string, const ImageSource*> names;
     for (const Rig& rig : rigs)
         for (const Shot& shot : rig.shots) {
-            const auto [other, fresh] = names.try_emplace(shot.name, &shot.picture);
+            const auto [other, fresh] = names.try_emplace(shot.name, &shot.image);
             const bool same =
-                other->second->path == shot.picture.path && other->second->video_frame == shot.picture.video_frame;
+                other->second->path == shot.image.path && other->second->video_frame == shot.image.video_frame;
             if ((!fresh && !same) || shot.name == kSheetName)
                 throw InputError(rig.file, shot.place,
                                  fmt::format("two files would be called {}.png in the mattes' folder", shot.name),
-                                 "give the pictures distinct names");
+                                 "give the images distinct names");
         }
 }
 
@@ -68,13 +68,13 @@ std::vector<uint8_t> values_of(const media::Image& matte) {
     return values;
 }
 
-media::Image composite(const media::Image& picture, const std::vector<uint8_t>& alpha) {
-    media::Image cut = picture;
+media::Image composite(const media::Image& image, const std::vector<uint8_t>& alpha) {
+    media::Image cut = image;
     for (size_t i = 0; i < alpha.size(); ++i) cut.rgba[4 * i + 3] = alpha[i];
     return media::composite_over(cut, kMagenta);
 }
 
-// The values as a grey picture of the size of `like`.
+// The values as a grey image of the size of `like`.
 media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& values) {
     media::Image image(like.width, like.height);
     for (size_t i = 0; i < values.size(); ++i) {
@@ -121,56 +121,55 @@ class MatteMaker {
     uint64_t total_, done_ = 0;
     size_t sheet_every_, cameras_ = 0;
     uint32_t plates_ = 0;
-    PictureReader pictures_, foreign_;
+    ImageReader images_, foreign_;
     std::vector<media::Image> sheet_;
 };
 
 media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
     if (!rig.cameras[camera].plate.path.empty()) {
         ++plates_;
-        return pictures_.read(rig.cameras[camera].plate);
+        return images_.read(rig.cameras[camera].plate);
     }
     if (shots.size() < kLeastMedianFrames)
-        throw InputError(
-            rig.file, "camera " + rig.cameras[camera].name,
-            fmt::format("has no clean plate and {} pictures: their median says nothing about the background",
-                        shots.size()),
-            fmt::format("give it a clean plate, or at least {} pictures", kLeastMedianFrames));
+        throw InputError(rig.file, "camera " + rig.cameras[camera].name,
+                         fmt::format("has no clean plate and {} images: their median says nothing about the background",
+                                     shots.size()),
+                         fmt::format("give it a clean plate, or at least {} images", kLeastMedianFrames));
     const size_t count = std::min<size_t>(shots.size(), kMedianFrames);
     std::vector<media::Image> frames;
     for (size_t i = 0; i < count; ++i) {
-        frames.push_back(pictures_.read(shots[i * (shots.size() - 1) / (count - 1)]->picture));
+        frames.push_back(images_.read(shots[i * (shots.size() - 1) / (count - 1)]->image));
         if (frames[i].rgba.size() != frames[0].rgba.size() || frames[i].width != frames[0].width)
-            throw InputError(rig.file, shots[0]->place, "the pictures of its camera have several sizes",
-                             "give all pictures of a camera one size");
+            throw InputError(rig.file, shots[0]->place, "the images of its camera have several sizes",
+                             "give all images of a camera one size");
     }
     return median_background(frames);
 }
 
 media::Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
-    std::vector<PictureSource> places{{what_.from / (shot.name + ".png"), -1}};
-    if (shot.picture.video_frame < 0) places.push_back({what_.from / shot.picture.path.filename(), -1});
+    std::vector<ImageSource> places{{what_.from / (shot.name + ".png"), -1}};
+    if (shot.image.video_frame < 0) places.push_back({what_.from / shot.image.path.filename(), -1});
     places.back().path.replace_extension(".png");
     for (const char* extension : {".mov", ".webm", ".mkv", ".mp4"})
         places.push_back(
-            {what_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.picture.video_frame, 0)});
+            {what_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
     std::error_code ignored;
-    for (const PictureSource& place : places)
+    for (const ImageSource& place : places)
         if (std::filesystem::is_regular_file(place.path, ignored)) return foreign_.read(place);
     throw InputError(what_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
-                     "name it after its picture, or give a video named after its camera");
+                     "name it after its image, or give a video named after its camera");
 }
 
 void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
                            bool on_sheet) {
-    std::vector<media::Image> pictures, foreign;
+    std::vector<media::Image> images, foreign;
     for (const Shot* shot : shots) {
-        pictures.push_back(pictures_.read(shot->picture));
+        images.push_back(images_.read(shot->image));
         if (!what_.from.empty()) foreign.push_back(foreign_matte(rig, *shot));
         const media::Image& with = what_.from.empty() ? background : foreign.back();
-        if (with.width != pictures.back().width || with.height != pictures.back().height)
-            throw InputError(shot->picture.path.string(), "",
-                             fmt::format("is {}×{}, but its {} {}×{}", pictures.back().width, pictures.back().height,
+        if (with.width != images.back().width || with.height != images.back().height)
+            throw InputError(shot->image.path.string(), "",
+                             fmt::format("is {}×{}, but its {} {}×{}", images.back().width, images.back().height,
                                          what_.from.empty() ? "background" : "matte", with.width, with.height),
                              "give both one size");
     }
@@ -178,12 +177,12 @@ void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots
     parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             mattes[i] =
-                what_.from.empty() ? difference_matte(pictures[i], background, what_.settings) : values_of(foreign[i]);
-            media::write_png(what_.output / (shots[i]->name + ".png"), grey_image(pictures[i], mattes[i]));
+                what_.from.empty() ? difference_matte(images[i], background, what_.settings) : values_of(foreign[i]);
+            media::write_png(what_.output / (shots[i]->name + ".png"), grey_image(images[i], mattes[i]));
         }
     });
     if (!on_sheet) return;
-    media::Image opaque = pictures[0];
+    media::Image opaque = images[0];
     for (size_t i = 3; i < opaque.rgba.size(); i += 4) opaque.rgba[i] = 255;
     sheet_.push_back(opaque);
     sheet_.push_back(grey_image(opaque, mattes[0]));
@@ -215,7 +214,7 @@ MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress) {
             if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera]);
     }
     maker.write_sheet();
-    made.pictures = maker.done();
+    made.images = maker.done();
     made.cameras_with_plate = maker.plates();
     made.missing_split = rigs.missing;
     return made;

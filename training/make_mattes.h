@@ -10,7 +10,7 @@
 
 namespace neuvv::training {
 
-constexpr uint32_t kMedianFrames = 31;      // of a camera without clean plate, at most so many pictures are held
+constexpr uint32_t kMedianFrames = 31;      // of a camera without clean plate, at most so many images are held
 constexpr uint32_t kLeastMedianFrames = 5;  // and fewer tell nothing
 
 struct MakeMattes {
@@ -21,27 +21,27 @@ struct MakeMattes {
 };
 
 struct MattesMade {
-    uint64_t pictures = 0;
+    uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
     std::string missing_split;  // why one of the two splits has none: a data set need not have both
 };
 
-// Pictures done, of how many; false stops.
+// Images done, of how many; false stops.
 using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
-// Writes output/NAME.png, 8-bit grey, for each picture NAME of both splits, in the camera's own pixels (lens
-// distortion, where there is any, included), and output/contact_sheet.png: picture, matte, and the performer over
-// magenta, for pictures spread over the cameras. A camera's background is its clean plate, else the median of its
-// pictures.
+// Writes output/NAME.png, 8-bit grey, for each image NAME of both splits, in the camera's own pixels (lens
+// distortion, where there is any, included), and output/contact_sheet.png: image, matte, and the performer over
+// magenta, for images spread over the cameras. A camera's background is its clean plate, else the median of its
+// images.
 //
-// In `from` the matte of picture NAME is NAME.png, or the picture's own file name as PNG, or the same frame of the
+// In `from` the matte of image NAME is NAME.png, or the image's own file name as PNG, or the same frame of the
 // video CAMERA.mov, .webm, .mkv or .mp4; its alpha where it has one, else its brightness.
 //
-// Throws InputError: neither split can be read, a camera with neither plate nor kLeastMedianFrames pictures, two
-// pictures of one name, a matte missing in `from` or of another size than its picture. RuntimeFailure: not writable.
+// Throws InputError: neither split can be read, a camera with neither plate nor kLeastMedianFrames images, two
+// images of one name, a matte missing in `from` or of another size than its image. RuntimeFailure: not writable.
 MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress);
 
-// Pictures whose matte is in `output` already, perhaps corrected by hand.
+// Images whose matte is in `output` already, perhaps corrected by hand.
 uint64_t count_existing_mattes(const MakeMattes& what);
 
 }  // namespace neuvv::training

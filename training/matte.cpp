@@ -43,11 +43,11 @@ struct Noise {
     double sigma = kLeastSigma;
 };
 
-Noise noise_of_channel(const media::Image& picture, const media::Image& background, size_t channel) {
+Noise noise_of_channel(const media::Image& image, const media::Image& background, size_t channel) {
     std::vector<uint64_t> differences(511), deviations(511);
-    const uint64_t pixels = picture.rgba.size() / 4;
-    const auto difference = [&](size_t i) { return int{picture.rgba[i]} - int{background.rgba[i]}; };
-    for (size_t i = channel; i < picture.rgba.size(); i += 4) ++differences[static_cast<size_t>(difference(i) + 255)];
+    const uint64_t pixels = image.rgba.size() / 4;
+    const auto difference = [&](size_t i) { return int{image.rgba[i]} - int{background.rgba[i]}; };
+    for (size_t i = channel; i < image.rgba.size(); i += 4) ++differences[static_cast<size_t>(difference(i) + 255)];
     Noise noise;
     noise.offset = value_of_rank(differences, -255, pixels / 2);
     for (int d = -255; d <= 255; ++d)
@@ -58,13 +58,13 @@ Noise noise_of_channel(const media::Image& picture, const media::Image& backgrou
 }
 
 // The largest channel's difference in units of its noise.
-std::vector<float> differences_in_noise(const media::Image& picture, const media::Image& background) {
+std::vector<float> differences_in_noise(const media::Image& image, const media::Image& background) {
     std::array<Noise, 3> noise;
-    for (size_t c = 0; c < 3; ++c) noise[c] = noise_of_channel(picture, background, c);
-    std::vector<float> result(picture.rgba.size() / 4);
+    for (size_t c = 0; c < 3; ++c) noise[c] = noise_of_channel(image, background, c);
+    std::vector<float> result(image.rgba.size() / 4);
     for (size_t i = 0; i < result.size(); ++i)
         for (size_t c = 0; c < 3; ++c) {
-            const int d = int{picture.rgba[4 * i + c]} - int{background.rgba[4 * i + c]} - noise[c].offset;
+            const int d = int{image.rgba[4 * i + c]} - int{background.rgba[4 * i + c]} - noise[c].offset;
             result[i] = std::max(result[i], static_cast<float>(std::abs(d) / noise[c].sigma));
         }
     return result;
@@ -133,21 +133,21 @@ glm::vec3 linear_colour(const media::Image& image, size_t pixel) {
 }
 
 // How much of an edge pixel is performer. `inner` is the mask without its outermost pixels.
-float edge_alpha(const media::Image& picture, const media::Image& background, const Mask& inner, size_t at) {
+float edge_alpha(const media::Image& image, const media::Image& background, const Mask& inner, size_t at) {
     const int x = static_cast<int>(at) % inner.width, y = static_cast<int>(at) / inner.width;
     glm::vec3 sum(0);
     float count = 0;
     for (int v = -kColourRadius; v <= kColourRadius; ++v)
         for (int u = -kColourRadius; u <= kColourRadius; ++u)
             if (inner.inside(x + u, y + v) && inner.set[inner.index(x + u, y + v)]) {
-                sum += linear_colour(picture, inner.index(x + u, y + v));
+                sum += linear_colour(image, inner.index(x + u, y + v));
                 ++count;
             }
     if (count == 0) return 1;  // nothing but edge here, a hair: whoever sees it sees it whole
     const glm::vec3 behind = linear_colour(background, at), towards = sum / count - behind;
     const float contrast = glm::dot(towards, towards);
     if (contrast < kLeastContrast) return 1;
-    return std::clamp(glm::dot(linear_colour(picture, at) - behind, towards) / contrast, 0.0f, 1.0f);
+    return std::clamp(glm::dot(linear_colour(image, at) - behind, towards) / contrast, 0.0f, 1.0f);
 }
 
 }  // namespace
@@ -171,13 +171,12 @@ media::Image median_background(const std::vector<media::Image>& frames) {
     return median;
 }
 
-std::vector<uint8_t> difference_matte(const media::Image& picture, const media::Image& background,
+std::vector<uint8_t> difference_matte(const media::Image& image, const media::Image& background,
                                       const MatteSettings& settings) {
-    assert(picture.width == background.width && picture.height == background.height && "pictures have one size");
-    const std::vector<float> differences = differences_in_noise(picture, background);
+    assert(image.width == background.width && image.height == background.height && "images have one size");
+    const std::vector<float> differences = differences_in_noise(image, background);
     const auto high = static_cast<float>(settings.threshold);
-    Mask mask =
-        hysteresis(differences, picture.width, picture.height, high * static_cast<float>(settings.low_share), high);
+    Mask mask = hysteresis(differences, image.width, image.height, high * static_cast<float>(settings.low_share), high);
     const auto pixels = static_cast<double>(mask.set.size());
     drop_small_parts(mask, 0, static_cast<size_t>(settings.hole_share * pixels));
     drop_small_parts(mask, 1, static_cast<size_t>(settings.speck_share * pixels));
@@ -187,7 +186,7 @@ std::vector<uint8_t> difference_matte(const media::Image& picture, const media::
         if (inner.set[i])
             alpha[i] = 255;
         else if (mask.set[i])
-            alpha[i] = static_cast<uint8_t>(std::lround(255 * edge_alpha(picture, background, inner, i)));
+            alpha[i] = static_cast<uint8_t>(std::lround(255 * edge_alpha(image, background, inner, i)));
     return alpha;
 }
 

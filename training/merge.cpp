@@ -26,11 +26,11 @@ struct Family {
 };
 
 // Leaves of one parent get one key.
-uint64_t parent_key(const voctree::LeafPlace& place) {
+uint64_t parent_key(const voctree::LeafPosition& place) {
     return uint64_t{place.depth} << 36 | uint64_t{place.x / 2} << 24 | uint64_t{place.y / 2} << 12 | place.z / 2;
 }
 
-std::vector<Family> whole_families(const std::vector<voctree::LeafPlace>& places) {
+std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& places) {
     std::vector<std::pair<uint64_t, uint32_t>> keyed(places.size());
     for (uint32_t i = 0; i < places.size(); i++) keyed[i] = {parent_key(places[i]), i};
     std::sort(keyed.begin(), keyed.end());
@@ -164,7 +164,7 @@ bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, fl
 }
 
 std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
-                                      const std::vector<voctree::LeafPlace>& places, float within) {
+                                      const std::vector<voctree::LeafPosition>& places, float within) {
     std::vector<Family> families = whole_families(places);
     const bool own_frames = frames_have_own_bases(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
@@ -202,21 +202,22 @@ LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, cons
 }  // namespace
 
 size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const std::vector<Family> families = agreeing_families(tree, use, places, within);
     std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
     for (uint32_t i = 0; i < families.size(); i++)
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
-    std::vector<voctree::LeafPlace> places_after;
+    std::vector<voctree::LeafPosition> places_after;
     std::vector<const float*> weights;
     std::vector<uint32_t> origins;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const uint32_t family = family_of[i];
         if (family != kNoFamily && families[family].leaves[0] != i) continue;
-        const voctree::LeafPlace& place = places[i];
-        places_after.push_back(
-            family == kNoFamily ? place : voctree::LeafPlace{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        const voctree::LeafPosition& place = places[i];
+        places_after.push_back(family == kNoFamily
+                                   ? place
+                                   : voctree::LeafPosition{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
         weights.push_back(family == kNoFamily ? tree.leaf(i) : families[family].parent.data());
         origins.push_back(i);
     }

@@ -1,4 +1,4 @@
-// Sibling leaves that look alike become one leaf, their parent: fewer leaves for the same picture.
+// Sibling leaves that look alike become one leaf, their parent: fewer leaves for the same image.
 #pragma once
 
 #include "training/slice_adjoint.h"

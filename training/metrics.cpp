@@ -79,8 +79,8 @@ double mean_ssim(const media::Image& truth, const media::Image& result, size_t c
 }  // namespace
 
 Quality compare(const media::Image& truth, const media::Image& result) {
-    assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
-    assert(truth.width > 0 && truth.height > 0 && "pictures to compare have pixels");
+    assert(truth.width == result.width && truth.height == result.height && "images to compare have one size");
+    assert(truth.width > 0 && truth.height > 0 && "images to compare have pixels");
     uint64_t absolute = 0, squared = 0;
     for (size_t i = 0; i < truth.rgba.size(); ++i) {
         if (i % 4 == 3) continue;
@@ -98,8 +98,8 @@ Quality compare(const media::Image& truth, const media::Image& result) {
     return quality;
 }
 
-media::Image error_picture(const media::Image& truth, const media::Image& result) {
-    assert(truth.width == result.width && truth.height == result.height && "pictures to compare have one size");
+media::Image error_image(const media::Image& truth, const media::Image& result) {
+    assert(truth.width == result.width && truth.height == result.height && "images to compare have one size");
     media::Image error(truth.width, truth.height);
     for (size_t i = 0; i < error.rgba.size(); ++i) {
         const int difference = std::abs(int{truth.rgba[i]} - int{result.rgba[i]});

@@ -17,7 +17,7 @@ namespace neuvv::training {
 
 struct PreviewScore {
     std::string view;
-    double psnr = 0;  // dB, whole picture over white, as Quality has it
+    double psnr = 0;  // dB, whole image over white, as Quality has it
 };
 
 class MetricsLog {

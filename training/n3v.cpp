@@ -48,7 +48,7 @@ RigCamera make_camera(const double* row, const std::filesystem::path& video, con
           glm::determinant(axes) > 0))
         throw InputError(file, place, "is not a rigid pose", "give [down, right, backwards, place, (H, W, focal)]");
     if (!(size.x >= 1 && size.y >= 1 && size.x <= media::kMaxImageSide && size.y <= media::kMaxImageSide))
-        throw InputError(file, place, fmt::format("says {}×{}, not a picture size", size.y, size.x));
+        throw InputError(file, place, fmt::format("says {}×{}, not an image size", size.y, size.x));
     RigCamera camera;
     camera.name = video.stem().string();
     camera.world_from_camera =
@@ -80,7 +80,7 @@ void add_shots(Rig& rig, uint32_t camera, const std::filesystem::path& video, ui
         shot.time = frames > 1 ? i / (frames - 1.0) : 0;
         shot.name = fmt::format("{}_f{:04}", rig.cameras[camera].name, i);
         shot.place = fmt::format("{}, frame {}", video.filename().string(), i);
-        shot.picture = {video, i};
+        shot.image = {video, i};
         rig.shots.push_back(shot);
     }
 }

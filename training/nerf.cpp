@@ -57,7 +57,7 @@ bool holds_file(const std::filesystem::path& file) {
 struct SplitFrames {
     std::filesystem::path file;
     Transforms transforms;
-    std::vector<std::string> other_pictures;  // file_paths of the other splits
+    std::vector<std::string> other_images;  // file_paths of the other splits
 };
 
 constexpr const char* kSplitNames[] = {"train", "test", "val"};  // by Split
@@ -79,7 +79,7 @@ SplitFrames read_own_file(const std::filesystem::path& folder, Split split) {
         const auto file = split_file(folder, other);
         if (file == result.file || !holds_file(file)) continue;
         for (TransformsFrame& frame : read_transforms(file).frames)
-            result.other_pictures.push_back(std::move(frame.file_path));
+            result.other_images.push_back(std::move(frame.file_path));
     }
     return result;
 }
@@ -109,7 +109,7 @@ std::vector<bool> members_by_list(const std::string& file, const Transforms& all
                              fmt::format("names {}, which is no file_path of a frame", path), "correct the list");
     if (std::find(members.begin(), members.end(), true) == members.end())
         throw InputError(file, fmt::format("{}_filenames", name_of(split)), "is missing or empty",
-                         "name the pictures of that split");
+                         "name the images of that split");
     return members;
 }
 
@@ -138,7 +138,7 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
         if (members[i])
             kept.push_back(std::move(all.frames[i]));
         else
-            result.other_pictures.push_back(std::move(all.frames[i].file_path));
+            result.other_images.push_back(std::move(all.frames[i].file_path));
     }
     all.frames = std::move(kept);
     return result;
@@ -150,27 +150,27 @@ SplitFrames read_split(const std::filesystem::path& folder, Split split) {
     return own ? read_own_file(folder, split) : read_shared_file(folder, split);
 }
 
-// `path` as given, else with the ending of a picture: D-NeRF gives none.
-std::filesystem::path find_picture(const Rig& rig, const std::string& path, const std::string& place) {
+// `path` as given, else with the ending of an image: D-NeRF gives none.
+std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
     std::error_code ignored;
     for (const char* ending : {"", ".png", ".jpg", ".jpeg"}) {
         std::filesystem::path candidate = rig.folder / (path + ending);
         if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
     }
-    throw InputError(rig.file, place, fmt::format("there is no picture {0} nor {0}.png", (rig.folder / path).string()),
+    throw InputError(rig.file, place, fmt::format("there is no image {0} nor {0}.png", (rig.folder / path).string()),
                      "put it there or correct the path");
 }
 
 RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number,
-                      const std::filesystem::path& first_picture) {
+                      const std::filesystem::path& first_image) {
     const Intrinsics& in = frame.intrinsics;
-    const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : media::image_size(first_picture);
+    const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : media::image_size(first_image);
     RigCamera camera;
     camera.name = fmt::format("{}", number);
     camera.world_from_camera = frame.world_from_camera;
     camera.lens = make_lens(in, size.width, size.height);
     if (!frame.background_path.empty())
-        camera.plate.path = find_picture(rig, frame.background_path, frame.place + ".background_path");
+        camera.plate.path = find_image(rig, frame.background_path, frame.place + ".background_path");
     return camera;
 }
 
@@ -179,15 +179,15 @@ void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames)
     std::vector<const TransformsFrame*> first;  // by camera
     for (size_t i = 0; i < frames.size(); ++i) {
         const TransformsFrame& frame = frames[i];
-        if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its picture");
+        if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
         Shot shot;
         shot.camera = cameras[i];
         shot.time = frame.time.value_or(0);
         shot.place = frame.place;
-        shot.picture.path = find_picture(rig, frame.file_path, frame.place + ".file_path");
+        shot.image.path = find_image(rig, frame.file_path, frame.place + ".file_path");
         if (shot.camera == first.size()) {
             first.push_back(&frame);
-            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.picture.path));
+            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.image.path));
         }
         if (frame.background_path != first[shot.camera]->background_path)
             throw InputError(rig.file, frame.place + ".background_path",
@@ -208,31 +208,31 @@ bool has_everywhere(const Rig& rig, const std::vector<TransformsFrame>& frames, 
                      "give it to all frames or none");
 }
 
-// nerfstudio names a mask for every frame, instant-ngp looks for one beside each picture.
+// nerfstudio names a mask for every frame, instant-ngp looks for one beside each image.
 void find_masks(Rig& rig, const std::vector<TransformsFrame>& frames) {
     if (has_everywhere(rig, frames, "mask_path", [](const auto& frame) { return !frame.mask_path.empty(); })) {
         rig.masks = MaskMeaning::kUsable;
         for (size_t i = 0; i < frames.size(); ++i)
-            rig.shots[i].mask.path = find_picture(rig, frames[i].mask_path, frames[i].place + ".mask_path");
+            rig.shots[i].mask.path = find_image(rig, frames[i].mask_path, frames[i].place + ".mask_path");
         return;
     }
     rig.masks = MaskMeaning::kIgnore;
     for (Shot& shot : rig.shots) {
-        const auto& picture = shot.picture.path;
-        const auto mask = picture.parent_path() / fmt::format("dynamic_mask_{}.png", picture.stem().string());
+        const auto& image = shot.image.path;
+        const auto mask = image.parent_path() / fmt::format("dynamic_mask_{}.png", image.stem().string());
         if (holds_file(mask)) shot.mask.path = mask;
     }
 }
 
-// A picture's name: that of its file, or where another picture of any split bears that name, with its folders.
-void name_shots(Rig& rig, const std::vector<TransformsFrame>& frames, const std::vector<std::string>& other_pictures) {
+// An image's name: that of its file, or where another image of any split bears that name, with its folders.
+void name_shots(Rig& rig, const std::vector<TransformsFrame>& frames, const std::vector<std::string>& other_images) {
     const auto stem = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
     std::map<std::string, int> uses;
     for (const TransformsFrame& frame : frames) ++uses[stem(frame.file_path)];
-    for (const std::string& path : other_pictures) ++uses[stem(path)];
+    for (const std::string& path : other_images) ++uses[stem(path)];
     const bool distinct = std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 1; });
     for (size_t i = 0; i < frames.size(); ++i) {
-        const auto path = rig.shots[i].picture.path.lexically_relative(rig.folder).lexically_normal();
+        const auto path = rig.shots[i].image.path.lexically_relative(rig.folder).lexically_normal();
         std::string name =
             distinct ? path.stem().string() : std::filesystem::path(path).replace_extension().generic_string();
         std::replace(name.begin(), name.end(), '/', '_');
@@ -249,7 +249,7 @@ bool has_nerf_files(const std::filesystem::path& folder) {
 }
 
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
-    const auto [file, transforms, other_pictures] = read_split(folder, split);
+    const auto [file, transforms, other_images] = read_split(folder, split);
     Rig rig;
     rig.folder = folder;
     rig.format = "nerf";
@@ -259,7 +259,7 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     has_everywhere(rig, transforms.frames, "time", [](const auto& frame) { return frame.time.has_value(); });
     add_cameras_and_shots(rig, transforms.frames);
     find_masks(rig, transforms.frames);
-    name_shots(rig, transforms.frames, other_pictures);
+    name_shots(rig, transforms.frames, other_images);
     return rig;
 }
 

@@ -13,18 +13,18 @@ namespace {
 
 constexpr uint32_t kSamples = 2;  // rays a pixel along each side, as `neuvv eval` has by default
 
-media::Image side_by_side(const std::vector<media::Image>& pictures) {
-    media::Image row(pictures[0].width * static_cast<uint32_t>(pictures.size()), pictures[0].height);
-    for (uint32_t i = 0; i < pictures.size(); i++)
+media::Image side_by_side(const std::vector<media::Image>& images) {
+    media::Image row(images[0].width * static_cast<uint32_t>(images.size()), images[0].height);
+    for (uint32_t i = 0; i < images.size(); i++)
         for (uint32_t y = 0; y < row.height; y++)
-            std::copy_n(pictures[i].at(0, y), size_t{4} * pictures[i].width, row.at(i * pictures[i].width, y));
+            std::copy_n(images[i].at(0, y), size_t{4} * images[i].width, row.at(i * images[i].width, y));
     return row;
 }
 
 }  // namespace
 
 Dataset preview_dataset(const Dataset& dataset) {
-    assert(!dataset.views.empty() && "a data set has pictures");
+    assert(!dataset.views.empty() && "a data set has images");
     const View* chosen = &dataset.views[0];
     for (const View& view : dataset.views)
         if (view.camera == chosen->camera && std::abs(view.time - 0.5) < std::abs(chosen->time - 0.5)) chosen = &view;
@@ -44,7 +44,7 @@ Quality write_preview(const gpu::Device& device, const render::Field& field, con
     const media::Image truth = truth_over_white(dataset, view);
     render::FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
     const media::Image render = render_over_white(renderer, dataset, view, field.frames, kSamples);
-    media::write_png(file, side_by_side({truth, render, error_picture(truth, render)}));
+    media::write_png(file, side_by_side({truth, render, error_image(truth, render)}));
     return compare(truth, render);
 }
 

@@ -1,4 +1,4 @@
-// A picture of a model while it is trained: truth, render and error of one view, side by side.
+// An image of a model while it is trained: truth, render and error of one view, side by side.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace neuvv::training {
 
-// The data set cut down to the view that previews show: of its first camera, the instant next to the clip's middle.
+// The data set cut down to the view that previews show: of its first camera, the time next to the clip's middle.
 Dataset preview_dataset(const Dataset& dataset);
 
 // Renders view 0 of `dataset` from `field`, which nothing else may use meanwhile, and replaces `file` (a PNG)

@@ -36,16 +36,16 @@ struct Output {
     }
 };
 
-glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
+glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
     return tree.box_min + tree.box_size / static_cast<float>(1u << place.depth) * glm::vec3(place.x, place.y, place.z);
 }
 
-float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
+float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
     return tree.box_size.x / static_cast<float>(1u << place.depth);
 }
 
 // Places in leaf number i: `side`³ cells' centres, or random ones.
-std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t side) {
+std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t side) {
     std::vector<glm::vec3> centres;
     const float cell = leaf_edge(tree, place) / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++)
@@ -54,7 +54,7 @@ std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::L
     return centres;
 }
 
-std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPlace& place, uint32_t count,
+std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t count,
                                  std::mt19937_64& random) {
     std::vector<glm::vec3> places(count);
     const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
@@ -104,9 +104,9 @@ Output output_of(const PsiNetwork& network) {
 }
 
 // Of the hull's cells those with a finest cell that is ever dense.
-std::vector<voctree::LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& network, const voctree::VOctree& hull,
-                                             uint32_t levels_above, float threshold) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(hull);
+std::vector<voctree::LeafPosition> dense_places(PsiStep& psi, const PsiNetwork& network, const voctree::VOctree& hull,
+                                                uint32_t levels_above, float threshold) {
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(hull);
     const Output output = output_of(network);
     const uint32_t side = 1u << levels_above, cells = side * side * side;
     std::vector<uint8_t> dense(places.size());
@@ -119,7 +119,7 @@ std::vector<voctree::LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& net
                 dense[i] = density_over_time(network, outputs.data()) >= static_cast<double>(threshold) ? 1 : 0;
             }
         });
-    std::vector<voctree::LeafPlace> kept;
+    std::vector<voctree::LeafPosition> kept;
     for (size_t i = 0; i < places.size(); i++)
         if (dense[i] != 0) kept.push_back(places[i]);
     return kept;
@@ -127,7 +127,7 @@ std::vector<voctree::LeafPlace> dense_places(PsiStep& psi, const PsiNetwork& net
 
 // A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
 void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const Output output = output_of(network);
     std::mt19937_64 random(settings.seed);
     const uint32_t count = settings.points_per_leaf;
@@ -229,7 +229,8 @@ PsiSettings default_psi_settings(const gpu::Device& device) {
 voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint32_t levels_above,
                                const PsiSettings& settings) {
     const PsiNetwork network = psi.network();
-    const std::vector<voctree::LeafPlace> places = dense_places(psi, network, hull, levels_above, settings.threshold);
+    const std::vector<voctree::LeafPosition> places =
+        dense_places(psi, network, hull, levels_above, settings.threshold);
     if (places.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
     voctree::VOctree tree = hull;
     voctree::build_topology(tree, places);

@@ -26,7 +26,7 @@ std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
 }
 
 // The leaves at the middles of the six faces; UINT32_MAX where there is none.
-std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPlace& place) {
+std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
     std::array<uint32_t, 6> found;
     const double edge = std::exp2(-static_cast<double>(place.depth));
     const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * edge;
@@ -57,7 +57,7 @@ size_t revive_holes(voctree::VOctree& tree) {
     if (!frames_have_own_bases(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
     const std::vector<uint32_t> live = live_frames(tree, words);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;

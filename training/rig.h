@@ -1,4 +1,4 @@
-// A capture as its files describe it, whatever their layout: calibrated cameras, and where each picture lies. No pixels
+// A capture as its files describe it, whatever their layout: calibrated cameras, and where each image lies. No pixels
 // yet: a loader fills this in, load_dataset reads what it names.
 #pragma once
 
@@ -13,15 +13,15 @@
 
 namespace neuvv::training {
 
-// A picture file, or one frame of a video.
-struct PictureSource {
+// An image file, or one frame of a video.
+struct ImageSource {
     std::filesystem::path path;  // empty: none
-    int64_t video_frame = -1;    // −1: a picture file
+    int64_t video_frame = -1;    // −1: an image file
 };
 
 // What white (or opaque: an alpha channel wins over brightness) says in a mask.
 enum class MaskMeaning : uint8_t {
-    kMatte,   // the performer, its edge soft: becomes the picture's alpha
+    kMatte,   // the performer, its edge soft: becomes the image's alpha
     kLabels,  // likewise, where any value but 0 is the performer: numbers of body parts, or 0 and 1
     kUsable,  // the pixel may be looked at; black pixels teach nothing (nerfstudio's mask_path)
     kIgnore,  // the opposite (instant-ngp's dynamic_mask)
@@ -31,7 +31,7 @@ struct RigCamera {
     std::string name;  // as the files call it
     Lens lens;
     glm::dmat4 world_from_camera{1};  // OpenGL axes, rigid
-    PictureSource plate;              // clean plate, from the same lens
+    ImageSource plate;                // clean plate, from the same lens
 };
 
 struct Shot {
@@ -39,8 +39,8 @@ struct Shot {
     double time = 0;      // [0,1] over the clip
     std::string name;     // distinct within the rig
     std::string place;    // where the files speak of it, for errors: "frames[12]"
-    PictureSource picture;
-    PictureSource mask;
+    ImageSource image;
+    ImageSource mask;
 };
 
 struct Rig {

@@ -34,16 +34,16 @@ constexpr uint64_t kEarlyBytes = 3;  // times what the file may take in the end 
 constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
 // One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs
-// edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the pictures that they are measured by.
+// edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the images that they are measured by.
 constexpr double kSeveralRaysFrom = 0.7;
 constexpr uint32_t kSeveralRays = 2;      // per side
 constexpr double kSeveralRaysEpochs = 4;  // that must have passed: a short run needs its rays for more pixels
 
-// Steps of one instant in a row, all but the first of which need not slice. Where frames share bases, each step also
+// Steps of one time in a row, all but the first of which need not slice. Where frames share bases, each step also
 // moves what other frames see, and four of them in a row unlearn those: 29.3 → 24.7 dB (RESULTS.md).
-constexpr uint32_t kBatchesPerInstant = 4;
+constexpr uint32_t kBatchesPerFrame = 4;
 inline uint32_t batches_in_a_row(const voctree::VOctree& tree) {
-    return tree.bases < tree.frames ? 1 : kBatchesPerInstant;
+    return tree.bases < tree.frames ? 1 : kBatchesPerFrame;
 }
 
 constexpr float kTrainingStop = 1.0f / 256;  // rays end where transmittance falls below

@@ -35,7 +35,7 @@ gpu::BindingSet leaf_bindings(const gpu::ComputePass& pass, const render::Field&
                                   {kAdjointReach, &gradients.reach},
                                   {kAdjointLeafUse, &tally.use},
                                   {kAdjointLeafFrames, &tally.frames},
-                                  {kAdjointPlaces, &field.leaf_places},
+                                  {kAdjointPlaces, &field.leaf_positions},
                                   {kAdjointHead, &slice.head},
                                   {kAdjointSh, &slice.sh},
                                   {kAdjointPartials, &gradients.partials}});

@@ -26,7 +26,7 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// XXH3-64 of cameras, sizes, times and a thin sample of all pictures and plates: enough to tell data sets apart.
+// XXH3-64 of cameras, sizes, times and a thin sample of all images and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
     XXH3_64bits_reset(state.get());
@@ -65,7 +65,7 @@ class Run {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(
                 state_path(output_).string(), "",
-                fmt::format("is of a run on other pictures or cameras than those of {}", dataset_.folder.string()),
+                fmt::format("is of a run on other images or cameras than those of {}", dataset_.folder.string()),
                 "resume with the data set that the run began with");
         run_.dataset_hash = hash_of(dataset);
         for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
@@ -141,7 +141,7 @@ const Dataset& Run::begin() {
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
                                          tree_.leaf_count, max_leaves()),
                              "choose a lower resolution or --hh-degree");
-        run_.max_depth = voctree::leaf_places(tree_)[0].depth + kLevelsAbove;
+        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbove;
         make_step();
     }
     if (settings_.minutes > 0 || settings_.steps > 0) {
@@ -176,7 +176,7 @@ double Run::fraction() const {
 
 void Run::make_step() {
     finest_ = 0;
-    for (const voctree::LeafPlace& place : voctree::leaf_places(tree_)) finest_ = std::max(finest_, place.depth);
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree_)) finest_ = std::max(finest_, place.depth);
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            run_.tiles_per_step);
@@ -198,7 +198,7 @@ void Run::begin_stage_if_due() {
     settings.divide_share = phase.divide_share;
     settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
     settings.divide_pixels = coarse ? 0 : kDividePixels;
-    // Finer leaves need rays: a run too short to see its pictures once a phase is better off without.
+    // Finer leaves need rays: a run too short to see its images once a phase is better off without.
     if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
     // Where few rays came yet, reach says nothing: then everything divides.
     settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;

@@ -20,7 +20,7 @@ constexpr double kMinAngle = 1e-3;  // narrower or wider, the focal length means
 uint32_t side(const JsonNode& node) {
     const double value = json_number(node);
     if (value < 1 || value > media::kMaxImageSide || value != std::floor(value))
-        node.fail(fmt::format("is {}, not a picture size in pixels, 1 to {}", value, media::kMaxImageSide));
+        node.fail(fmt::format("is {}, not an image size in pixels, 1 to {}", value, media::kMaxImageSide));
     return static_cast<uint32_t>(value);
 }
 
@@ -32,7 +32,7 @@ double focal(const JsonNode& node) {
 
 double principal(const JsonNode& node) {
     const double value = json_number(node);
-    if (std::abs(value) > kMaxFocal_px) node.fail(fmt::format("is {}, not a place in the picture in pixels", value));
+    if (std::abs(value) > kMaxFocal_px) node.fail(fmt::format("is {}, not a place in the image in pixels", value));
     return value;
 }
 
@@ -71,7 +71,7 @@ const CameraModel& find_model(const JsonNode& node, const std::string& name) {
         known += (known.empty() ? "" : ", ") + std::string(model.name);
     }
     node.fail(fmt::format("{} is not a lens that is modelled", name.substr(0, kMaxQuoted)),
-              "undistort the pictures to one of " + known);
+              "undistort the images to one of " + known);
 }
 
 // Terms that were not meant for this lens would bend it wrongly.
@@ -86,7 +86,7 @@ void expect_terms_of_model(const JsonNode& node, const Intrinsics& in) {
 }
 
 void read_lens(const JsonNode& node, Intrinsics& result) {
-    if (node.has("ftheta_p0")) node["ftheta_p0"].fail("f-theta lenses are not modelled", "undistort the pictures");
+    if (node.has("ftheta_p0")) node["ftheta_p0"].fail("f-theta lenses are not modelled", "undistort the images");
     if (node.has("rolling_shutter") && node["rolling_shutter"].value.is_array())
         for (size_t i = 0; i < node["rolling_shutter"].value.size(); ++i)
             if (json_number(node["rolling_shutter"][i]) != 0)

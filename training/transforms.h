@@ -1,4 +1,4 @@
-// A transforms.json of the NeRF family as it stands in the file: checked, but without its pictures.
+// A transforms.json of the NeRF family as it stands in the file: checked, but without its images.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ NgpCube read_ngp_cube(const JsonNode& root);
 
 constexpr double kMaxPathSeconds = 1e6;
 
-// The lens of a frame whose picture has this size.
+// The lens of a frame whose image has this size.
 Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height);
 
 }  // namespace neuvv::training

@@ -11,7 +11,7 @@ namespace {
 
 constexpr glm::vec2 kUnseen(-1);
 
-// The up to four pixels of the distorted picture around a place, with their weights. Places in the outer half of a
+// The up to four pixels of the distorted image around a place, with their weights. Places in the outer half of a
 // border pixel show that pixel.
 struct Taps {
     size_t pixel[4];
@@ -35,7 +35,7 @@ Taps taps_at(const Undistortion& map, glm::vec2 place) {
 }  // namespace
 
 Undistortion make_undistortion(const Lens& lens) {
-    assert(lens.width > 0 && lens.height > 0 && "a lens that knows its picture's size");
+    assert(lens.width > 0 && lens.height > 0 && "a lens that knows its image's size");
     Undistortion map;
     map.width = lens.width;
     map.height = lens.height;

@@ -1,4 +1,4 @@
-// Pictures of a distorting lens, resampled to what a pinhole of the same focal length and size would have shown.
+// Images of a distorting lens, resampled to what a pinhole of the same focal length and size would have shown.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,22 +9,22 @@
 
 namespace neuvv::training {
 
-// For each pixel of the pinhole picture, the place in the distorted one that its centre shows, in pixels; x < 0 where
-// the lens never saw it: beyond the picture's edge, or where the distortion folds over.
+// For each pixel of the pinhole image, the place in the distorted one that its centre shows, in pixels; x < 0 where
+// the lens never saw it: beyond the image's edge, or where the distortion folds over.
 struct Undistortion {
     uint32_t width = 0, height = 0;
     std::vector<glm::vec2> places;
     double seen = 1;          // share of the pixels
-    double fold_degrees = 0;  // off the axis, where within the picture the distortion folds over; 0: nowhere
+    double fold_degrees = 0;  // off the axis, where within the image the distortion folds over; 0: nowhere
 
     bool sees(size_t pixel) const { return places[pixel].x >= 0; }
 };
 
-// The lens must know its picture's size.
+// The lens must know its image's size.
 Undistortion make_undistortion(const Lens& lens);
 
 // Bilinear in linear light; colour is weighted by alpha unless it is that of the whole captured light (a plate, or a
-// picture before one). What the lens never saw becomes 0 0 0 0.
+// image before one). What the lens never saw becomes 0 0 0 0.
 enum class ColourOf { kForeground, kCapture };
 media::Image undistort(const media::Image& image, const Undistortion& map, ColourOf colour);
 

@@ -7,7 +7,7 @@
 namespace neuvv::xr {
 
 stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size) {
-    assert(spans_picture(eye.fov));
+    assert(spans_image(eye.fov));
     const double left = std::tan(double{eye.fov.angleLeft}), right = std::tan(double{eye.fov.angleRight});
     const double up = std::tan(double{eye.fov.angleUp}), down = std::tan(double{eye.fov.angleDown});
     stage::Camera camera;
@@ -41,11 +41,11 @@ std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, cons
     mask.indices = indices.data();
     if (!ask(mask)) return {};
     indices.resize(std::min<size_t>(indices.size(), mask.indexCountOutput));
-    return corners_in_picture(vertices, indices, fov);
+    return corners_in_image(vertices, indices, fov);
 }
 
-std::vector<glm::vec2> corners_in_picture(std::span<const XrVector2f> vertices, std::span<const uint32_t> indices,
-                                          const XrFovf& fov) {
+std::vector<glm::vec2> corners_in_image(std::span<const XrVector2f> vertices, std::span<const uint32_t> indices,
+                                        const XrFovf& fov) {
     const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
     const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);
     std::vector<glm::vec2> corners;

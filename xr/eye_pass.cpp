@@ -24,7 +24,7 @@ const gpu::Device& with_output_layer(const gpu::Device& device) {
         fmt::format("device \"{}\" cannot draw both eyes at once: it lacks shaderOutputLayer", device.summary().name));
 }
 
-gpu::GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
+gpu::GraphicsShape image_shape(VkFormat colour, VkFormat depth) {
     gpu::GraphicsShape shape;
     shape.vertex_spirv = eye_vert;
     shape.fragment_spirv = eye_frag;
@@ -36,7 +36,7 @@ gpu::GraphicsShape picture_shape(VkFormat colour, VkFormat depth) {
 }
 
 gpu::GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
-    gpu::GraphicsShape shape = picture_shape(colour, depth);
+    gpu::GraphicsShape shape = image_shape(colour, depth);
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
     shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
@@ -76,19 +76,19 @@ const std::vector<VkFormat>& eye_depth_formats() {
 
 EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
     : device_(with_output_layer(device)),
-      picture_(device, "eye", picture_shape(colour, depth)),
+      image_(device, "eye", image_shape(colour, depth)),
       solid_(device, "eye shape", shape_of(colour, depth, false)),
       clear_(device, "eye clear shape", shape_of(colour, depth, true)),
       through_(device, "eye through shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
       vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload),
       commands_(device, "eye", 4) {}
 
-void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& pictures) {
-    const std::array<VkBuffer, 2> to{pictures.buffer, renderer.set().depth.buffer};
+void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
+    const std::array<VkBuffer, 2> to{images.buffer, renderer.set().depth.buffer};
     if (to == bound_to_) return;
     const render::RayBatch& rays = renderer.frames().rays();
-    bound_ = gpu::TextureSet(picture_, {},
-                             {{kEyePicture, &pictures},
+    bound_ = gpu::TextureSet(image_, {},
+                             {{kEyeImage, &images},
                               {kEyeRadiance, &rays.radiance},
                               {kEyeDepth, &rays.depth},
                               {kEyeCameras, &rays.cameras},
@@ -106,11 +106,11 @@ void EyePass::upload(const EyeShapes& shapes) {
     for (const auto list : lists) to = std::copy(list.begin(), list.end(), to);
 }
 
-void EyePass::draw(const render::StageRenderer& renderer, const gpu::Buffer& pictures,
+void EyePass::draw(const render::StageRenderer& renderer, const gpu::Buffer& images,
                    const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
                    const EyeTarget& target) {
     commands_.wait();
-    bind(renderer, pictures);
+    bind(renderer, images);
     upload(shapes);
     commands_.begin();
     record(cameras, renderer.frames().layout(), shapes, vignette, target);
@@ -144,18 +144,18 @@ void EyePass::record(const std::array<stage::Camera, kEyes>& cameras, const rend
     vkCmdSetScissor(commands_.handle(), 0, 1, &info.renderArea);
     vkCmdSetCullMode(commands_.handle(), VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(commands_.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    draw_picture(layout, vignette);
+    draw_image(layout, vignette);
     draw_shapes(cameras, shapes);
     vkCmdEndRendering(commands_.handle());
 }
 
-void EyePass::draw_picture(const render::ViewLayout& layout, double vignette) {
+void EyePass::draw_image(const render::ViewLayout& layout, double vignette) {
     const VkDescriptorSet set = bound_.handle();
-    vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.pipeline());
-    vkCmdBindDescriptorSets(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, picture_.layout(), 0, 1, &set, 0,
+    vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.pipeline());
+    vkCmdBindDescriptorSets(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.layout(), 0, 1, &set, 0,
                             nullptr);
     vkCmdSetDepthWriteEnable(commands_.handle(), VK_TRUE);
-    push(commands_, picture_,
+    push(commands_, image_,
          EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
                  static_cast<float>(render::kSetNear_m), static_cast<float>(vignette)});
     vkCmdDraw(commands_.handle(), 3, kEyes, 0, 0);

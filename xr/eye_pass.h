@@ -1,4 +1,4 @@
-// Eye pass: a stage's pictures, their depth and shapes over them → a headset's images, both eyes in one pass: a layer
+// Eye pass: a stage's images, their depth and shapes over them → a headset's images, both eyes in one pass: a layer
 // and an instance each. (Not by multiview: lavapipe of Mesa 22.3 draws whole tiles of all views to the first layer.)
 #pragma once
 
@@ -27,25 +27,25 @@ class EyePass {
     // Throws RuntimeFailure for a device without Device::output_layer.
     EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth);
 
-    // Waits. Draws the renderer's last pictures of `cameras` (left, right), which have the target's size, and the
+    // Waits. Draws the renderer's last images of `cameras` (left, right), which have the target's size, and the
     // shapes; images are left as OpenXR wants them. `vignette`: 0..1.
-    void draw(const render::StageRenderer& renderer, const gpu::Buffer& pictures,
+    void draw(const render::StageRenderer& renderer, const gpu::Buffer& images,
               const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
               const EyeTarget& target);
 
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
   private:
-    void bind(const render::StageRenderer& renderer, const gpu::Buffer& pictures);
+    void bind(const render::StageRenderer& renderer, const gpu::Buffer& images);
     void upload(const EyeShapes& shapes);
     void record(const std::array<stage::Camera, kEyes>& cameras, const render::ViewLayout& layout,
                 const EyeShapes& shapes, double vignette, const EyeTarget& target);
-    void draw_picture(const render::ViewLayout& layout, double vignette);
+    void draw_image(const render::ViewLayout& layout, double vignette);
     void draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
-    gpu::GraphicsPass picture_, solid_, clear_, through_;
+    gpu::GraphicsPass image_, solid_, clear_, through_;
     gpu::TextureSet bound_;
-    std::array<VkBuffer, 2> bound_to_{};  // pictures and the set's depth: others where targets were made anew
+    std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth: others where targets were made anew
     gpu::Buffer vertices_;
     gpu::Commands commands_;
 };

@@ -1,4 +1,4 @@
-// What the hands do at an instant: what interaction sees of OpenXR.
+// What the hands do at a time: what interaction sees of OpenXR.
 #pragma once
 
 #include <array>

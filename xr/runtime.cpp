@@ -47,9 +47,9 @@ std::vector<std::string> offered_extensions() {
 
 std::vector<OptionalExtension> optional_extensions() {
     return {
-        {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
-         "depth goes to the compositor, which moves late pictures better", "pictures go without their depth"},
-        {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "what no lens shows is not drawn", "all of each picture is drawn"},
+        {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME, "depth goes to the compositor, which moves late images better",
+         "images go without their depth"},
+        {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "what no lens shows is not drawn", "all of each image is drawn"},
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "the refresh rate can be chosen (--refresh)",
          "the refresh rate is the runtime's"},
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
@@ -79,7 +79,7 @@ Runtime::Runtime() {
     find_headset();
     find_views();
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) || has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME)) return;
-    throw RuntimeFailure(fmt::format("{} shows no pictures made by Vulkan; start a runtime that does", name_));
+    throw RuntimeFailure(fmt::format("{} shows no images made by Vulkan; start a runtime that does", name_));
 }
 
 bool Runtime::has(const char* extension) const {
@@ -144,7 +144,7 @@ void Runtime::find_views() {
                                  return xrEnumerateEnvironmentBlendModes(instance(), system_, view_configuration(),
                                                                          capacity, count, all);
                              });
-    if (blend_modes_.empty()) throw RuntimeFailure(fmt::format("\"{}\" of {} shows no picture", headset_, name_));
+    if (blend_modes_.empty()) throw RuntimeFailure(fmt::format("\"{}\" of {} shows no image", headset_, name_));
 }
 
 VkExtent2D Runtime::eye_size() const {

@@ -35,7 +35,7 @@ XrPosef xr_pose(const Pose& pose) {
     return {{q.x, q.y, q.z, q.w}, {p.x, p.y, p.z}};
 }
 
-bool spans_picture(const XrFovf& fov) {
+bool spans_image(const XrFovf& fov) {
     constexpr float kMost = 1.56f;
     const bool sound = std::abs(fov.angleLeft) < kMost && std::abs(fov.angleRight) < kMost &&
                        std::abs(fov.angleUp) < kMost && std::abs(fov.angleDown) < kMost;  // false for NaN
@@ -161,8 +161,7 @@ std::optional<EyeViews> Session::locate_eyes(XrTime time) {
     views.fill({XR_TYPE_VIEW});
     uint32_t count = 0;
     check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());
-    const bool sees =
-        std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_picture(view.fov); });
+    const bool sees = std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_image(view.fov); });
     if (!is_known(state.viewStateFlags) || !sees) return last_eyes_;
     last_eyes_.emplace();
     for (uint32_t i = 0; i < kEyes; i++) last_eyes_->eye[i] = {pose_of(views[i].pose), views[i].fov};

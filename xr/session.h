@@ -35,7 +35,7 @@ constexpr double kEyesAbove_m = 1.6;
 struct FrameTime {
     XrTime display = 0;     // when its light reaches the eyes, ns of the runtime's time
     XrDuration period = 0;  // of the display
-    bool render = false;    // else the pictures would not be seen
+    bool render = false;    // else the images would not be seen
 };
 
 struct EyeView {
@@ -45,8 +45,8 @@ struct EyeView {
 struct EyeViews {
     std::array<EyeView, kEyes> eye;
 };
-// Whether angles span a picture: each within 89.4° of the axis.
-bool spans_picture(const XrFovf& fov);
+// Whether angles span an image: each within 89.4° of the axis.
+bool spans_image(const XrFovf& fov);
 
 class Session {
   public:

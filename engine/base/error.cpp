@@ -19,8 +19,8 @@ std::string shortened(const std::string& text) {
 }  // namespace
 
 InputError::InputError(const std::string& file, const std::string& place, const std::string& problem,
-                       const std::string& mend)
+                       const std::string& fix)
     : std::runtime_error(one_line(shortened(file) + ": " + (place.empty() ? "" : shortened(place) + ": ") +
-                                  shortened(problem) + (mend.empty() ? "" : "; " + shortened(mend)))) {}
+                                  shortened(problem) + (fix.empty() ? "" : "; " + shortened(fix)))) {}
 
 }  // namespace neuvv

@@ -86,9 +86,9 @@ json parse(const std::string& file, const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 template <typename Json>
-void BasicJsonNode<Json>::fail(const std::string& problem, const std::string& mend) const {
-    if (damage) throw InputError(file, place, damage->problem, damage->mend);
-    throw InputError(file, place, problem, mend);
+void BasicJsonNode<Json>::fail(const std::string& problem, const std::string& fix) const {
+    if (damage) throw InputError(file, place, damage->problem, damage->fix);
+    throw InputError(file, place, problem, fix);
 }
 
 template <typename Json>

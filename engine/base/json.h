@@ -18,7 +18,7 @@ enum class JsonPlaces {
 // What errors say in place of what is wrong with a value, where that is of no use to the reader: a program's own file.
 struct JsonDamage {
     const char* problem;
-    const char* mend;
+    const char* fix;
 };
 
 // A value and where it stands. Refers to the document and the file's name, which must outlive it. `Json` is
@@ -32,7 +32,7 @@ struct BasicJsonNode {
     const JsonDamage* damage = nullptr;
 
     // Throw InputError at the node's place.
-    [[noreturn]] void fail(const std::string& problem, const std::string& mend = "") const;
+    [[noreturn]] void fail(const std::string& problem, const std::string& fix = "") const;
     [[noreturn]] void fail_type(const char* expected) const;  // "is a string, not {expected}"
 
     BasicJsonNode operator[](size_t i) const;         // which it has

@@ -13,7 +13,7 @@ namespace {
 // Arrays of weights and of octrees pack to a third or a tenth; this also bounds what a small file may ask for.
 constexpr uint64_t kAllowedBytes = uint64_t{64} << 20, kAllowedRatio = 128;
 constexpr int64_t kMaxArrays = 4096;
-constexpr const char *kMend = "write it with numpy.savez", *kCopyAgain = "copy the file again";
+constexpr const char *kFix = "write it with numpy.savez", *kCopyAgain = "copy the file again";
 
 using ZipFile = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 
@@ -25,14 +25,14 @@ zip_t* open_zip(const std::filesystem::path& file) {
     zip_error_init_with_code(&reason, error);
     const std::string text = zip_error_strerror(&reason);
     zip_error_fini(&reason);
-    throw InputError(file.string(), "", fmt::format("cannot be opened as an .npz: {}", text), kMend);
+    throw InputError(file.string(), "", fmt::format("cannot be opened as an .npz: {}", text), kFix);
 }
 
 }  // namespace
 
 NpzReader::NpzReader(const std::filesystem::path& file) : file_(file.string()), zip_(open_zip(file), zip_discard) {
     const int64_t count = zip_get_num_entries(zip_.get(), 0);
-    if (count > kMaxArrays) throw InputError(file_, "", fmt::format("holds {} arrays", count), kMend);
+    if (count > kMaxArrays) throw InputError(file_, "", fmt::format("holds {} arrays", count), kFix);
     std::error_code none;
     const uint64_t file_bytes = std::filesystem::file_size(file, none);
     uint64_t left = none ? 0 : kAllowedBytes + kAllowedRatio * file_bytes;
@@ -43,7 +43,7 @@ NpzReader::NpzReader(const std::filesystem::path& file) : file_(file.string()), 
         if (zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(i), 0, &entry) != 0 ||
             (entry.valid & kNeeded) != kNeeded)
             throw InputError(file_, fmt::format("entry {}", i), "is damaged", kCopyAgain);
-        if (entry.size > left) throw InputError(file_, entry.name, "is too large for a file of this size", kMend);
+        if (entry.size > left) throw InputError(file_, entry.name, "is too large for a file of this size", kFix);
         left -= entry.size;
         std::string name = entry.name;
         if (name.ends_with(".npy")) name.resize(name.size() - 4);
@@ -59,7 +59,7 @@ std::vector<std::string> NpzReader::names() const {
 
 std::vector<uint8_t> NpzReader::bytes(const std::string& name) const {
     const auto found = entries_.find(name);
-    if (found == entries_.end()) throw InputError(file_, name, "is missing", kMend);
+    if (found == entries_.end()) throw InputError(file_, name, "is missing", kFix);
     const ZipFile stream(zip_fopen_index(zip_.get(), found->second.index, 0), zip_fclose);
     std::vector<uint8_t> bytes(found->second.bytes);
     // Reading one byte more than there should be makes libzip check the whole entry's checksum.

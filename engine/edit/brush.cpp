@@ -55,7 +55,7 @@ std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& ca
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
-        // A ray a pixel; farther than a picture reaches there is nothing to pick.
+        // A ray a pixel; farther than an image reaches there is nothing to pick.
         const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
         const auto steps = static_cast<size_t>(std::max(length, 1.0));
         for (size_t step = 1; step <= steps; step++)
@@ -140,7 +140,7 @@ struct Shade {
 
 // `rows` of `frames`.
 std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::span<const float> frames,
-                             std::span<const InstantRows> rows, const ColourShift& shift) {
+                             std::span<const RowsAtTime> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
     bool there = false;
     for (size_t i = 0; i < frames.size(); i++) {
@@ -168,7 +168,7 @@ std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<con
     std::vector<float> frames{first};
     for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
     if (last > first) frames.push_back(last);
-    std::vector<InstantRows> rows;
+    std::vector<RowsAtTime> rows;
     for (const float frame : frames) rows.emplace_back(canvas.tree, frame);
     std::vector<std::vector<voctree::LeafEdit>> of_leaf(leaves.size());
     parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {

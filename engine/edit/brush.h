@@ -20,7 +20,7 @@ struct Touch {
     glm::vec3 front, back;  // performer's space, metres
 };
 
-// Along a line over the picture, a ray a pixel: those that meet the performer as the picker shows it. The camera in the
+// Along a line over the image, a ray a pixel: those that meet the performer as the picker shows it. The camera in the
 // performer's space.
 std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& camera,
                                  std::span<const glm::dvec2> pixels);

@@ -10,7 +10,7 @@ namespace neuvv::edit {
 
 namespace {
 
-constexpr double kNear_m = 0.05;  // glTF wants one; no picture of ours has one
+constexpr double kNear_m = 0.05;  // glTF wants one; no image of ours has one
 
 // The index of the camera that a node holds; throws where it holds none, or one that is not perspective.
 size_t perspective_camera_of(const stage::StageFile& file, uint32_t node) {
@@ -38,10 +38,10 @@ std::string add_camera(stage::StageFile& file, const std::string& name, double v
         cameras.push_back({{"name", json["name"]},
                            {"type", "perspective"},
                            {"perspective", {{"yfov", vertical_angle_rad}, {"znear", kNear_m}}}});
-        LocalPlace place;
+        LocalTransform place;
         place.translation = glm::dvec3(world_from_camera[3]);
         place.rotation = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
-        set_local_place(json, place);
+        set_local_transform(json, place);
         return fmt::format("added camera {}, {:.6g}° high, at {}", title_of(file, node),
                            glm::degrees(vertical_angle_rad), text_of(place.translation));
     });

@@ -192,8 +192,8 @@ std::string FreeNames::take(const std::string& wanted) {
     return name;
 }
 
-LocalPlace local_place_of(const ordered_json& node) {
-    LocalPlace place;
+LocalTransform local_transform_of(const ordered_json& node) {
+    LocalTransform place;
     place.has_matrix = node.contains("matrix");
     for (int i = 0; i < 16 && place.has_matrix; ++i)
         place.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
@@ -207,8 +207,8 @@ LocalPlace local_place_of(const ordered_json& node) {
     return place;
 }
 
-void set_local_place(ordered_json& node, const LocalPlace& place) {
-    const LocalPlace before = local_place_of(node);
+void set_local_transform(ordered_json& node, const LocalTransform& place) {
+    const LocalTransform before = local_transform_of(node);
     if (place.has_matrix) {
         for (const char* name : {"translation", "rotation", "scale"}) node.erase(name);
         if (before.has_matrix && before.matrix == place.matrix) return;
@@ -230,7 +230,7 @@ glm::dquat looking(const glm::dvec3& direction) {
     return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle_rad) {
+LocalTransform turned_about(LocalTransform place, const glm::dvec3& middle, double angle_rad) {
     const glm::dquat turn = glm::angleAxis(angle_rad, glm::dvec3(0, 1, 0));
     if (place.has_matrix) {
         glm::dmat4 about = glm::translate(glm::dmat4(1), middle) * glm::mat4_cast(turn);
@@ -242,7 +242,7 @@ LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle
     return place;
 }
 
-glm::dvec3 place_of(const LocalPlace& place) {
+glm::dvec3 place_of(const LocalTransform& place) {
     return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
 }
 

@@ -91,21 +91,21 @@ class FreeNames {
 };
 
 // A node's own transform in two forms, whichever the document has.
-struct LocalPlace {
+struct LocalTransform {
     bool has_matrix = false;
     glm::dmat4 matrix{1};
     glm::dvec3 translation{0};
     glm::dquat rotation{1, 0, 0, 0};
     glm::dvec3 scale{1};
 };
-LocalPlace local_place_of(const ordered_json& node);
+LocalTransform local_transform_of(const ordered_json& node);
 // Writes those members that differ from what the node says.
-void set_local_place(ordered_json& node, const LocalPlace& place);
+void set_local_transform(ordered_json& node, const LocalTransform& place);
 // The rotation whose −Z is `direction` and whose +Y is as upright as may be.
 glm::dquat looking(const glm::dvec3& direction);
 // Turned about a vertical axis through `middle`, counter-clockwise seen from above.
-LocalPlace turned_about(LocalPlace place, const glm::dvec3& middle, double angle_rad);
-glm::dvec3 place_of(const LocalPlace& place);
+LocalTransform turned_about(LocalTransform place, const glm::dvec3& middle, double angle_rad);
+glm::dvec3 place_of(const LocalTransform& place);
 
 ordered_json json_of(const glm::dvec3& v);
 std::string text_of(const glm::dvec3& v);

@@ -46,9 +46,9 @@ ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
     return holds(scene, "nodes") ? &scene["nodes"] : nullptr;
 }
 
-LocalPlace copy_place(const LocalPlace& first, const CopySettings& settings, uint32_t copy) {
+LocalTransform copy_place(const LocalTransform& first, const CopySettings& settings, uint32_t copy) {
     if (settings.pattern == CopyPattern::kRow) {
-        LocalPlace place = first;
+        LocalTransform place = first;
         const glm::dvec3 step(settings.distance_m * copy, 0, 0);
         place.translation += step;
         place.matrix[3] += glm::dvec4(step, 0);
@@ -122,7 +122,7 @@ uint32_t copy_family(stage::StageFile& file, const std::vector<uint32_t>& family
 
 std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings& settings) {
     const std::string title = title_of(file, node);
-    const LocalPlace first = local_place_of(node_of(file, node));
+    const LocalTransform first = local_transform_of(node_of(file, node));
     const std::vector<uint32_t> family = family_of(file, node);
     expect_copyable(file, family);
     siblings_of(file, node);  // a document without a scene gets it before there are copies to list
@@ -131,7 +131,7 @@ std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings&
     const stage::Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : stage::Timeline{};
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
         const uint32_t index = copies.emplace_back(copy_family(file, family, names));
-        set_local_place(node_of(file, index), copy_place(first, settings, copy));
+        set_local_transform(node_of(file, index), copy_place(first, settings, copy));
         if (ordered_json* performer = find_extension(node_of(file, index), stage::kPerformerExtension))
             stagger(*performer, settings, timeline, copy);
     }

@@ -18,9 +18,9 @@ std::string with_commas(const std::vector<std::string>& parts) {
 }
 
 // Nothing where it is sheared or flat.
-std::optional<LocalPlace> in_parts(const glm::dmat4& matrix) {
+std::optional<LocalTransform> in_parts(const glm::dmat4& matrix) {
     constexpr double kSheared = 1e-6;
-    LocalPlace place;
+    LocalTransform place;
     place.translation = glm::dvec3(matrix[3]);
     glm::dmat3 turn(matrix);
     for (int axis = 0; axis < 3; axis++) {
@@ -39,23 +39,23 @@ std::optional<LocalPlace> in_parts(const glm::dmat4& matrix) {
 }
 
 // What hardly changed is as it was: numbers that somebody typed stay.
-LocalPlace dragged_to(const LocalPlace& before, const glm::dmat4& matrix) {
+LocalTransform dragged_to(const LocalTransform& before, const glm::dmat4& matrix) {
     constexpr double kSame = 1e-9;
-    const std::optional<LocalPlace> parts = before.has_matrix ? std::nullopt : in_parts(matrix);
+    const std::optional<LocalTransform> parts = before.has_matrix ? std::nullopt : in_parts(matrix);
     if (!parts) {
-        LocalPlace place = before;
+        LocalTransform place = before;
         place.has_matrix = true;
         place.matrix = matrix;
         return place;
     }
-    LocalPlace place = *parts;
+    LocalTransform place = *parts;
     if (glm::distance(place.translation, before.translation) < kSame) place.translation = before.translation;
     if (glm::distance(place.scale, before.scale) < kSame) place.scale = before.scale;
     if (1 - std::abs(glm::dot(place.rotation, before.rotation)) < kSame * kSame) place.rotation = before.rotation;
     return place;
 }
 
-LocalPlace placed(LocalPlace place, const Placement& placement) {
+LocalTransform placed(LocalTransform place, const Placement& placement) {
     if (placement.to) place = dragged_to(place, *placement.to);
     if (placement.matrix) {
         place.has_matrix = true;
@@ -82,7 +82,8 @@ LocalPlace placed(LocalPlace place, const Placement& placement) {
 }
 
 // What was done, in words; where it stands, unless it was turned or scaled by hand where it is.
-std::vector<std::string> changes_of(const Placement& placement, const LocalPlace& before, const LocalPlace& place) {
+std::vector<std::string> changes_of(const Placement& placement, const LocalTransform& before,
+                                    const LocalTransform& place) {
     std::vector<std::string> changes;
     if (placement.to && !place.has_matrix) {
         if (place.rotation != before.rotation) changes.emplace_back("turned");
@@ -136,7 +137,7 @@ void edit_environment(stage::StageFile& file, ordered_json& stage, const StageEd
     }
     if (!edit.environment && !edit.environment_intensity && !edit.environment_rotation_deg) return;
     if (!edit.environment && !stage.contains("environment"))
-        throw InputError(file.path.string(), "environment", "there is none to change", "give it a picture");
+        throw InputError(file.path.string(), "environment", "there is none to change", "give it an image");
     ordered_json& environment = stage["environment"];
     if (edit.environment) environment["uri"] = stage::uri_of_file(file, *edit.environment);
     if (edit.environment_intensity) environment["intensity"] = *edit.environment_intensity;
@@ -158,7 +159,7 @@ std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
         if (color) put(name, json_of(*color), fmt::format("{} {}", text, text_of(*color)));
     };
     if (edit.duration_s) put("duration", *edit.duration_s, fmt::format("lasts {:.6g} s", *edit.duration_s));
-    if (edit.fps) put("fps", *edit.fps, fmt::format("{:.6g} pictures a second", *edit.fps));
+    if (edit.fps) put("fps", *edit.fps, fmt::format("{:.6g} images a second", *edit.fps));
     put_color("background", "background", edit.background);
     put_color("ambient", "ambient light", edit.ambient);
     edit_environment(file, stage, edit, changes);
@@ -176,8 +177,8 @@ std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
 
 std::string place_node(stage::StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
-    const LocalPlace before = local_place_of(json);
-    LocalPlace place = placed(before, placement);
+    const LocalTransform before = local_transform_of(json);
+    LocalTransform place = placed(before, placement);
     if (place.has_matrix && !json.contains("matrix") && is_animated(file, node))
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is animated, and cannot have a matrix", title_of(file, node)),
@@ -195,7 +196,7 @@ std::string place_node(stage::StageFile& file, uint32_t node, const Placement& p
             place.rotation = looking(way);
         }
     }
-    set_local_place(json, place);
+    set_local_transform(json, place);
     return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, before, place)),
                        is_animated(file, node) ? ", but an animation moves it" : "");
 }

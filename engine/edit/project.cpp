@@ -14,7 +14,7 @@ namespace {
 constexpr double kMaxRays = 1 << 26;  // of a projection
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// How far rays over a picture see: `dense` of them a pixel along each side.
+// How far rays over an image see: `dense` of them a pixel along each side.
 struct DepthMap {
     uint32_t width = 0, height = 0, dense = 1;
     std::vector<float> distance_m;  // along the ray; infinite where nothing stops it
@@ -37,7 +37,7 @@ DepthMap depth_map(render::Picker& picker, const stage::Camera& camera, uint32_t
     return map;
 }
 
-// From the eye to what a place in the picture shows, at one metre along the camera's own axis. Its length is in the
+// From the eye to what a place in the image shows, at one metre along the camera's own axis. Its length is in the
 // performer's metres, whose space may be stretched, sheared or mirrored as the camera sees it.
 glm::dvec3 line_at(const stage::Camera& camera, glm::dvec2 pixel) {
     const glm::dvec3 line((pixel.x - camera.cx) / camera.fx, (camera.cy - pixel.y) / camera.fy, -1);
@@ -83,7 +83,7 @@ uint32_t rays_a_pixel(render::Picker& picker, const Canvas& canvas, std::span<co
 }
 
 // Premultiplied linear colour and alpha between the middles of pixels.
-glm::vec4 picture_at(const media::Image& image, glm::vec2 at) {
+glm::vec4 image_at(const media::Image& image, glm::vec2 at) {
     const glm::vec2 size(image.width, image.height);
     const glm::vec2 place = glm::clamp(at - 0.5f, glm::vec2(0), size - 1.0f), low = glm::floor(place);
     const glm::vec2 part = place - low;
@@ -102,9 +102,9 @@ glm::vec4 picture_at(const media::Image& image, glm::vec2 at) {
 
 // All lengths in the performer's metres, where leaves are cubes and rays are as long as they are picked to be.
 struct Projector {
-    Projector(const Canvas& on, const media::Image& picture, const stage::Camera& from, const DepthMap& seen)
+    Projector(const Canvas& on, const media::Image& image, const stage::Camera& from, const DepthMap& seen)
         : canvas(on),
-          image(picture),
+          image(image),
           camera(from),
           map(seen),
           camera_from_performer(glm::inverse(camera.world_from_camera)),
@@ -116,7 +116,7 @@ struct Projector {
     glm::dmat4 camera_from_performer;
     glm::dvec3 eye;
 
-    // A leaf as the picture shows it.
+    // A leaf as the image shows it.
     struct Shown {
         glm::dvec2 pixel;      // of its middle
         glm::dvec2 reach;      // pixels across and down a metre of the performer, whichever way that is longest
@@ -127,7 +127,7 @@ struct Projector {
     Shown shown(uint32_t leaf, const glm::dvec3& at_camera) const {
         const double depth = -at_camera.z;
         const glm::dvec2 line = glm::dvec2(at_camera) / depth, focal(camera.fx, camera.fy);
-        // What a step in the performer moves the picture by: derivatives of the pixel, a row of the matrix an axis.
+        // What a step in the performer moves the image by: derivatives of the pixel, a row of the matrix an axis.
         const glm::dmat3 rows = glm::transpose(glm::dmat3(camera_from_performer));
         const glm::dvec2 reach(glm::length(rows[0] + line.x * rows[2]), glm::length(rows[1] + line.y * rows[2]));
         const glm::dvec3 to_middle = glm::dvec3(canvas.middles[leaf]) - eye;
@@ -150,7 +150,7 @@ struct Projector {
         return enter <= leave;
     }
 
-    // Whether the ray of a place in the picture may pass through the leaf, and comes as far.
+    // Whether the ray of a place in the image may pass through the leaf, and comes as far.
     bool counts(const Shown& leaf, glm::dvec2 place, double ends) const {
         const double half_diagonal = 0.5 * std::sqrt(3.0) * leaf.edge, distance = glm::length(leaf.to_middle);
         // Rays come to its nearest corner, or end as much before it as a slope falls between two rays.
@@ -165,7 +165,7 @@ struct Projector {
         return ends <= distance + 4 * leaf.edge || meets(leaf, direction, 0.5 * (leaf.edge + leaf.rays.side));
     }
 
-    // The mean of the picture at the rays that count for the leaf, premultiplied.
+    // The mean of the image at the rays that count for the leaf, premultiplied.
     glm::vec4 seen_at(uint32_t index) const {
         const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.middles[index], 1));
         if (!(at.z < 0)) return glm::vec4(0);
@@ -182,7 +182,7 @@ struct Projector {
                 const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
                 const glm::dvec2 place = map.pixel(column, row);
                 if (!counts(leaf, place, double{map.distance_m[size_t{row} * map.width + column]})) continue;
-                sum += glm::dvec4(picture_at(image, glm::vec2(narrow ? leaf.pixel : place)));
+                sum += glm::dvec4(image_at(image, glm::vec2(narrow ? leaf.pixel : place)));
                 count++;
             }
         return count > 0 ? glm::vec4(sum / count) : glm::vec4(0);

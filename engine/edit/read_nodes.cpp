@@ -129,7 +129,7 @@ bool same_nodes(const stage::StageFile& a, const stage::StageFile& b, size_t cou
 }
 
 NodeTransform transform_of(const stage::StageFile& file, uint32_t node) {
-    const LocalPlace place = local_place_of(node_of(file, node));
+    const LocalTransform place = local_transform_of(node_of(file, node));
     if (place.has_matrix) return parts_of(place.matrix);
     return {place.translation, place.rotation, place.scale};
 }

@@ -86,10 +86,10 @@ std::vector<Span> joined(std::vector<Span> spans) {
 
 Canvas::Canvas(const voctree::VOctree& field)
     : tree(field), rows(voctree::basis_entries(field.sigma_basis, field.bases)) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     middles.reserve(places.size());
     edges_m.reserve(places.size());
-    for (const voctree::LeafPlace& place : places) {
+    for (const voctree::LeafPosition& place : places) {
         const float side = std::ldexp(1.0f, -static_cast<int>(place.depth));
         const glm::vec3 middle = (glm::vec3(place.x, place.y, place.z) + 0.5f) * side;
         middles.push_back(tree.box_min + middle * tree.box_size);
@@ -99,7 +99,7 @@ Canvas::Canvas(const voctree::VOctree& field)
 
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint) {
     const voctree::VOctree& tree = canvas.tree;
-    const InstantRows rows(tree, frame);
+    const RowsAtTime rows(tree, frame);
     std::vector<float> sigma(tree.leaf_count);
     parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
@@ -111,15 +111,15 @@ std::vector<float> densities(const Canvas& canvas, float frame, std::span<const 
     return sigma;
 }
 
-InstantRows::InstantRows(const voctree::VOctree& tree, float frame)
+RowsAtTime::RowsAtTime(const voctree::VOctree& tree, float frame)
     : sigma(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames))),
       gamma(row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames))) {}
 
-float density(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf) {
+float density(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf) {
     return std::max(dot(rows.sigma, tree.leaf(leaf)), 0.0f);
 }
 
-glm::vec3 mean_colour(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf) {
+glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
     const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));

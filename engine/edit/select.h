@@ -1,4 +1,4 @@
-// What is edited, and which leaves of it: places, densities at an instant, regions, and the frames an edit holds at.
+// What is edited, and which leaves of it: places, densities at a time, regions, and the frames an edit holds at.
 #pragma once
 
 #include <functional>
@@ -22,14 +22,14 @@ struct Canvas {
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint = {});
 
 // A_t and B_t at a frame (fractions interpolate), for leaf after leaf.
-struct InstantRows {
-    InstantRows(const voctree::VOctree& tree, float frame);
+struct RowsAtTime {
+    RowsAtTime(const voctree::VOctree& tree, float frame);
     std::vector<float> sigma, gamma;
 };
 
 // σ of a leaf without paint, 1/m, held at 0; and its mean colour, linear: sigmoid(k_00 Y_00).
-float density(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf);
-glm::vec3 mean_colour(const voctree::VOctree& tree, const InstantRows& rows, uint32_t leaf);
+float density(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
+glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
 
 // Whether a place belongs to it: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;
@@ -39,7 +39,7 @@ Region either(Region a, Region b);
 Region both(Region a, Region b);
 Region without(Region a, Region b);
 
-// The leaves whose middles lie in the region and that live at any instant from first to last, without paint. With paint
+// The leaves whose middles lie in the region and that live at any time from first to last, without paint. With paint
 // or before it is there, whether they live or not: all_leaves_in.
 std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last);
 std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region);

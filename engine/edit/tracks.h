@@ -18,7 +18,7 @@ struct PerformerTrack {
     ClipRate rate;  // of the clip
     stage::TimeMap map;
     stage::Timeline timeline;
-    TimeBar bar;  // when it plays: before and after, its first and its last picture stand
+    TimeBar bar;  // when it plays: before and after, its first and its last image stand
 };
 
 // The performers of the default scene, by node. Those whose clip is not among `clips` (not read yet) are left out. What
@@ -43,7 +43,7 @@ enum class Repeat { kOnce, kLoop, kPingPong };
 Repeat repeat_of(const stage::TimeMap& map);
 stage::TimeMap repeated(stage::TimeMap map, Repeat repeat);
 
-// The picture that is shown at this stage time stands from then on for so long; always.
+// The image that is shown at this stage time stands from then on for so long; always.
 stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
 stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s);
 

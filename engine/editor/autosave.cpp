@@ -37,7 +37,7 @@ void Autosave::tick(double now_s) {
                         from_.reset();
                         stored_id_ = id;
                         if (!problem.empty())
-                            editor_.tell("unsaved edits cannot be kept for recovery: " + problem, true);
+                            editor_.notify("unsaved edits cannot be kept for recovery: " + problem, true);
                     };
                 });
 }

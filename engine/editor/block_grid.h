@@ -1,4 +1,4 @@
-// Into how many blocks a picture is cut that is drawn while the window goes on: each as small that nobody waits for it
+// Into how many blocks an image is cut that is drawn while the window goes on: each as small that nobody waits for it
 // long, but not smaller than helps, as each costs something beside its pixels.
 #pragma once
 
@@ -14,11 +14,11 @@ class BlockGrid {
     uint32_t side() const { return side_; }
     static constexpr uint32_t kMostBlocks = 8;  // 64 in all: what each costs beside pixels stays within bounds
 
-    // A picture begins; kept from the last one: its grid, or a coarser one where its blocks took much less than the
+    // An image begins; kept from the last one: its grid, or a coarser one where its blocks took much less than the
     // target. At least `least` a side.
     void begin(uint32_t least);
-    // A block was drawn in this time. True: it took too long, or cutting it finer was in vain, and the picture begins
-    // again with another grid; at most a few times a picture.
+    // A block was drawn in this time. True: it took too long, or cutting it finer was in vain, and the image begins
+    // again with another grid; at most a few times an image.
     bool drawn(double milliseconds);
 
   private:

@@ -1,4 +1,4 @@
-// Blocks of a picture: drawn one after the other, each as a picture of its own.
+// Blocks of an image: drawn one after the other, each as an image of its own.
 #pragma once
 
 #include "stage/camera.h"
@@ -7,10 +7,10 @@ namespace neuvv::editor {
 
 struct Block {
     uint32_t left = 0, top = 0;
-    stage::Camera camera;  // of the block's size; its rays are the whole picture's
+    stage::Camera camera;  // of the block's size; its rays are the whole image's
 };
 
-// Block i of side × side, row by row; together they are the picture, each pixel once.
+// Block i of side × side, row by row; together they are the image, each pixel once.
 inline Block block_of(stage::Camera camera, uint32_t i, uint32_t side) {
     const auto part = [side](uint32_t whole, uint32_t n) { return static_cast<uint32_t>(uint64_t{whole} * n / side); };
     Block block{part(camera.width, i % side), part(camera.height, i / side), camera};

@@ -9,11 +9,11 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kOnPicture = 1e-6;  // of a picture: what is nearer is on it
+constexpr double kOnImage = 1e-6;  // of an image: what is nearer is on it
 
-// Pictures that begin before an instant.
-int64_t pictures_before(double time_s, double fps) {
-    return static_cast<int64_t>(std::ceil(time_s * fps - kOnPicture));
+// Images that begin before a time.
+int64_t images_before(double time_s, double fps) {
+    return static_cast<int64_t>(std::ceil(time_s * fps - kOnImage));
 }
 
 // What is left of `value` after whole lengths, 0 up to, not including, the length.
@@ -44,7 +44,7 @@ double StageClock::shown_step_s() const {
 double StageClock::shown_s() const {
     const double step_s = shown_step_s();
     if (!playing || !(step_s > 0)) return time_s_;
-    return std::max(std::floor(time_s_ / step_s + kOnPicture) * step_s, std::min(time_s_, in_s_));
+    return std::max(std::floor(time_s_ / step_s + kOnImage) * step_s, std::min(time_s_, in_s_));
 }
 
 double StageClock::shown_after_s(int32_t n) const {
@@ -54,21 +54,21 @@ double StageClock::shown_after_s(int32_t n) const {
     return after.shown_s();
 }
 
-int64_t StageClock::picture() const {
-    const auto at = static_cast<int64_t>(std::floor(time_s_ * fps_ + kOnPicture));
-    return std::min(at, pictures() - 1);
+int64_t StageClock::image() const {
+    const auto at = static_cast<int64_t>(std::floor(time_s_ * fps_ + kOnImage));
+    return std::min(at, images() - 1);
 }
 
-int64_t StageClock::pictures() const {
-    return std::max<int64_t>(1, pictures_before(duration_s_, fps_));
+int64_t StageClock::images() const {
+    return std::max<int64_t>(1, images_before(duration_s_, fps_));
 }
 
 int64_t StageClock::first_in_range() const {
-    return pictures_before(in_s_, fps_);
+    return images_before(in_s_, fps_);
 }
 
 int64_t StageClock::last_in_range() const {
-    return std::max(first_in_range(), pictures_before(out_s_, fps_) - 1);
+    return std::max(first_in_range(), images_before(out_s_, fps_) - 1);
 }
 
 void StageClock::set_range(double in_s, double out_s) {
@@ -89,7 +89,7 @@ void StageClock::pause() {
 double StageClock::until_next_s() const {
     const double step_s = shown_step_s();
     if (!playing || !(step_s > 0)) return std::numeric_limits<double>::infinity();
-    const double steps = time_s_ / step_s, since = steps - std::floor(steps + kOnPicture);
+    const double steps = time_s_ / step_s, since = steps - std::floor(steps + kOnImage);
     return std::max(0.0, speed > 0 ? 1 - since : since) * step_s / std::abs(speed);
 }
 
@@ -97,8 +97,8 @@ void StageClock::play_or_pause() {
     time_s_ = shown_s();  // what was seen last stays
     playing = !playing;
     if (!playing || loops) return;
-    if (speed > 0 && picture() == last_in_range()) time_s_ = in_s_;
-    if (speed < 0 && picture() == first_in_range()) time_s_ = static_cast<double>(last_in_range()) / fps_;
+    if (speed > 0 && image() == last_in_range()) time_s_ = in_s_;
+    if (speed < 0 && image() == first_in_range()) time_s_ = static_cast<double>(last_in_range()) / fps_;
 }
 
 void StageClock::tick(double real_s) {
@@ -117,16 +117,16 @@ void StageClock::tick(double real_s) {
     }
 }
 
-void StageClock::step(int32_t pictures) {
+void StageClock::step(int32_t images) {
     pause();
     const double at = time_s_ * fps_, nearest = std::round(at);
-    const bool on_picture = std::abs(at - nearest) < kOnPicture;
-    const auto from = static_cast<int64_t>(on_picture ? nearest : pictures > 0 ? std::floor(at) : std::ceil(at));
-    int64_t to = from + pictures;
+    const bool on_image = std::abs(at - nearest) < kOnImage;
+    const auto from = static_cast<int64_t>(on_image ? nearest : images > 0 ? std::floor(at) : std::ceil(at));
+    int64_t to = from + images;
     const int64_t first = first_in_range(), last = last_in_range(), count = last - first + 1;
-    const bool in_range = at >= in_s_ * fps_ - kOnPicture && at < out_s_ * fps_ - kOnPicture;
+    const bool in_range = at >= in_s_ * fps_ - kOnImage && at < out_s_ * fps_ - kOnImage;
     if (!in_range)
-        to = std::clamp<int64_t>(to, 0, this->pictures() - 1);
+        to = std::clamp<int64_t>(to, 0, this->images() - 1);
     else if (loops)
         to = first + ((to - first) % count + count) % count;
     else

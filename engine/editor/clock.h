@@ -16,7 +16,7 @@ class StageClock {
     double speed = 1;  // stage seconds a second; negative: backwards
 
     // Of another stage, or of this one after an edit: a range that was the whole stays the whole, another is cut to
-    // what there is, and the instant is kept if it can be. A duration may be 0: then nothing moves. fps > 0.
+    // what there is, and the time is kept if it can be. A duration may be 0: then nothing moves. fps > 0.
     void set_stage(double duration_s, double fps);
 
     double time_s() const { return time_s_; }
@@ -31,11 +31,11 @@ class StageClock {
     double in_s() const { return in_s_; }
     double out_s() const { return out_s_; }
     // The frame that is shown; the one before where the time lies between two.
-    int64_t picture() const;
-    int64_t pictures() const;                                                      // at least 1
-    double last_s() const { return static_cast<double>(last_in_range()) / fps_; }  // the range's last picture
+    int64_t image() const;
+    int64_t images() const;                                                        // at least 1
+    double last_s() const { return static_cast<double>(last_in_range()) / fps_; }  // the range's last image
 
-    // The range, cut to the stage, at least one picture long; ends in the wrong order are exchanged. The instant stays.
+    // The range, cut to the stage, at least one image long; ends in the wrong order are exchanged. The time stays.
     void set_range(double in_s, double out_s);
 
     // Stops at the time that is shown.
@@ -46,12 +46,12 @@ class StageClock {
     void play_or_pause();
     // So much real time has passed. From outside of the range it plays into it; at the range's end it goes on at its
     // other end, with what was left of the step, so that nothing drifts; or, where it does not loop, stops at the last
-    // picture of that side. Steps that are negative or not finite are none.
+    // image of that side. Steps that are negative or not finite are none.
     void tick(double real_s);
-    // Stops, and goes to the n-th picture from here: from between two, 1 is the next and −1 the one before. Inside of
+    // Stops, and goes to the n-th image from here: from between two, 1 is the next and −1 the one before. Inside of
     // the range it stays there, by loops or by its ends; outside, the stage's own ends hold.
-    void step(int32_t pictures);
-    // Goes to an instant of the stage, in the range or not. Not finite: stays.
+    void step(int32_t images);
+    // Goes to a time of the stage, in the range or not. Not finite: stays.
     void scrub(double time_s);
 
   private:

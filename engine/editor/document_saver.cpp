@@ -38,10 +38,10 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                     }
                     return [=, this] {
                         saving_--;
-                        if (!problem.empty()) return editor_.tell(problem, true);
+                        if (!problem.empty()) return editor_.notify(problem, true);
                         editor_.saved(*document, opened, id);
                         if (!editor_.modified()) autosave.forget();
-                        editor_.tell(edit::saved_text(path, theirs) + also);
+                        editor_.notify(edit::saved_text(path, theirs) + also);
                         if (done) done(*document, opened);
                     };
                 });

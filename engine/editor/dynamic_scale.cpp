@@ -8,11 +8,11 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kMemory = 0.8;    // how much the past counts at each picture: nine pictures' worth of averaging
+constexpr double kMemory = 0.8;    // how much the past counts at each image: nine images' worth of averaging
 constexpr double kSurprise = 1.6;  // times as slow or fast as can be: another view, the past says nothing
 // Spread of scale² about its mean, as a share of it, from which the slope is measured rather than assumed.
 constexpr double kTrustedSpread = 0.2;
-// Of the time of a picture: what depends on its size. Less would let noise move the scale far.
+// Of the time of an image: what depends on its size. Less would let noise move the scale far.
 constexpr double kLeastShare = 0.2;
 
 }  // namespace
@@ -43,7 +43,7 @@ void DynamicScale::drawn(double scale, double milliseconds) {
         scale_ = std::min(next, scale_ * kUp);
 }
 
-// Least squares, drawn towards costs that are all in the size where the sizes drawn are too alike to tell.
+// Least squares, drawn towards costs that are all in the size where the sizes drawn are too alike to notify.
 void DynamicScale::fit() {
     const double x = x_ / count_, y = y_ / count_;
     const double spread = std::max(xx_ / count_ - x * x, 0.0), along = xy_ / count_ - x * y;

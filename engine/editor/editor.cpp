@@ -41,7 +41,7 @@ bool Editor::apply(const Operation& operation, std::string& what) {
         what = operation(document_);
     } catch (const InputError& error) {
         document_ = std::move(before);
-        tell(error.what(), true);
+        notify(error.what(), true);
         return false;
     }
     return true;
@@ -49,7 +49,7 @@ bool Editor::apply(const Operation& operation, std::string& what) {
 
 bool Editor::refused() {
     if (frozen_.empty()) return false;
-    if (notices_.empty()) tell(frozen_, true);
+    if (notices_.empty()) notify(frozen_, true);
     return true;
 }
 
@@ -94,7 +94,7 @@ void Editor::cancel_drag() {
 }
 
 void Editor::take_back(const std::string& why) {
-    tell(why, true);
+    notify(why, true);
     if (before_drag_) return cancel_drag();
     if (history_.next_undo()) undo();
 }
@@ -117,9 +117,9 @@ void Editor::step(const char* told, const std::function<std::optional<std::strin
     try {
         const std::optional<std::string> what = take();
         if (!what) return;
-        tell(std::string(told) + ": " + *what);
+        notify(std::string(told) + ": " + *what);
     } catch (const InputError& error) {
-        return tell(error.what(), true);
+        return notify(error.what(), true);
     }
     if (selected_ && node_count() != edit::node_count(before) &&
         !edit::same_nodes(before, document_.file, size_t{*selected_} + 1))
@@ -146,7 +146,7 @@ std::vector<Notice> Editor::take_notices() {
     return std::exchange(notices_, {});
 }
 
-void Editor::tell(std::string text, bool error) {
+void Editor::notify(std::string text, bool error) {
     if (!notices_.empty() && notices_.back().text == text) return;
     notices_.push_back({std::move(text), error});
 }

@@ -66,7 +66,7 @@ class Editor {
 
     // The notices since the last call.
     std::vector<Notice> take_notices();
-    void tell(std::string text, bool error = false);
+    void notify(std::string text, bool error = false);
 
   private:
     bool refused();

@@ -16,7 +16,7 @@ bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem
     } catch (const std::exception& error) {
         surface.clear();
         then = [parts, failed, problem = std::string(error.what())] {
-            parts.editor.tell(problem, true);
+            parts.editor.notify(problem, true);
             failed();
         };
     }

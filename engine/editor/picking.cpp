@@ -40,15 +40,15 @@ struct Nearest {
     }
 };
 
-void see_performers(OnDevice& on_device, const stage::StageInstant& instant, const stage::Camera& camera,
+void see_performers(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
                     glm::dvec2 pixel, Nearest& nearest) {
     const Ray ray = ray_through(camera, pixel);
     const stage::Camera one_pixel = pixel_of_camera(camera, pixel);
-    render::FrameSettings settings = on_device.renderer.settings_at(instant);
+    render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
     const std::vector<render::Instance> instances = settings.instances;
     settings.width = settings.height = settings.samples = 1;
     size_t shown = 0;
-    for (const stage::InstantPerformer& performer : instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible) continue;
         const render::Instance& instance = instances[shown++];
         const stage::StageClip& clip = on_device.stage.clips[performer.clip];
@@ -60,13 +60,13 @@ void see_performers(OnDevice& on_device, const stage::StageInstant& instant, con
     }
 }
 
-void see_set(const stage::Stage& stage, const stage::StageInstant& instant, const Ray& ray, Nearest& nearest) {
+void see_set(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const Ray& ray, Nearest& nearest) {
     stage::PosedVertices vertices;
     for (uint32_t node = 0; node < stage.scene.nodes.size(); node++) {
         const stage::GltfNode& one = stage.scene.nodes[node];
         if (!one.draws_mesh()) continue;
         for (const stage::GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(one.mesh)].primitives) {
-            stage::pose_vertices(stage.scene, instant.pose, node, primitive, vertices);
+            stage::pose_vertices(stage.scene, evaluated.pose, node, primitive, vertices);
             for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
                 nearest.take(distance_to_triangle(ray, vertices.positions[primitive.indices[i]],
                                                   vertices.positions[primitive.indices[i + 1]],
@@ -78,12 +78,13 @@ void see_set(const stage::Stage& stage, const stage::StageInstant& instant, cons
 
 }  // namespace
 
-Seen seen_at(OnDevice& on_device, const stage::StageInstant& instant, const stage::Camera& camera, glm::dvec2 pixel) {
+Seen seen_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
+             glm::dvec2 pixel) {
     const Ray ray = ray_through(camera, pixel);
     Nearest nearest;
-    on_device.renderer.show(instant);
-    see_performers(on_device, instant, camera, pixel, nearest);
-    if (!nearest.node) see_set(on_device.stage, instant, ray, nearest);
+    on_device.renderer.show(evaluated);
+    see_performers(on_device, evaluated, camera, pixel, nearest);
+    if (!nearest.node) see_set(on_device.stage, evaluated, ray, nearest);
     if (!nearest.node) return {};
     return {nearest.node, ray.origin + nearest.metres * ray.direction};
 }

@@ -13,7 +13,7 @@ glm::dvec3 place(const stage::Camera& camera) {
     return camera.world_from_camera[3];
 }
 
-// Axes of the camera; x, y in the picture's plane, z towards the viewer.
+// Axes of the camera; x, y in the image's plane, z towards the viewer.
 glm::dvec3 in_camera(const stage::Camera& camera, glm::dvec3 direction) {
     return glm::transpose(glm::dmat3(camera.world_from_camera)) * direction;
 }

@@ -23,7 +23,7 @@ Ray ray_through(const stage::Camera& camera, glm::dvec2 pixel);
 // Metres in front of the camera, along its axis; negative behind it.
 double depth_of(const stage::Camera& camera, glm::dvec3 world);
 
-// Where a point is seen; nothing where it is less than kNearest_m in front of the camera. May lie out of the picture.
+// Where a point is seen; nothing where it is less than kNearest_m in front of the camera. May lie out of the image.
 constexpr double kNearest_m = 1e-3;
 std::optional<glm::dvec2> pixel_of(const stage::Camera& camera, glm::dvec3 world);
 
@@ -34,8 +34,8 @@ std::optional<std::pair<glm::dvec2, glm::dvec2>> pixels_of(const stage::Camera& 
 double metres_of_pixels(const stage::Camera& camera, glm::dvec3 world, double pixels);
 
 // Drags along a line: s of the point `through + s · along` that is seen nearest to the pointer, nearest on the line as
-// it appears in the picture. `through` is in front of the camera, where it is seen s is 0. Nothing where the line is
-// seen end on: where its piece from s = 0 to `shown` were less than kEndOn_px long in the picture.
+// it appears in the image. `through` is in front of the camera, where it is seen s is 0. Nothing where the line is
+// seen end on: where its piece from s = 0 to `shown` were less than kEndOn_px long in the image.
 constexpr double kEndOn_px = 8;
 std::optional<double> line_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 along, double shown,
                                 glm::dvec2 pointer);

@@ -21,7 +21,7 @@ double milliseconds_since(Clock::time_point from) {
     return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
-// Room for blocks that are a few rays larger than a share of the picture, and for windows that grow a little.
+// Room for blocks that are a few rays larger than a share of the image, and for windows that grow a little.
 uint32_t roomy(uint32_t pixels) {
     return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
 }
@@ -163,7 +163,7 @@ bool RenderThread::wait_for_job(Job& job) {
     return true;
 }
 
-// What a device has no room for, or a file is not there for, leaves the last picture; only a lost device is the end.
+// What a device has no room for, or a file is not there for, leaves the last image; only a lost device is the end.
 void RenderThread::run() {
     for (Job job; wait_for_job(job); job = {}) {
         try {
@@ -318,7 +318,7 @@ void RenderThread::make_renderer(const stage::Stage& stage, const render::StageL
     capacity_ = capacity;
 }
 
-// A picture and a renderer of at least this size.
+// An image and a renderer of at least this size.
 void RenderThread::fit(VkExtent2D size) {
     if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
         capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
@@ -336,8 +336,8 @@ void RenderThread::fit(VkExtent2D size) {
     image_ = std::move(made);
 }
 
-render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::StageInstant& instant) const {
-    render::FrameSettings settings = renderer_->settings_at(instant);
+render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {
+    render::FrameSettings settings = renderer_->settings_at(evaluated);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
     if (!view.own_background) settings.resolve.background = background;
@@ -353,9 +353,9 @@ void RenderThread::draw(const ViewRequest& view) {
     if (size.width == 0 || size.height == 0) return;
     fit(size);
     const Clock::time_point begin = Clock::now();
-    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(instant, !view.own_background);
-    render::FrameSettings settings = settings_of(view, instant);
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
+    renderer_->show(evaluated, !view.own_background);
+    render::FrameSettings settings = settings_of(view, evaluated);
     settings.scale = std::min(scale_.scale(), view.most_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
@@ -378,7 +378,7 @@ void RenderThread::draw(const ViewRequest& view) {
         displayed.finished = settings.scale == 1 && view.samples == 1;
         if (!displayed.finished) {
             const uint32_t samples = settings.scale < 1 ? 1 : view.samples;  // all pixels soon, then all their rays
-            grid_.begin(samples);  // the renderer has room for the rays of the picture with one
+            grid_.begin(samples);  // the renderer has room for the rays of the image with one
             refinement_ = Refinement{0, samples, begin + kSettle, displayed};
         }
     }
@@ -417,9 +417,9 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
     const Block part = block_of(view.camera, block, side);
     const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
-    const stage::StageInstant instant = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(instant, !view.own_background);
-    render::FrameSettings settings = settings_of(view, instant);
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
+    renderer_->show(evaluated, !view.own_background);
+    render::FrameSettings settings = settings_of(view, evaluated);
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;

@@ -41,7 +41,7 @@ struct DisplayedImage {
     uint64_t number = 0;  // another one each time the image changes
     uint64_t view = 0;    // the id of its request; 0: none yet
     uint64_t stage = 0;   // that show() was given with it
-    // Layout TRANSFER_SRC; written by the device's queue in order with what shows it. Null before the first picture.
+    // Layout TRANSFER_SRC; written by the device's queue in order with what shows it. Null before the first image.
     std::shared_ptr<const gpu::DeviceImage> image;
     VkExtent2D size{};  // of the image's upper left
     double scale = 1;   // rays a pixel along each side
@@ -132,7 +132,7 @@ class RenderThread {
     void draw(const ViewRequest& view);
     void draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples);
     void refine();
-    render::FrameSettings settings_of(const ViewRequest& view, const stage::StageInstant& instant) const;
+    render::FrameSettings settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const;
     void copy_to_image(const gpu::Buffer& pixels, VkOffset2D at, VkExtent2D size);
     void publish(DisplayedImage displayed);
 

@@ -39,7 +39,7 @@ void ShaderWatch::tick(double now_s, bool may_replace) {
         const ShaderSources::Change change = sources->look();
         return [this, change, replacements = sources->replacements()] {
             looking_ = false;
-            if (!change.problem.empty()) parts_.editor.tell(change.problem, true);
+            if (!change.problem.empty()) parts_.editor.notify(change.problem, true);
             if (change.compiled.empty()) return;
             compiled_ = replacements;
             names_ += fmt::format("{}{}", names_.empty() ? "" : ", ", fmt::join(change.compiled, ", "));
@@ -52,7 +52,7 @@ void ShaderWatch::give() {
                                 [parts = parts_, names = std::exchange(names_, {})](const std::string& problem) {
                                     parts.jobs.post([parts, names, problem] {
                                         const bool failed = !problem.empty();
-                                        parts.editor.tell(
+                                        parts.editor.notify(
                                             failed ? problem : fmt::format("shaders made anew: {}", names), failed);
                                     });
                                 });

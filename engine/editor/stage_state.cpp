@@ -20,8 +20,8 @@ void StageState::follow_document() {
     clock.set_stage(stage->duration_s, stage->fps);
 }
 
-void StageState::look_at_instant() {
-    instant = stage::stage_at(*stage, clock.shown_s());
+void StageState::look_at_evaluated() {
+    evaluated = stage::stage_at(*stage, clock.shown_s());
 }
 
 std::optional<uint32_t> StageState::selected_performer() const {
@@ -46,7 +46,7 @@ bool has_set(const stage::Stage& stage) {
 double floor_of(const StageState& state) {
     if (has_set(*state.stage)) return 0;
     double lowest = INFINITY;
-    for (const stage::InstantPerformer& performer : state.instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         const auto [low, high] = box_of(state, performer.performer);
         const glm::dmat4 raised = on_floor(performer.world_from_performer, low, high, 0);
         lowest = std::min(lowest, performer.world_from_performer[3].y - raised[3].y);
@@ -54,8 +54,9 @@ double floor_of(const StageState& state) {
     return std::isfinite(lowest) ? lowest : 0;
 }
 
-void carry(stage::StageInstant& instant, const stage::Stage& stage, uint32_t node, const glm::dmat4& world_from_node) {
-    auto& nodes = instant.pose.world_from_node;
+void carry(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
+           const glm::dmat4& world_from_node) {
+    auto& nodes = evaluated.pose.world_from_node;
     const glm::dmat4 moved = world_from_node * glm::inverse(nodes[node]);
     const auto hangs_on_it = [&](uint32_t one) {
         for (auto at = static_cast<int32_t>(one); at >= 0; at = stage.scene.nodes[static_cast<size_t>(at)].parent)
@@ -64,10 +65,10 @@ void carry(stage::StageInstant& instant, const stage::Stage& stage, uint32_t nod
     };
     for (uint32_t i = 0; i < nodes.size(); i++)
         if (hangs_on_it(i)) nodes[i] = moved * nodes[i];
-    for (stage::InstantPerformer& performer : instant.performers)
+    for (stage::EvaluatedPerformer& performer : evaluated.performers)
         if (hangs_on_it(stage.performers[performer.performer].node))
             performer.world_from_performer = moved * performer.world_from_performer;
-    for (stage::InstantLight& light : instant.lights)
+    for (stage::EvaluatedLight& light : evaluated.lights)
         if (hangs_on_it(light.node)) {
             light.position = moved * glm::dvec4(light.position, 1);
             light.direction = glm::normalize(glm::dvec3(moved * glm::dvec4(light.direction, 0)));

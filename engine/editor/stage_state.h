@@ -9,7 +9,7 @@
 
 #include "editor/clock.h"
 #include "editor/editor.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 namespace neuvv::editor {
 
@@ -21,12 +21,12 @@ struct StageState {
     // By clip: the box around its leaves, low and high, in the performer's space; a clip's own box is wider. Empty
     // while it is not known.
     std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
-    stage::StageInstant instant;  // of `stage`, with dragged nodes where the drag has them
+    stage::EvaluatedStage evaluated;  // of `stage`, with dragged nodes where the drag has them
 
     // Makes the stage from the document where it was edited since; a document that cannot be shown is taken back.
     // Throws InputError only for the first one.
     void follow_document();
-    void look_at_instant();
+    void look_at_evaluated();
     // The document was edited since: numbers of `stage` may mean other things there.
     bool is_behind() const { return stage_id != editor.id(); }
     // The performer on the selected node, an index into stage->performers.
@@ -43,6 +43,7 @@ bool has_set(const stage::Stage& stage);
 double floor_of(const StageState& state);
 
 // Moves a node in the world; everything that hangs on it goes along: performers, meshes, lights.
-void carry(stage::StageInstant& instant, const stage::Stage& stage, uint32_t node, const glm::dmat4& world_from_node);
+void carry(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
+           const glm::dmat4& world_from_node);
 
 }  // namespace neuvv::editor

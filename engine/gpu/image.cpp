@@ -108,7 +108,7 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
 
 void move_layout(Commands& commands, VkImage image, const VkImageSubresourceRange& part, VkImageLayout from,
                  VkImageLayout to) {
-    // The stages and accesses of whole frames: images change their layout a few times a picture.
+    // The stages and accesses of whole frames: images change their layout a few times an image.
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;

@@ -45,9 +45,9 @@ Swapchain::Swapchain(const Device& device, VkSurfaceKHR surface, PresentPace pac
     check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &supported),
           "vkGetPhysicalDeviceSurfaceSupportKHR", "window");
     if (!supported)
-        throw RuntimeFailure(fmt::format("device \"{}\" cannot show pictures in this window", device.summary().name));
+        throw RuntimeFailure(fmt::format("device \"{}\" cannot show images in this window", device.summary().name));
     if ((capabilities_of(device, surface).supportedUsageFlags & kUsage) != kUsage)
-        throw RuntimeFailure(fmt::format("device \"{}\" cannot copy pictures into this window", device.summary().name));
+        throw RuntimeFailure(fmt::format("device \"{}\" cannot copy images into this window", device.summary().name));
     choose_format();
     if (pace == PresentPace::kFree) choose_mode();
 }

@@ -20,8 +20,8 @@ struct PresentTarget {
 
 // What presenting waits for.
 enum class PresentPace {
-    kDisplay,  // each picture is shown for a period at least; acquire() waits for an image
-    kFree,  // nothing: the newest picture is shown, and where there is no image it is left out. Where the system knows
+    kDisplay,  // each image is shown for a period at least; acquire() waits for an image
+    kFree,     // nothing: the newest image is shown, and where there is no image it is left out. Where the system knows
             // the display's pace alone, an image may come before it is free: what is drawn into it waits on the device
 };
 

@@ -101,7 +101,7 @@ LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
     if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
         static_cast<uint64_t>(width * height) > kMaxExrPixels)
         throw InputError(name, "dataWindow", fmt::format("is {}×{} pixels", width, height),
-                         fmt::format("a side has 1 to {}, a picture at most {}", kMaxSide, kMaxExrPixels));
+                         fmt::format("a side has 1 to {}, an image at most {}", kMaxSide, kMaxExrPixels));
     for (const char* colour : {"R", "G", "B"})
         if (!file.header().channels().findChannel(colour))
             throw InputError(name, "channels", fmt::format("has no {}", colour), "export it as RGB or RGBA");
@@ -128,7 +128,7 @@ LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 void write_exr(const std::filesystem::path& file, const LinearImage& image) {
-    assert(image.width > 0 && image.height > 0 && "a picture to write has pixels");
+    assert(image.width > 0 && image.height > 0 && "an image to write has pixels");
     assert(image.rgba.size() == size_t{4} * image.width * image.height && "four values a pixel");
     assert((image.depth_m.empty() || 4 * image.depth_m.size() == image.rgba.size()) && "a depth a pixel, or none");
     std::vector<char> bytes;
@@ -152,13 +152,13 @@ LinearImage read_exr(const std::filesystem::path& file) {
         std::string text = error.what();  // the library's may have lines, and name the file
         std::replace(text.begin(), text.end(), '\n', ' ');
         throw InputError(name, "", fmt::format("damaged or unsupported EXR: {:.300}", text),
-                         "export the picture again, as a flat RGB or RGBA file");
+                         "export the image again, as a flat RGB or RGBA file");
     }
     const auto bad = std::find_if_not(image.rgba.begin(), image.rgba.end(), [](float v) { return std::isfinite(v); });
     if (bad != image.rgba.end()) {
         const auto pixel = static_cast<size_t>(bad - image.rgba.begin()) / 4;
         throw InputError(name, fmt::format("pixel {}, {}", pixel % image.width, pixel / image.width),
-                         "has a colour that is not finite", "export the picture without such pixels");
+                         "has a colour that is not finite", "export the image without such pixels");
     }
     return image;
 }

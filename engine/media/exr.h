@@ -1,4 +1,4 @@
-// OpenEXR: pictures of linear light for compositing, and environment maps.
+// OpenEXR: images of linear light for compositing, and environment maps.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ struct LinearImage {
 };
 
 // R, G, B, A as halves (values beyond ±65504 are clamped to it) and Z as floats, ZIP-compressed; atomically. The same
-// picture gives the same bytes. Throws RuntimeFailure.
+// image gives the same bytes. Throws RuntimeFailure.
 void write_exr(const std::filesystem::path& file, const LinearImage& image);
 
 constexpr uint64_t kMaxExrPixels = uint64_t{1} << 27;  // 16384×8192
 
 // A flat file of scan lines or tiles, any compression, with channels R, G, B; A is 1 where it is missing. The data
-// window is the picture. Throws InputError for damage, other kinds of file, sizes beyond kMaxImageSide or
+// window is the image. Throws InputError for damage, other kinds of file, sizes beyond kMaxImageSide or
 // kMaxExrPixels, and colours that are not finite.
 LinearImage read_exr(const std::filesystem::path& file);
 

@@ -112,17 +112,16 @@ uint32_t big_endian_32(const uint8_t* at) {
 
 void check_size(uint64_t width, uint64_t height, const std::string& name) {
     if (width == 0 || height == 0)
-        throw InputError(name, "", fmt::format("the picture has zero size ({}×{})", width, height));
+        throw InputError(name, "", fmt::format("the image has zero size ({}×{})", width, height));
     if (width > kMaxImageSide || height > kMaxImageSide)
-        throw InputError(name, "",
-                         fmt::format("the picture is {}×{}, more than {} a side", width, height, kMaxImageSide),
+        throw InputError(name, "", fmt::format("the image is {}×{}, more than {} a side", width, height, kMaxImageSide),
                          "scale it down");
 }
 
 // The size that the header claims, refused before anything is allocated if the file cannot hold that much.
 Image allocate_for_png(const uint8_t* bytes, size_t size, const std::string& name) {
     if (size < 33 || std::memcmp(bytes + 12, "IHDR", 4) != 0)
-        throw InputError(name, "IHDR", "truncated or damaged PNG", "export the picture again");
+        throw InputError(name, "IHDR", "truncated or damaged PNG", "export the image again");
     const uint32_t width = big_endian_32(bytes + 16), height = big_endian_32(bytes + 20);
     check_size(width, height, name);
     constexpr uint64_t kChannels[7] = {1, 0, 3, 1, 2, 0, 4};
@@ -130,7 +129,7 @@ Image allocate_for_png(const uint8_t* bytes, size_t size, const std::string& nam
     const uint64_t raw_bytes = height * ((width * channels * depth + 7) / 8);
     if (raw_bytes / kMaxDeflateRatio > size)
         throw InputError(name, "IHDR", fmt::format("truncated PNG: {} bytes cannot hold {}×{}", size, width, height),
-                         "export the picture again");
+                         "export the image again");
     return Image(width, height);
 }
 
@@ -144,7 +143,7 @@ Image decode_png(const uint8_t* bytes, size_t size, const std::string& name) {
     std::vector<png_bytep> rows(image.height);
     for (uint32_t y = 0; y < image.height; ++y) rows[y] = image.at(0, y);
     if (!reader.info || begin_png(reader) != size_t{4} * image.width || !finish_png(reader, rows.data()))
-        throw InputError(name, "", fmt::format("damaged PNG: {}", reader.message), "export the picture again");
+        throw InputError(name, "", fmt::format("damaged PNG: {}", reader.message), "export the image again");
     return image;
 }
 
@@ -230,12 +229,12 @@ Image decode_jpeg(const uint8_t* bytes, size_t size, const std::string& name) {
     }
     if (!good)
         throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
-                         "export the picture again, as RGB or grey");
+                         "export the image again, as RGB or grey");
     return image;
 }
 
 // `pixels` has 4 bytes a pixel; the fourth is dropped where `opaque`.
-// `pixels` are RGBA, or a byte each for a grey picture.
+// `pixels` are RGBA, or a byte each for a grey image.
 bool fill_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, int colour_type) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &writer, push_png_bytes, nullptr);
@@ -287,7 +286,7 @@ Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
     if (size >= sizeof(kPng) && std::memcmp(bytes, kPng, sizeof(kPng)) == 0) return decode_png(bytes, size, name);
     if (size >= sizeof(kJpeg) && std::memcmp(bytes, kJpeg, sizeof(kJpeg)) == 0) return decode_jpeg(bytes, size, name);
     throw InputError(name, "", size == 0 ? "the file is empty" : "is neither a PNG nor a JPEG",
-                     "convert the picture to PNG");
+                     "convert the image to PNG");
 }
 
 ImageSize image_size(const std::filesystem::path& path) {
@@ -304,11 +303,11 @@ ImageSize image_size(const std::filesystem::path& path) {
         JpegReader reader;
         if (!read_jpeg_size(reader, file.get()))
             throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
-                             "export the picture again, as RGB or grey");
+                             "export the image again, as RGB or grey");
         size = {reader.info.image_width, reader.info.image_height};
     } else {
         throw InputError(name, "", got == 0 ? "the file is empty or no file" : "is neither a PNG nor a JPEG",
-                         "convert the picture to PNG");
+                         "convert the image to PNG");
     }
     check_size(size.width, size.height, name);
     return size;
@@ -317,12 +316,12 @@ ImageSize image_size(const std::filesystem::path& path) {
 Image read_png(const std::filesystem::path& path) {
     const std::vector<uint8_t> bytes = read_file(path, kMaxImageFileBytes);
     if (bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8)
-        throw InputError(path.string(), "", "is a JPEG, not a PNG", "convert the picture to PNG");
+        throw InputError(path.string(), "", "is a JPEG, not a PNG", "convert the image to PNG");
     return decode_image(bytes.data(), bytes.size(), path.string());
 }
 
 std::vector<uint8_t> encode_png(const Image& image) {
-    assert(image.width > 0 && image.height > 0 && "a picture to write has pixels");
+    assert(image.width > 0 && image.height > 0 && "an image to write has pixels");
     assert(image.rgba.size() == size_t{4} * image.width * image.height && "four bytes a pixel");
     bool opaque = true, grey = true;
     for (size_t i = 0; i < image.rgba.size() && opaque; i += 4) {

@@ -1,4 +1,4 @@
-// Pictures in memory, PNG in and out. sRGB-encoded 8-bit with straight alpha: the form of image files. Everything
+// Images in memory, PNG in and out. sRGB-encoded 8-bit with straight alpha: the form of image files. Everything
 // inside the engine is linear and premultiplied instead; the two conversions stand here.
 #pragma once
 
@@ -48,7 +48,7 @@ std::vector<uint8_t> encode_png(const Image& image);
 // The same as a file, atomically.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-// The picture over an opaque background (sRGB-encoded 0..255), blended in encoded values as image viewers and the NeRF
+// The image over an opaque background (sRGB-encoded 0..255), blended in encoded values as image viewers and the NeRF
 // family's metrics do; result is opaque.
 Image composite_over(const Image& image, const uint8_t background_rgb[3]);
 

@@ -254,8 +254,8 @@ struct VideoReader::State {
     double fps = 0;
     bool drained = false;  // the decoder has been told that there is no more
 
-    [[noreturn]] void fail(const std::string& problem, const std::string& mend = "") const {
-        throw InputError(path.string(), decoded ? fmt::format("frame {}", decoded) : "", problem, mend);
+    [[noreturn]] void fail(const std::string& problem, const std::string& fix = "") const {
+        throw InputError(path.string(), decoded ? fmt::format("frame {}", decoded) : "", problem, fix);
     }
     void check(int code, const char* what) const {
         if (code < 0) fail(fmt::format("{}: {}", what, error_text(code)));
@@ -295,7 +295,7 @@ void VideoReader::State::open_decoder() {
     const int width = stream.codecpar->width, height = stream.codecpar->height;
     if (width <= 0 || height <= 0 || width > static_cast<int>(kMaxImageSide) ||
         height > static_cast<int>(kMaxImageSide))
-        fail(fmt::format("is {}×{}, not a picture size of 1 to {}", width, height, kMaxImageSide));
+        fail(fmt::format("is {}×{}, not an image size of 1 to {}", width, height, kMaxImageSide));
     size = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
     const AVRational rate = stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
     fps = rate.den > 0 ? av_q2d(rate) : 0;
@@ -319,8 +319,8 @@ bool VideoReader::State::decode() {
         if (got != AVERROR(EAGAIN)) {
             check(got, "damaged frame");
             if (frame->width != static_cast<int>(size.width) || frame->height != static_cast<int>(size.height))
-                fail(fmt::format("the picture's size changes from {}×{} to {}×{}", size.width, size.height,
-                                 frame->width, frame->height));
+                fail(fmt::format("the image's size changes from {}×{} to {}×{}", size.width, size.height, frame->width,
+                                 frame->height));
             ++decoded;
             return true;
         }

@@ -13,25 +13,25 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kMaxAcross = 2048, kLeastDown = 8;
-constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small pictures count their texels in parts
+constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small images count their texels in parts
 
 struct Level {
     uint32_t width = 0, height = 0;
     std::vector<glm::vec3> texels;
 };
 
-// A picture as linear light, taken down by the power of two that makes it narrow enough.
-Level linear_level(const media::Image& picture) {
+// An image as linear light, taken down by the power of two that makes it narrow enough.
+Level linear_level(const media::Image& image) {
     uint32_t block = 1;
-    while (picture.width / block > kMaxAcross) block *= 2;
-    Level level{std::max(1u, picture.width / block), std::max(1u, picture.height / block), {}};
+    while (image.width / block > kMaxAcross) block *= 2;
+    Level level{std::max(1u, image.width / block), std::max(1u, image.height / block), {}};
     level.texels.reserve(size_t{level.width} * level.height);
     for (uint32_t y = 0; y < level.height; y++)
         for (uint32_t x = 0; x < level.width; x++) {
             glm::vec3 sum(0);
             for (uint32_t i = 0; i < block * block; i++) {
-                const uint8_t* pixel = picture.at(std::min(x * block + i % block, picture.width - 1),
-                                                  std::min(y * block + i / block, picture.height - 1));
+                const uint8_t* pixel = image.at(std::min(x * block + i % block, image.width - 1),
+                                                std::min(y * block + i / block, image.height - 1));
                 sum += glm::vec3(media::linear_from_srgb_byte(pixel[0]), media::linear_from_srgb_byte(pixel[1]),
                                  media::linear_from_srgb_byte(pixel[2]));
             }
@@ -136,8 +136,8 @@ glm::dvec3 environment_direction(double u, double v) {
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
-Environment make_environment(const media::Image& picture) {
-    std::vector<Level> pyramid{linear_level(picture)};
+Environment make_environment(const media::Image& image) {
+    std::vector<Level> pyramid{linear_level(image)};
     Environment out;
     out.width = pyramid[0].width;
     out.height = pyramid[0].height;

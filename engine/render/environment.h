@@ -1,4 +1,4 @@
-// The picture around a stage as light: what diffuse surfaces return of it, and what rough ones mirror.
+// The image around a stage as light: what diffuse surfaces return of it, and what rough ones mirror.
 #pragma once
 
 #include <vector>
@@ -15,9 +15,9 @@ struct Environment {
         levels;  // RGBA as binary16, linear; level i: as roughness i / (levels − 1) mirrors
 };
 
-// `picture`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 2048
+// `image`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 2048
 // pixels across. That much takes about a second.
-Environment make_environment(const media::Image& picture);
+Environment make_environment(const media::Image& image);
 
 // No light.
 Environment dark_environment();

@@ -48,10 +48,10 @@ uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uin
 }
 
 // Of leaves, as a share of the box's.
-float mean_edge(const std::vector<glm::uvec2>& leaf_places) {
+float mean_edge(const std::vector<glm::uvec2>& leaf_positions) {
     double sum = 0;
-    for (const glm::uvec2 place : leaf_places) sum += std::exp2(-static_cast<double>(place.y >> 16));
-    return leaf_places.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_places.size()));
+    for (const glm::uvec2 place : leaf_positions) sum += std::exp2(-static_cast<double>(place.y >> 16));
+    return leaf_positions.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_positions.size()));
 }
 
 template <typename T>
@@ -61,11 +61,11 @@ gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vec
     return buffer;
 }
 
-// The coarsest and the finest in the tree; leaf_places is the walk tree's.
-void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_places) {
-    if (leaf_places.empty()) return;
+// The coarsest and the finest in the tree; leaf_positions is the walk tree's.
+void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions) {
+    if (leaf_positions.empty()) return;
     const auto level = [](glm::uvec2 place) { return place.y >> 16; };
-    const auto [coarsest, finest] = std::ranges::minmax(leaf_places, {}, level);
+    const auto [coarsest, finest] = std::ranges::minmax(leaf_positions, {}, level);
     field.coarsest_level = level(coarsest) - field.levels_above;
     field.finest_level = level(finest) - field.levels_above;
 }
@@ -107,19 +107,19 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.node_levels = walk.node_levels;
     field.top_levels = walk.top_levels;
     field.levels_above = walk.scale - 1;  // its edges are one or two of the tree's
-    set_leaf_levels(field, walk.leaf_places);
+    set_leaf_levels(field, walk.leaf_positions);
     const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
     field.top_box = {packed(walk.top_low), packed(walk.top_last)};
     const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(walk.top_levels));
     field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
     field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
-    field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_places);
+    field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_positions);
     field.nodes = uploaded(device, "tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
     field.children = uploaded(device, "tree children", walk.children, VK_FORMAT_R32_UINT);
     field.top = uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
     field.leaf_cells = uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
     field.node_cells = uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
-    field.leaf_places = uploaded(device, "leaf places", walk.leaf_places, VK_FORMAT_R32G32_UINT);
+    field.leaf_positions = uploaded(device, "leaf places", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
     field.node_places = uploaded(device, "node places", walk.node_places, VK_FORMAT_R32G32_UINT);
     field.inner_cells = uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;

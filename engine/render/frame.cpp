@@ -15,15 +15,15 @@ void FrameRenderer::record_frame(const FrameSettings& settings) {
 
 void FrameRenderer::record_readback() {
     const gpu::PassScope scope(commands_, "readback");
-    gpu::copy(commands_, picture_, readback_, layout_.picture_bytes());
+    gpu::copy(commands_, image_, readback_, layout_.image_bytes());
     gpu::host_barrier(commands_);
 }
 
 // What each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
 // (target_.ranges), RayBatch (target_.rays) and SetRaster. On a set lights see performers and set first, and the set
-// ends rays. Without a set only the tiles of the picture that see anything are worked on.
+// ends rays. Without a set only the tiles of the image that see anything are worked on.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
-    // nothing → blank_ (where the layout or the background is another than in the last picture)
+    // nothing → blank_ (where the layout or the background is another than in the last image)
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
     for (const auto& performer : performers_) record_slices(commands_, *performer);
@@ -43,9 +43,9 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
         // vertices, materials, lights_buffer, both shadow maps, volume_depth → colour, front
         set_->record_transparent(commands_, set_cameras_);
     }
-    // ranges.seen, blank_ → ranges.picture_list, ranges.picture_count, picture_
+    // ranges.seen, blank_ → ranges.image_list, ranges.image_count, image_
     if (!set_) record_listed();
-    // rays.radiance, rays.depth, rays.cameras, ranges.picture_list or SetRaster colour, front, depth → picture_
+    // rays.radiance, rays.depth, rays.cameras, ranges.image_list or SetRaster colour, front, depth → image_
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_
@@ -60,7 +60,7 @@ void FrameRenderer::record_inspected(const FrameSettings& settings) {
     for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
 }
 
-// What pictures of this layout show where nothing is seen, where they were others so far.
+// What images of this layout show where nothing is seen, where they were others so far.
 void FrameRenderer::record_blank(const FrameSettings& settings) {
     ViewLayout all_pixels = layout_;
     all_pixels.rays = {};
@@ -68,16 +68,16 @@ void FrameRenderer::record_blank(const FrameSettings& settings) {
     if (blank_is_of_ == shown) return;
     record_clear(commands_, target_.rays, all_pixels.ray_tiles());
     record_resolve(commands_, resolver_, all_pixels, settings.resolve);
-    gpu::copy(commands_, picture_, blank_, layout_.picture_bytes());
+    gpu::copy(commands_, image_, blank_, layout_.image_bytes());
     gpu::compute_barrier(commands_);
     blank_is_of_ = shown;
 }
 
-// The tiles where anything may be seen, in a picture that shows nothing yet.
+// The tiles where anything may be seen, in an image that shows nothing yet.
 void FrameRenderer::record_listed() {
-    record_picture_list(commands_, lister_, layout_);
+    record_image_list(commands_, lister_, layout_);
     const gpu::PassScope scope(commands_, "blank");
-    gpu::copy(commands_, blank_, picture_, layout_.picture_bytes());
+    gpu::copy(commands_, blank_, image_, layout_.image_bytes());
     gpu::compute_barrier(commands_);
 }
 

@@ -6,9 +6,9 @@
 
 #include "media/image.h"
 #include "render/draw_order.h"
+#include "render/image_list.h"
 #include "render/inspect.h"
 #include "render/performer_shadows.h"
-#include "render/picture_list.h"
 #include "render/resolve.h"
 #include "render/segments.h"
 #include "render/volume_depth.h"
@@ -38,7 +38,7 @@ struct FrameSettings {
     double scale = 1;                    // below 1: so many rays a pixel along each side, upscaled; samples must be 1
     std::vector<Fovea> foveae;           // one a view, or none; as scale
     std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
-    uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each picture
+    uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each image
     ResolveSettings resolve;             // an inspection: the set takes no part, nor do lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
@@ -64,22 +64,22 @@ struct FrameCapacity {
 class FrameRenderer {
   public:
     // `set`: what stands around the performers, of samples · width × samples · height texels and as many views at
-    // least; its owner poses and lights it before each picture.
+    // least; its owner poses and lights it before each image.
     FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                   SetRaster* set = nullptr);
     FrameRenderer(const gpu::Device& device, const Field& field, const FrameCapacity& capacity)
         : FrameRenderer(device, std::vector{&field}, capacity) {}
     // The other one for another size, on its set, which has been resized already: slices, paints and shadows with their
-    // passes go over, what is bound to the pictures is made anew. The other one can only be destroyed afterwards.
+    // passes go over, what is bound to the images is made anew. The other one can only be destroyed afterwards.
     FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity);
 
     // Other fields, each once; those that stay keep their paints and, as long as there are as many, their slices. No
     // frame may be under way. Fields that go must live until this is done.
     void change_fields(std::vector<const Field*> fields);
 
-    // Renders and waits; the pictures stay on the device: R8G8B8A8, sRGB with straight alpha, of each camera behind
+    // Renders and waits; the images stay on the device: R8G8B8A8, sRGB with straight alpha, of each camera behind
     // each other in rows of settings.width, until the next one is drawn. Passes that read them elsewhere than in
-    // compute shaders and copies begin with a barrier. Throws RuntimeFailure for more or larger pictures than the
+    // compute shaders and copies begin with a barrier. Throws RuntimeFailure for more or larger images than the
     // renderer was made for, cameras of another size, fields that it has not, and transforms that cannot be inverted.
     const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     // The same, brought to the host.
@@ -89,15 +89,15 @@ class FrameRenderer {
     // What instances of a field may be painted with.
     Paints& paints(uint32_t field = 0) { return *paints_[field]; }
 
-    // The next picture slices anew, as if no frame had been shown yet (for measuring).
+    // The next image slices anew, as if no frame had been shown yet (for measuring).
     void forget_slices();
 
-    // Rays of the last picture's view in rows (samples times as many a side): premultiplied linear RGB and alpha;
+    // Rays of the last image's view in rows (samples times as many a side): premultiplied linear RGB and alpha;
     // metres. Of an inspection what shared/inspect.h says.
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
-    // What the last picture left on the device; no performer before the first.
+    // What the last image left on the device; no performer before the first.
     const Performer* performer(uint32_t field = 0) const {
         return field < performers_.size() ? performers_[field].get() : nullptr;
     }
@@ -107,18 +107,18 @@ class FrameRenderer {
     const SetRaster* set() const { return set_; }  // null where there is none
     const gpu::Device& device() const { return device_; }
     const RayBatch& rays() const { return target_.rays; }
-    // How they and the last picture's pixels stand in their buffers.
+    // How they and the last image's pixels stand in their buffers.
     const ViewLayout& layout() const { return layout_; }
     // Instances by draw order, in groups that were merged (draw_order.h).
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
-    // GPU time of each pass of the last picture.
+    // GPU time of each pass of the last image.
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
     // From its submission until it was there (Commands::milliseconds).
     double milliseconds() const { return commands_.milliseconds(); }
 
   private:
-    // The frame, pass by pass (frame.cpp), and its pictures to the host.
+    // The frame, pass by pass (frame.cpp), and its images to the host.
     void record_frame(const FrameSettings& settings);
     void record_readback();
     void record_playing(const FrameSettings& settings);
@@ -143,22 +143,22 @@ class FrameRenderer {
     FrameCapacity capacity_;
     SetRaster* set_;
     RayTarget target_;
-    gpu::Buffer picture_, readback_;
-    gpu::Buffer blank_;  // what pictures show where nothing is seen
+    gpu::Buffer image_, readback_;
+    gpu::Buffer blank_;  // what images show where nothing is seen
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
     std::vector<std::unique_ptr<Paints>> paints_;         // by field
     std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
     std::unique_ptr<Segments> segments_;
-    PictureLister lister_;
+    ImageLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
     std::unique_ptr<Resolver> upscaler_;         // made when first asked for
     std::unique_ptr<Inspector> inspector_;       // likewise
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<stage::Camera> set_cameras_;
-    ViewLayout layout_;                              // of the last picture
+    ViewLayout layout_;                              // of the last image
     std::vector<RayGrid> grids_;                     // of its views, where they are upscaled
-    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last picture: those that may be seen, near to far
+    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: those that may be seen, near to far
     gpu::Commands commands_;
 };
 

@@ -1,4 +1,4 @@
-// Frame passes: the intermediate buffers of a frame, each as a picture of one number a ray, a tile or a texel.
+// Frame passes: the intermediate buffers of a frame, each as an image of one number a ray, a tile or a texel.
 //
 // The table in frame_passes.cpp has a row for each buffer; `neuvv render --pass NAME` shows them.
 #pragma once

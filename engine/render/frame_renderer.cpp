@@ -46,13 +46,13 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       capacity_(capacity),
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
-              largest(capacity).picture_tiles(), surroundings_of(set)),
-      picture_(device, "picture", largest(capacity).picture_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      readback_(device, "picture readback", largest(capacity).picture_bytes(), gpu::MemoryKind::kReadback),
-      blank_(device, "blank picture", set ? 4 : largest(capacity).picture_bytes(), gpu::MemoryKind::kDevice),
+              largest(capacity).image_tiles(), surroundings_of(set)),
+      image_(device, "picture", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
+      blank_(device, "blank image", set ? 4 : largest(capacity).image_bytes(), gpu::MemoryKind::kDevice),
       lister_(device, target_.rays, target_.ranges),
-      resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, nullptr, set),
-      listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, picture_, &target_.ranges),
+      resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
+      listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {
     for (const Field* field : fields_) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
@@ -96,8 +96,8 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
 void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
     if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
-        layout.picture_tiles() > target_.ranges.picture_tile_capacity || layout.picture_bytes() > readback_.bytes)
-        throw RuntimeFailure(fmt::format("{} pictures of {}x{} are more than their renderer was made for", layout.views,
+        layout.image_tiles() > target_.ranges.image_tile_capacity || layout.image_bytes() > readback_.bytes)
+        throw RuntimeFailure(fmt::format("{} images of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
     if (set_ && (layout.samples * layout.width > set_->width() || layout.samples * layout.height > set_->height()))
         throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are more than the set's {}x{} texels", layout.width,
@@ -108,7 +108,7 @@ void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const
                                          settings.instances.size(), kMaxInstances));
     for (const stage::Camera& camera : cameras)
         if (camera.width != settings.width || camera.height != settings.height)
-            throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for a picture of {}x{}", camera.width,
+            throw RuntimeFailure(fmt::format("a camera of {}x{} pixels for an image of {}x{}", camera.width,
                                              camera.height, settings.width, settings.height));
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
@@ -135,7 +135,7 @@ void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
         layout_.rays = glm::max(layout_.rays, grids_.back().rays);
     }
     if (!upscaler_)
-        upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, picture_,
+        upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, image_,
                                                set_ ? nullptr : &target_.ranges, set_);
 }
 
@@ -205,7 +205,7 @@ void FrameRenderer::place_instances(std::span<const stage::Camera> cameras, cons
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show) && !inspector_)
-        inspector_ = std::make_unique<Inspector>(device_, target_.rays, picture_, fields_);
+        inspector_ = std::make_unique<Inspector>(device_, target_.rays, image_, fields_);
     performers_.resize(fields_.size());
     for (size_t i = 0; i < fields_.size(); i++) {
         if (performers_[i]) continue;
@@ -233,7 +233,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     }
 }
 
-// Whether something on the device had less room than the picture asked for; now there is more.
+// Whether something on the device had less room than the image asked for; now there is more.
 bool FrameRenderer::enlarge() {
     bool any = false;
     for (const auto& performer : performers_) any |= performer->enlarge_slices();
@@ -274,20 +274,20 @@ void FrameRenderer::draw_to(To to, std::span<const stage::Camera> cameras, const
 
 const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     draw_to(To::kDevice, cameras, settings);
-    return picture_;
+    return image_;
 }
 
 std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) {
     draw_to(To::kHost, cameras, settings);
-    std::vector<media::Image> pictures;
+    std::vector<media::Image> images;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {
-        media::Image& picture = pictures.emplace_back(settings.width, settings.height);
-        std::memcpy(picture.rgba.data(), from, picture.rgba.size());
-        from += picture.rgba.size();
+        media::Image& image = images.emplace_back(settings.width, settings.height);
+        std::memcpy(image.rgba.data(), from, image.rgba.size());
+        from += image.rgba.size();
     }
-    return pictures;
+    return images;
 }
 
 media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSettings& settings) {

@@ -7,7 +7,7 @@
 
 namespace neuvv::render {
 
-Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& picture,
+Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& image,
                      std::span<const Field* const> fields)
     : coarsest(2 * kMaxNodeLevels),
       finest(1),
@@ -15,7 +15,7 @@ Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu:
       set(pass, {{kInspectRays, &rays.radiance},
                  {kInspectDepth, &rays.depth},
                  {kInspectCameras, &rays.cameras},
-                 {kInspectPicture, &picture}}) {
+                 {kInspectImage, &image}}) {
     for (const Field* field : fields) {
         coarsest = std::min(coarsest, static_cast<float>(field->coarsest_level));
         finest = std::max(finest, static_cast<float>(field->finest_level));
@@ -37,7 +37,7 @@ void record_inspect(gpu::Commands& commands, const Inspector& inspector, const V
                            level ? 1u : 0u,
                            level ? inspector.coarsest : 0,
                            level ? inspector.finest : settings.cost_max};
-    gpu::dispatch_groups(commands, inspector.pass, inspector.set, layout.picture_tiles(), push);
+    gpu::dispatch_groups(commands, inspector.pass, inspector.set, layout.image_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

@@ -1,4 +1,4 @@
-// Inspect: what the walks of rays were like, as a picture: how deep in the octree they met a surface, or what they
+// Inspect: what the walks of rays were like, as an image: how deep in the octree they met a surface, or what they
 // cost.
 #pragma once
 
@@ -10,8 +10,8 @@
 namespace neuvv::render {
 
 struct Inspector {
-    // `picture`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
-    Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& picture,
+    // `image`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
+    Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& image,
               std::span<const Field* const> fields);
 
     float coarsest, finest;

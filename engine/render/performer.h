@@ -42,7 +42,7 @@ struct TargetPasses {
     TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
-    // Before a picture. `segments`: bound where rays become those; null else.
+    // Before an image. `segments`: bound where rays become those; null else.
     void need_tree(Shading shading, Into into, const Segments* segments);
     void need_direct(Into into, const Segments* segments);
     void need_ranger();  // of the whole tree
@@ -85,16 +85,16 @@ class Performer {
     // Another one by this number.
     void replace_target(uint32_t number, const RayTarget& target, uint32_t views);
 
-    // Before a picture is recorded: what its instances show in all targets, those first that shall rather have a slice,
+    // Before an image is recorded: what its instances show in all targets, those first that shall rather have a slice,
     // and the slices that will be shown next. Then for each target its instances there; makes what is missing on the
     // device.
     void prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next = {});
     void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
     // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
-    // picture must be prepared and recorded anew.
+    // image must be prepared and recorded anew.
     bool enlarge_slices();
     void forget_segments();
-    // Live leaves, and the live nodes above them, of the slices that the last picture shows.
+    // Live leaves, and the live nodes above them, of the slices that the last image shows.
     uint64_t shown_entries() const;
 
     const Field& field() const { return field_; }
@@ -114,7 +114,7 @@ class Performer {
     LiveLeaves live_;
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
-    gpu::Buffer counts_readback_;  // LiveCount of each slice as of the last picture
+    gpu::Buffer counts_readback_;  // LiveCount of each slice as of the last image
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
     size_t paints_sliced_ = 0;                           // how many paints the slices were made for
@@ -122,7 +122,7 @@ class Performer {
 
 // The slices of prepared instances.
 void record_slices(gpu::Commands& commands, Performer& performer);
-// After the picture: so many parts (kSliceParts a slice) of those of the next frames.
+// After the image: so many parts (kSliceParts a slice) of those of the next frames.
 void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
 
 // One prepared instance of a group: counts it among those that share the tiles where it may be seen (record_unshared).

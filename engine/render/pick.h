@@ -1,4 +1,4 @@
-// Picking on a performer: where rays meet its surface at an instant, as it is painted.
+// Picking on a performer: where rays meet its surface at a time, as it is painted.
 #pragma once
 
 #include "render/field.h"
@@ -16,7 +16,7 @@ struct Picked {
     bool hit() const { return leaf != kNoLeaf; }
 };
 
-// The ray of a place in a picture, as pixels count: centres at +0.5. The camera in the performer's space
+// The ray of a place in an image, as pixels count: centres at +0.5. The camera in the performer's space
 // (in_performer).
 PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at);
 
@@ -26,7 +26,7 @@ class Picker {
     // The field must outlive it.
     Picker(const gpu::Device& device, const Field& field);
 
-    // The instant that is picked on, and the paint at it, which is not needed afterwards.
+    // The time that is picked on, and the paint at it, which is not needed afterwards.
     void show(float frame, std::span<const PaintUse> paint = {});
     // In the order of the rays; neighbours in it should be neighbours in space.
     std::vector<Picked> pick(std::span<const PickRay> rays, float alpha = kPickAlpha);

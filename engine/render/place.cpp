@@ -18,7 +18,7 @@ void place_cameras(const TargetViews& views) {
 void place_tiles(const TargetViews& views) {
     Tile* to = views.target.rays.tiles.as<Tile>();
     for (uint32_t view = 0; view < views.layout.views; view++) {
-        const std::vector<Tile> tiles = tiles_of_picture(view, views.layout.rays_across(), views.layout.rays_down());
+        const std::vector<Tile> tiles = tiles_of_image(view, views.layout.rays_across(), views.layout.rays_down());
         to = std::copy(tiles.begin(), tiles.end(), to);
     }
 }
@@ -40,9 +40,8 @@ std::optional<DrawnInstance> place_instance(const TargetViews& views, const Fiel
         const glm::vec3 eye(camera.world_from_camera[3]);
         const ShaderCamera seen = shader_camera_of(views, camera, view);
         const RangeView range = range_view(seen);
-        const glm::dvec2 picture = static_cast<double>(layout.samples) * glm::dvec2(camera.width, camera.height);
-        const double rays =
-            pixels_around(range, picture, field.leaves_min, field.leaves_max) * views.scale * views.scale;
+        const glm::dvec2 image = static_cast<double>(layout.samples) * glm::dvec2(camera.width, camera.height);
+        const double rays = pixels_around(range, image, field.leaves_min, field.leaves_max) * views.scale * views.scale;
         views.target.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = seen;
         views.target.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
         const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));

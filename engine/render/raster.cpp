@@ -64,8 +64,8 @@ void Rasterizer::pose(const stage::PosedScene& pose) {
     pose_geometry(geometry_, pose);
 }
 
-RasterPicture Rasterizer::draw(const stage::Camera& camera, double near_m) {
-    assert(camera.width * kSupersample == width_ && camera.height * kSupersample == height_ && "the picture size");
+RasterImage Rasterizer::draw(const stage::Camera& camera, double near_m) {
+    assert(camera.width * kSupersample == width_ && camera.height * kSupersample == height_ && "the image size");
     const glm::dmat4 projection = clip_from_world(camera, near_m);
     const VkRect2D part = visible_part(projection);
     record(glm::mat4(projection), part);

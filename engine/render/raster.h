@@ -1,4 +1,4 @@
-// The raster pass: an animated glTF scene to pictures, for captures. set_raster.h draws the meshes of a stage.
+// The raster pass: an animated glTF scene to images, for captures. set_raster.h draws the meshes of a stage.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 
 namespace neuvv::render {
 
-// Pictures are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
+// Images are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
 constexpr uint32_t kSupersample = 2;
 
 // What a draw left: linear premultiplied RGBA as binary16, rows from the top, kSupersample times larger each way. Only
-// the part of the camera's picture that can show something; the rest is transparent.
-struct RasterPicture {
+// the part of the camera's image that can show something; the rest is transparent.
+struct RasterImage {
     uint32_t x = 0, y = 0, width = 0, height = 0;  // the part, in the camera's pixels
     std::span<const uint16_t> halves;
 };
 
-// Draws one scene at one picture size. Vertices are posed on the CPU: a capture draws dozens of pictures of an instant.
+// Draws one scene at one image size. Vertices are posed on the CPU: a capture draws dozens of images of a time.
 class Rasterizer {
   public:
     // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
@@ -30,12 +30,12 @@ class Rasterizer {
     Rasterizer(const Rasterizer&) = delete;
     Rasterizer& operator=(const Rasterizer&) = delete;
 
-    // The instant that draw() shows.
+    // The time that draw() shows.
     void pose(const stage::PosedScene& pose);
 
-    // Draws and waits; the result is valid until the next call. The camera has the rasterizer's picture size. `near_m`:
+    // Draws and waits; the result is valid until the next call. The camera has the rasterizer's image size. `near_m`:
     // what is nearer to the camera's plane is cut off.
-    RasterPicture draw(const stage::Camera& camera, double near_m);
+    RasterImage draw(const stage::Camera& camera, double near_m);
 
   private:
     void upload_textures();
@@ -60,13 +60,13 @@ class Rasterizer {
 // Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
 glm::dmat4 clip_from_world(const stage::Camera& camera, double near_m);
 
-// Averages kSupersample² pixels into a whole picture: width × height of linear premultiplied RGBA.
-std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height);
+// Averages kSupersample² pixels into a whole image: width × height of linear premultiplied RGBA.
+std::vector<glm::vec4> box_down(const RasterImage& image, uint32_t width, uint32_t height);
 
 // Straight alpha, sRGB, 8 bits.
 media::Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);
 
-// The mip levels of a picture as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
+// The mip levels of an image as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
 std::vector<std::vector<uint8_t>> mip_levels(const media::Image& image);
 // The same of a map whose bytes are numbers (normals, roughness): plain averages.
 std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const media::Image& image);

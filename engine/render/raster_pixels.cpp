@@ -29,7 +29,7 @@ const std::array<float, 256>& linear_of_byte() {
     return table;
 }
 
-// The mean of a 2×2 block whose second row or column may fall outside of the picture.
+// The mean of a 2×2 block whose second row or column may fall outside of the image.
 void shrink_pixel(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     const auto& linear = linear_of_byte();
     glm::vec4 sum(0);
@@ -74,19 +74,19 @@ std::vector<std::vector<uint8_t>> levels_by(const media::Image& image, ShrinkPix
 
 }  // namespace
 
-std::vector<glm::vec4> box_down(const RasterPicture& picture, uint32_t width, uint32_t height) {
-    const uint32_t columns = picture.width * kSupersample, rows = picture.height * kSupersample;
-    assert(picture.halves.size() == size_t{4} * columns * rows && "a supersampled picture");
-    assert(picture.x + picture.width <= width && picture.y + picture.height <= height && "a part of the picture");
+std::vector<glm::vec4> box_down(const RasterImage& image, uint32_t width, uint32_t height) {
+    const uint32_t columns = image.width * kSupersample, rows = image.height * kSupersample;
+    assert(image.halves.size() == size_t{4} * columns * rows && "a supersampled image");
+    assert(image.x + image.width <= width && image.y + image.height <= height && "a part of the image");
     std::vector<glm::vec4> out(size_t{width} * height, glm::vec4(0));
     constexpr float kShare = 1.0f / (kSupersample * kSupersample);
     for (uint32_t y = 0; y < rows; y++)
         for (uint32_t x = 0; x < columns; x++) {
-            const uint16_t* pixel = &picture.halves[(size_t{y} * columns + x) * 4];
+            const uint16_t* pixel = &image.halves[(size_t{y} * columns + x) * 4];
             uint64_t bits = 0;
             std::memcpy(&bits, pixel, sizeof(bits));
-            if (bits == 0) continue;  // most of a picture
-            glm::vec4& sum = out[size_t{picture.y + y / kSupersample} * width + picture.x + x / kSupersample];
+            if (bits == 0) continue;  // most of an image
+            glm::vec4& sum = out[size_t{image.y + y / kSupersample} * width + image.x + x / kSupersample];
             for (int c = 0; c < 4; c++) sum[c] += kShare * voctree::float_from_half(pixel[c]);
         }
     return out;

@@ -1,4 +1,4 @@
-// Where the rays of a picture stand: one a pixel, or fewer, of which an inset has more than what is beside it
+// Where the rays of an image stand: one a pixel, or fewer, of which an inset has more than what is beside it
 // (foveation).
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace neuvv::render {
 
-// The part of a picture that is looked at, in shares of its width and height from the top left, and how many rays along
+// The part of an image that is looked at, in shares of its width and height from the top left, and how many rays along
 // each side stand beside it for one inside it.
 struct Fovea {
     glm::dvec2 first{0}, last{1};
@@ -27,7 +27,7 @@ RayGrid ray_grid(uint32_t width, uint32_t height, double scale = 1, const Fovea&
 double pixel_of_ray(const GridAxis& axis, double ray);
 double ray_of_pixel(const GridAxis& axis, double pixel);
 
-// `camera` is that of the picture; its rays stand where the grid says.
+// `camera` is that of the image; its rays stand where the grid says.
 ShaderCamera shader_camera(const stage::Camera& camera, const RayGrid& grid);
 
 }  // namespace neuvv::render

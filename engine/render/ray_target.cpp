@@ -2,10 +2,10 @@
 
 namespace neuvv::render {
 
-RayTarget::RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
+RayTarget::RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t image_tiles,
                      const Surroundings& given)
     : rays(device, cameras, ray_tiles),
-      ranges(device, rays.tile_capacity, picture_tiles, rays.camera_capacity),
+      ranges(device, rays.tile_capacity, image_tiles, rays.camera_capacity),
       no_lights(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
       around(given),
       has_set(given.set_depth != nullptr) {

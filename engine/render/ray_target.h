@@ -16,7 +16,7 @@ struct Surroundings {
 };
 
 struct RayTarget {
-    RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t picture_tiles,
+    RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t image_tiles,
               const Surroundings& around = {});
 
     RayBatch rays;

@@ -24,7 +24,7 @@ ReferenceRenderer::ReferenceRenderer(const gpu::Device& device, const Field& fie
     : device_(device),
       field_(field),
       rays_(device, 1, checked_ray_tiles(device, {width, height, samples})),
-      image_(device, "reference image", ViewLayout{width, height}.picture_bytes(), gpu::MemoryKind::kDevice,
+      image_(device, "reference image", ViewLayout{width, height}.image_bytes(), gpu::MemoryKind::kDevice,
              VK_FORMAT_R32_UINT),
       readback_(device, "reference image readback", image_.bytes, gpu::MemoryKind::kReadback),
       resolver_(device, RaysPerPixel::kWhole, rays_, image_),
@@ -33,11 +33,11 @@ ReferenceRenderer::ReferenceRenderer(const gpu::Device& device, const Field& fie
 void ReferenceRenderer::prepare(const stage::Camera& camera, const ReferenceSettings& settings) {
     assert(!is_inspection(settings.resolve.show));
     layout_ = {camera.width, camera.height, settings.samples};
-    if (layout_.ray_tiles() > rays_.tile_capacity || layout_.picture_bytes() > image_.bytes)
+    if (layout_.ray_tiles() > rays_.tile_capacity || layout_.image_bytes() > image_.bytes)
         throw RuntimeFailure(
             fmt::format("an image of {}x{} is more than its renderer was made for", camera.width, camera.height));
     *rays_.cameras.as<ShaderCamera>() = shader_camera(stage::enlarged(camera, settings.samples), settings.samples);
-    const std::vector<Tile> tiles = tiles_of_picture(0, layout_.rays_across(), layout_.rays_down());
+    const std::vector<Tile> tiles = tiles_of_image(0, layout_.rays_across(), layout_.rays_down());
     std::copy(tiles.begin(), tiles.end(), rays_.tiles.as<Tile>());
     if (settings.path == ReferencePath::kSlots) {
         if (!slots_) slots_ = std::make_unique<SlotPath>(device_, field_, rays_);
@@ -65,7 +65,7 @@ media::Image ReferenceRenderer::render(const stage::Camera& camera, const Refere
     record_resolve(commands_, resolver_, layout_, settings.resolve);
     {
         const gpu::PassScope scope(commands_, "readback");
-        gpu::copy(commands_, image_, readback_, layout_.picture_bytes());
+        gpu::copy(commands_, image_, readback_, layout_.image_bytes());
         gpu::host_barrier(commands_);
     }
     commands_.submit();

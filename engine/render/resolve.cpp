@@ -9,15 +9,15 @@ namespace neuvv::render {
 
 // What is not there is bound to buffers of the same kinds.
 Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
-                   const gpu::Buffer& picture, const TileRanges* given_only, const SetRaster* given_set)
+                   const gpu::Buffer& image, const TileRanges* given_only, const SetRaster* given_set)
     : only(given_only),
       pass(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
            rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
            {only ? 1u : 0u, given_set ? 1u : 0u}),
       set(pass, {{kResolveRadiance, &rays.radiance},
                  {kResolveDepth, &rays.depth},
-                 {kResolvePicture, &picture},
-                 {kResolveTiles, only ? &only->picture_list : &rays.tiles},
+                 {kResolveImage, &image},
+                 {kResolveTiles, only ? &only->image_list : &rays.tiles},
                  {kResolveCameras, &rays.cameras},
                  {kResolveSetColour, given_set ? &given_set->colour : &rays.radiance},
                  {kResolveSetFront, given_set ? &given_set->front : &rays.radiance},
@@ -32,9 +32,9 @@ void record_resolve(gpu::Commands& commands, const Resolver& resolver, const Vie
         settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
         layout.tiles_down(),   layout.views};
     if (resolver.only)
-        gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.only->picture_count, 0, push);
+        gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.only->image_count, 0, push);
     else
-        gpu::dispatch_groups(commands, resolver.pass, resolver.set, layout.picture_tiles(), push);
+        gpu::dispatch_groups(commands, resolver.pass, resolver.set, layout.image_tiles(), push);
     gpu::compute_barrier(commands);
 }
 

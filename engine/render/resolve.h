@@ -1,8 +1,8 @@
-// Resolve: traced rays to an 8-bit sRGB picture, one or several of them a pixel, or fewer than pixels (upscale).
+// Resolve: traced rays to an 8-bit sRGB image, one or several of them a pixel, or fewer than pixels (upscale).
 #pragma once
 
 #include "gpu/commands.h"
-#include "render/picture_list.h"
+#include "render/image_list.h"
 #include "render/set_raster.h"
 #include "shared/resolve.h"
 
@@ -22,7 +22,7 @@ constexpr bool is_inspection(Show show) {
 
 struct ResolveSettings {
     Show show = Show::kColour;
-    glm::vec4 background{0};  // linear RGB, opacity (0: the picture keeps its alpha)
+    glm::vec4 background{0};  // linear RGB, opacity (0: the image keeps its alpha)
     float depth_near_m = 0, depth_far_m = 1;
     float cost_max = 256;  // steps that are shown brightest
     bool operator==(const ResolveSettings&) const = default;
@@ -32,9 +32,9 @@ struct ResolveSettings {
 enum class RaysPerPixel { kWhole, kFewer };
 
 struct Resolver {
-    // `picture`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
+    // `image`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     // `set`: behind and before the rays.
-    Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& picture,
+    Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& image,
              const TileRanges* only = nullptr, const SetRaster* set = nullptr);
 
     const TileRanges* only;
@@ -42,7 +42,7 @@ struct Resolver {
     gpu::BindingSet set;
 };
 
-// Whole: the rays of each view must be tiles_of_picture(·, samples·width, samples·height); a pixel is the mean of
+// Whole: the rays of each view must be tiles_of_image(·, samples·width, samples·height); a pixel is the mean of
 // samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view. No inspection.
 void record_resolve(gpu::Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);

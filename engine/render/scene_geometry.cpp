@@ -49,7 +49,7 @@ void list_draws(SceneGeometry& to) {
         vertices += primitive.positions.size();
         indices += primitive.indices.size();
         if (vertices > INT32_MAX || indices > UINT32_MAX)
-            throw RuntimeFailure(to.scene->file + ": more vertices than one picture takes; use a smaller model");
+            throw RuntimeFailure(to.scene->file + ": more vertices than one image takes; use a smaller model");
     });
     to.vertex_count = static_cast<uint32_t>(vertices);
     to.index_count = static_cast<uint32_t>(indices);

@@ -94,7 +94,7 @@ stage::Camera performer_shadow_camera(const SetLight& light, const WorldBox& per
     camera.world_from_camera = looking_along(light.direction, middle - kFar * radius * glm::normalize(light.direction));
     camera.width = camera.height = side;
     camera.cx = camera.cy = side / 2.0;
-    camera.fx = camera.fy = camera.cx * std::sqrt(kFar * kFar - 1);  // the sphere touches the picture's sides
+    camera.fx = camera.fy = camera.cx * std::sqrt(kFar * kFar - 1);  // the sphere touches the image's sides
     return camera;
 }
 

@@ -28,7 +28,7 @@ struct SetLight {
 // Light from around.
 struct SetAmbient {
     glm::dvec3 light{0};               // linear, constant: a white diffuse surface returns just this
-    double environment_intensity = 1;  // factor of the environment's picture, where there is one
+    double environment_intensity = 1;  // factor of the environment's image, where there is one
     double environment_rotation = 0;   // radians about +Y
     bool show_environment = false;     // and it is the background
 };

@@ -93,9 +93,8 @@ bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
 
 }  // namespace
 
-SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* picture)
-    : has_picture(picture != nullptr) {
-    const Environment environment = picture ? make_environment(*picture) : dark_environment();
+SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* image) : has_image(image != nullptr) {
+    const Environment environment = image ? make_environment(*image) : dark_environment();
     std::vector<std::vector<uint8_t>> levels;
     for (const std::vector<uint16_t>& level : environment.levels) {
         levels.emplace_back(level.size() * sizeof(uint16_t));
@@ -167,7 +166,7 @@ void SetRaster::resize(uint32_t width, uint32_t height) {
     surfaces_ = make_surfaces(*scene_, *environment_, surfaces_.textures);
 }
 
-// All that is of the pictures' size.
+// All that is of the images' size.
 void SetRaster::make_targets(uint32_t views) {
     const uint64_t texels = uint64_t{views} * width_ * height_;
     colour = gpu::Buffer(device_, "set colour", 8 * texels, gpu::MemoryKind::kDevice, kColour);
@@ -284,7 +283,7 @@ void SetRaster::shadows_of(const std::optional<WorldBox>& performers) {
 void SetRaster::pack() {
     const ShaderLights before = packed_;
     packed_ = pack_lights(given_lights_, ambient_, shadows_, environment_->irradiance, box(), performers_);
-    if (!environment_->has_picture) packed_.environment.x = 0;
+    if (!environment_->has_image) packed_.environment.x = 0;
     packed_.environment.y = environment_->last_level;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow)

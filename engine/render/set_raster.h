@@ -3,7 +3,7 @@
 //     pose, light ─► record_shadows ─► record_solid ─► colour, depth
 //                    (volumes, up to depth ─► volume_depth) ─► record_transparent ─► colour, front
 //
-// A view's picture in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
+// A view's image in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
 // pixel.
 #pragma once
 
@@ -21,16 +21,16 @@ namespace neuvv::render {
 
 constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
 
-// The picture around a set, on the device.
+// The image around a set, on the device.
 struct SetEnvironment {
-    // environment.h says what the picture is; null: no light. It is not needed afterwards.
-    SetEnvironment(const gpu::Device& device, const media::Image* picture);
+    // environment.h says what the image is; null: no light. It is not needed afterwards.
+    SetEnvironment(const gpu::Device& device, const media::Image* image);
 
     gpu::DeviceImage image;
     gpu::Sampler sampler;
     Irradiance irradiance{};
     float last_level = 0;
-    bool has_picture = false;
+    bool has_image = false;
 };
 
 // Draws one scene for at most `views` views of at most width × height texels. What is made here is all that it ever
@@ -38,7 +38,7 @@ struct SetEnvironment {
 // read: nothing that was recorded here may be under way.
 class SetRaster {
   public:
-    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the picture around it need
+    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the image around it need
     // not (environment.h says what it is).
     SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
               const media::Image* environment = nullptr);
@@ -48,7 +48,7 @@ class SetRaster {
     SetRaster& operator=(const SetRaster&) = delete;
 
     // From now on it draws this scene, which must outlive it; the one before is looked at for the last time. Pipelines
-    // and pictures stay, and so does what is equal on the device: comparing takes as long as reading both. Must be
+    // and images stay, and so does what is equal on the device: comparing takes as long as reading both. Must be
     // posed and lit anew. Throws RuntimeFailure where the scene exceeds the device, and then still draws the one
     // before.
     void change(const stage::GltfScene& scene, std::shared_ptr<const SetEnvironment> environment);
@@ -56,11 +56,11 @@ class SetRaster {
     // throws (RuntimeFailure: no room) it must be called again before anything is drawn.
     void resize(uint32_t width, uint32_t height);
 
-    // The instant that is drawn; vertices that did not move are left alone.
+    // The time that is drawn; vertices that did not move are left alone.
     void pose(const stage::PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
-    // What of each view's picture nobody sees (a headset's lens): triangles, by their corners in shares of its width
+    // What of each view's image nobody sees (a headset's lens): triangles, by their corners in shares of its width
     // and height from the upper left. Rays end there at once, and nothing is shaded. As many lists as there are views,
     // or none; until it is called again. While nothing is drawn.
     void hide(std::span<const std::vector<glm::vec2>> corners);

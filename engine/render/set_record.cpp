@@ -60,7 +60,7 @@ void to_attachment(gpu::Commands& commands, const gpu::DeviceImage& image,
                                                                 : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
-// A part of an attachment that was drawn to → the `slot`th picture of that size in the buffer. The image is left in
+// A part of an attachment that was drawn to → the `slot`th image of that size in the buffer. The image is left in
 // layout TRANSFER_SRC.
 void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2D& area, const gpu::Buffer& to,
            uint32_t slot) {
@@ -104,7 +104,7 @@ void SetRaster::record_view(gpu::Commands& commands, const stage::Camera& camera
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
     if (hidden_ && !hidden_->of_view.empty()) draw_hidden(commands, view);
     draw_solid(commands, push_of(camera, view));
-    if (environment_->has_picture && ambient_.show_environment) draw_background(commands, camera);
+    if (environment_->has_image && ambient_.show_environment) draw_background(commands, camera);
     vkCmdEndRendering(commands.handle());
     store(commands, colours_[view], area_of(camera), colour, view);
     store(commands, metres_, area_of(camera), depth, view);
@@ -136,7 +136,7 @@ void SetRaster::record_shadow(gpu::Commands& commands, const ShaderLight& light)
 }
 
 SetPush SetRaster::push_of(const stage::Camera& camera, uint32_t view) const {
-    assert(camera.width <= width_ && camera.height <= height_ && "the size of the set's pictures");
+    assert(camera.width <= width_ && camera.height <= height_ && "the size of the set's images");
     SetPush push{};
     push.clip_from_world = glm::mat4(clip_from_world(camera, kSetNear_m));
     push.eye = glm::vec4(camera.world_from_camera[3]);

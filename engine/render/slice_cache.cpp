@@ -47,7 +47,7 @@ SliceCache::Kept& SliceCache::oldest() {
 // The place that a slice may take which is not kept; a painted one may take that of one that is not.
 SliceCache::Kept* SliceCache::place_for(SliceKey key) {
     Kept& place = oldest();
-    if (place.asked < pictures_) return &place;
+    if (place.asked < images_) return &place;
     if (key.paint == 0) return nullptr;
     const auto plain =
         std::find_if(kept_.begin(), kept_.end(), [](const Kept& one) { return one.key && one.key->paint == 0; });
@@ -58,11 +58,11 @@ SliceCache::Kept* SliceCache::place_for(SliceKey key) {
 void SliceCache::lend_place() {
     const auto least =
         std::min_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.parts < b.parts; });
-    *least = {std::nullopt, 0, pictures_, pictures_};
+    *least = {std::nullopt, 0, images_, images_};
     lent_ = static_cast<uint32_t>(least - kept_.begin());
 }
 
-// Descriptors are written before the picture, not in it.
+// Descriptors are written before the image, not in it.
 void SliceCache::bind(std::span<const SliceKey> keys) {
     std::erase_if(bound_, [this](const auto& one) { return !paints_.find(one.first); });
     for (const SliceKey& key : keys) {
@@ -75,17 +75,17 @@ void SliceCache::bind(std::span<const SliceKey> keys) {
 }
 
 void SliceCache::ask(std::span<const SliceKey> keys) {
-    pictures_++;
+    images_++;
     ahead_.clear();
     lent_.reset();
     bind(keys);
     for (const SliceKey& key : keys)
-        if (Kept* kept = kept_of(key)) kept->shown = kept->asked = pictures_;
+        if (Kept* kept = kept_of(key)) kept->shown = kept->asked = images_;
     for (const bool painted : {true, false})
         for (const SliceKey& key : keys) {
             if ((key.paint != 0) != painted || kept_of(key)) continue;
             if (Kept* place = place_for(key)) {
-                *place = {key, 0, pictures_, pictures_};
+                *place = {key, 0, images_, images_};
             } else {
                 if (painted && !lent_) lend_place();
                 break;
@@ -97,7 +97,7 @@ void SliceCache::ask_ahead(std::span<const SliceKey> keys) {
     ahead_.assign(keys.begin(), keys.end());
     bind(keys);
     for (const SliceKey& key : ahead_)
-        if (Kept* kept = kept_of(key)) kept->asked = pictures_;
+        if (Kept* kept = kept_of(key)) kept->asked = images_;
 }
 
 std::optional<uint32_t> SliceCache::find(SliceKey key) const {
@@ -129,7 +129,7 @@ void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) 
 
 void SliceCache::record_slices(gpu::Commands& commands) {
     const auto is_wanted = [this](const Kept& kept) {
-        return kept.key && kept.shown == pictures_ && kept.parts < kSliceParts;
+        return kept.key && kept.shown == images_ && kept.parts < kSliceParts;
     };
     for (const bool begun : {true, false})  // first the one that has a part
         for (uint32_t i = 0; i < kept_.size(); i++)
@@ -139,7 +139,7 @@ void SliceCache::record_slices(gpu::Commands& commands) {
 std::optional<uint32_t> SliceCache::record_slice_of(gpu::Commands& commands, SliceKey key) {
     const std::optional<uint32_t> there = find(key);
     if (there || key.paint == 0 || !lent_) return there;
-    kept_[*lent_] = {key, 0, pictures_, pictures_};
+    kept_[*lent_] = {key, 0, images_, images_};
     build(commands, *lent_, kSliceParts);
     return lent_;
 }
@@ -149,8 +149,8 @@ void SliceCache::record_ahead(gpu::Commands& commands, uint32_t parts) {
         Kept* kept = kept_of(key);
         if (!kept) {
             kept = &oldest();
-            if (kept->asked == pictures_) return;
-            *kept = {key, 0, 0, pictures_};
+            if (kept->asked == images_) return;
+            *kept = {key, 0, 0, images_};
         }
         const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
         if (wanted > 0) build(commands, static_cast<uint32_t>(kept - kept_.data()), wanted);

@@ -13,7 +13,7 @@ namespace neuvv::render {
 // Bytes that the slices of a performer may take on the device, however many instances and frames are shown.
 constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
 
-// What a slice shows: an instant of the clip, and how it is painted (Paints; 0: not at all).
+// What a slice shows: a time of the clip, and how it is painted (Paints; 0: not at all).
 struct SliceKey {
     float frame = 0;
     uint32_t paint = 0;
@@ -27,19 +27,19 @@ class SliceCache {
     SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                uint32_t entries, uint64_t budget_bytes);
 
-    // Before a picture: it needs these slices. Those that are kept stay; the others take the places of those that were
-    // not asked for for longest, the painted first, the first of them first, until all places are this picture's. Where
-    // the painted do not all find one, some share one of the places, and are built there while the picture is drawn
+    // Before an image: it needs these slices. Those that are kept stay; the others take the places of those that were
+    // not asked for for longest, the painted first, the first of them first, until all places are this image's. Where
+    // the painted do not all find one, some share one of the places, and are built there while the image is drawn
     // (record_slice_of). Throws RuntimeFailure for a paint that is not there.
     void ask(std::span<const SliceKey> keys);
     // Where a slice that was asked for is; none where there was no room.
     std::optional<uint32_t> find(SliceKey key) const;
-    // Whether the picture that asked last shows it.
-    bool is_shown(uint32_t slice) const { return kept_[slice].key && kept_[slice].shown == pictures_; }
+    // Whether the image that asked last shows it.
+    bool is_shown(uint32_t slice) const { return kept_[slice].key && kept_[slice].shown == images_; }
     void forget();
 
     // After ask(): these slices will be needed next. The first of them that is not kept is built in parts
-    // (record_ahead), in the place of one that this picture does not need, if there is any.
+    // (record_ahead), in the place of one that this image does not need, if there is any.
     void ask_ahead(std::span<const SliceKey> keys);
 
     // Builds the slices that were asked for and are not there, but for those that share a place.
@@ -56,7 +56,7 @@ class SliceCache {
     struct Kept {
         std::optional<SliceKey> key;
         uint32_t parts = 0;  // of kSliceParts that are built
-        uint64_t shown = 0;  // by which picture last
+        uint64_t shown = 0;  // by which image last
         uint64_t asked = 0;  // the same, or ahead of one
     };
     Kept* kept_of(SliceKey key);
@@ -73,9 +73,9 @@ class SliceCache {
     SliceTrees trees_;
     TreeSlicer slicer_;
     std::vector<Kept> kept_;        // per slice; of one at most a part is built, which then has the live leaves
-    std::optional<uint32_t> lent_;  // the place that painted slices share in this picture
+    std::optional<uint32_t> lent_;  // the place that painted slices share in this image
     std::vector<SliceKey> ahead_;
-    uint64_t pictures_ = 0;
+    uint64_t images_ = 0;
     std::unique_ptr<Painter> painter_;  // made when first needed
     std::map<uint32_t, SlicePaint> bound_;
 };

@@ -62,9 +62,9 @@ std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage:
     std::erase_if(environments_, [](const KnownEnvironment& one) { return one.map.expired(); });
     for (const KnownEnvironment& one : environments_)
         if (auto map = one.map.lock(); map && one.path == wanted.path && one.stamp == wanted.stamp) return map;
-    std::optional<media::Image> picture;
-    if (stage.settings.environment) picture = media::read_png(wanted.path);
-    auto map = std::make_shared<const SetEnvironment>(device_, picture ? &*picture : nullptr);
+    std::optional<media::Image> image;
+    if (stage.settings.environment) image = media::read_png(wanted.path);
+    auto map = std::make_shared<const SetEnvironment>(device_, image ? &*image : nullptr);
     wanted.map = map;
     environments_.push_back(std::move(wanted));
     return map;

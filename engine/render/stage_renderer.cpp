@@ -39,7 +39,7 @@ std::vector<const Field*> fields_of(const std::vector<std::shared_ptr<const Load
 
 }  // namespace
 
-SetLight set_light(const stage::InstantLight& light) {
+SetLight set_light(const stage::EvaluatedLight& light) {
     SetLight out;
     out.kind = kind_of(light.kind);
     out.position = light.position;
@@ -129,9 +129,9 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
     frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
-void StageRenderer::show(const stage::StageInstant& instant, bool show_environment) {
+void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment) {
     std::vector<SetLight> lights;
-    for (const stage::InstantLight& light : instant.lights) lights.push_back(set_light(light));
+    for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(set_light(light));
     SetAmbient ambient;
     ambient.light = stage_->ambient;
     if (stage_->settings.environment) {
@@ -139,12 +139,12 @@ void StageRenderer::show(const stage::StageInstant& instant, bool show_environme
         ambient.environment_rotation = glm::radians(stage_->settings.environment->rotation_deg);
         ambient.show_environment = show_environment;
     }
-    set_->pose(instant.pose);
+    set_->pose(evaluated.pose);
     set_->light(lights, ambient, {stage_->settings.shadows, stage_->settings.shadows});
 }
 
 // As show.glsl's with_set.
-media::LinearImage StageRenderer::linear_picture_of(const stage::Camera& camera, const glm::vec4& background) const {
+media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, const glm::vec4& background) const {
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();
     const std::vector<glm::vec4> behind = download_halves(device_, set_->colour);
@@ -162,10 +162,10 @@ media::LinearImage StageRenderer::linear_picture_of(const stage::Camera& camera,
         light[i] += (1 - alpha) * behind[i];
         light[i] = front[i] + (1 - front[i].a) * light[i];
     }
-    return linear_picture(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
+    return linear_image(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
-FrameSettings StageRenderer::settings_at(const stage::StageInstant& instant) const {
+FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated) const {
     FrameSettings settings;
     settings.width = capacity_.width;
     settings.height = capacity_.height;
@@ -175,7 +175,7 @@ FrameSettings StageRenderer::settings_at(const stage::StageInstant& instant) con
     settings.lit = stage_->settings.falloff;
     settings.resolve.background = glm::vec4(stage_->settings.background, 1);
     settings.instances.clear();
-    for (const stage::InstantPerformer& performer : instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible) continue;
         settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer),
                                       paints_[performer.performer], performer.clip, performer.opacity,

@@ -1,13 +1,13 @@
-// Stage renderer: everything of a stage on the device, to be drawn at any instant from any cameras, while the stage is
+// Stage renderer: everything of a stage on the device, to be drawn at any time from any cameras, while the stage is
 // edited and its files are written anew.
 #pragma once
 
 #include <map>
 
 #include "render/frame.h"
-#include "render/linear_picture.h"
+#include "render/linear_image.h"
 #include "render/stage_assets.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 namespace neuvv::render {
 
@@ -19,30 +19,30 @@ class StageRenderer {
                   const FrameCapacity& capacity);
 
     // From now on it draws this stage, another object than the one before, which may go after the call. Then show() an
-    // instant of it. Only what differs is uploaded: layers that are other objects than before, and the set where it
+    // time of it. Only what differs is uploaded: layers that are other objects than before, and the set where it
     // does not have the same vertices, textures and materials. Clips that nobody plays any more are dropped; one that
     // somebody still has (shared_field) is not read again when it comes back. Throws as the constructor does, and then
     // draws the stage before as if nothing had been asked.
     void change(const stage::Stage& stage, StageAssets assets);
 
-    // What settings_at asks for. Larger pictures than ever before need other targets (frames() is another then, which
+    // What settings_at asks for. Larger images than ever before need other targets (frames() is another then, which
     // has drawn nothing yet); fields, slices, paint and set stay. Throws RuntimeFailure where the device has no room,
     // and then keeps its size.
     void resize(uint32_t width, uint32_t height);
 
-    // Puts set and lights to an instant of the stage. Its environment shines even where it is not shown, behind all.
-    void show(const stage::StageInstant& instant, bool show_environment = true);
-    // What a frame of that instant draws: visible performers, blending, lights and background as the stage has them.
-    // A part of the picture is a picture of its own: a smaller width and height, and a camera whose principal point is
+    // Puts set and lights to a time of the stage. Its environment shines even where it is not shown, behind all.
+    void show(const stage::EvaluatedStage& evaluated, bool show_environment = true);
+    // What a frame of that time draws: visible performers, blending, lights and background as the stage has them.
+    // A part of the image is an image of its own: a smaller width and height, and a camera whose principal point is
     // moved as far. It may have more samples than the capacity while samples · width and samples · height do not exceed
     // the capacity's. Parts make the whole within a step of 255, but for pixels at edges of the set.
-    FrameSettings settings_at(const stage::StageInstant& instant) const;
+    FrameSettings settings_at(const stage::EvaluatedStage& evaluated) const;
 
-    // What of each view's picture nobody sees (SetRaster::hide), until it is called again.
+    // What of each view's image nobody sees (SetRaster::hide), until it is called again.
     void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
 
-    // The last picture of one view, of settings_at's size and samples, as linear light and depth, set included.
-    media::LinearImage linear_picture_of(const stage::Camera& camera, const glm::vec4& background) const;
+    // The last image of one view, of settings_at's size and samples, as linear light and depth, set included.
+    media::LinearImage linear_image_of(const stage::Camera& camera, const glm::vec4& background) const;
 
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }
@@ -82,6 +82,6 @@ class StageRenderer {
 };
 
 // The stage's light as raster and rays take it.
-SetLight set_light(const stage::InstantLight& light);
+SetLight set_light(const stage::EvaluatedLight& light);
 
 }  // namespace neuvv::render

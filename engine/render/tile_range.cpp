@@ -32,7 +32,7 @@ RangeView range_view(const ShaderCamera& camera) {
     return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(reach_m)), row(0), row(1), row(2)};
 }
 
-double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_min, glm::vec3 box_max) {
+double pixels_around(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max) {
     glm::dvec2 low(1e30), high(-1e30);
     uint32_t behind = 0;
     for (uint32_t i = 0; i < 8; i++) {
@@ -46,8 +46,8 @@ double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_mi
         high = glm::max(high, pixel);
     }
     if (behind == 8) return 0;
-    if (behind > 0) return picture.x * picture.y;
-    const glm::dvec2 seen = glm::max(glm::min(high, picture) - glm::max(low, 0.0), 0.0);
+    if (behind > 0) return image.x * image.y;
+    const glm::dvec2 seen = glm::max(glm::min(high, image) - glm::max(low, 0.0), 0.0);
     return seen.x * seen.y;
 }
 
@@ -61,8 +61,8 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
     return level;
 }
 
-TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras)
-    : picture_tile_capacity(picture_tiles),
+TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras)
+    : image_tile_capacity(image_tiles),
       views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, gpu::MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_SFLOAT),
       ranges(device, "tile ranges", uint64_t{8} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
@@ -70,9 +70,8 @@ TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t p
       count(device, "count of tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),
       seen(device, "tiles seen", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       sharing(device, "tiles shared", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      picture_list(device, "pictures' tile list", list_bytes(picture_tiles), gpu::MemoryKind::kDevice,
-                   VK_FORMAT_R32_UINT),
-      picture_count(device, "count of the pictures' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
+      image_list(device, "images' tile list", list_bytes(image_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      image_count(device, "count of the images' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
 
 TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, const SliceTrees* given_trees,
                        const RayBatch& rays, const TileRanges& given_ranges)
@@ -95,8 +94,8 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
 
 void record_unseen(gpu::Commands& commands, const TileRanges& ranges) {
     gpu::fill(commands, ranges.seen, 0);
-    gpu::fill(commands, ranges.picture_list, kNoTile);
-    gpu::update(commands, ranges.picture_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::fill(commands, ranges.image_list, kNoTile);
+    gpu::update(commands, ranges.image_count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
 }
 

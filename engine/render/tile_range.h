@@ -1,4 +1,4 @@
-// Tile ranges: which tiles of the pictures may see an instance at all, and between which distances.
+// Tile ranges: which tiles of the images may see an instance at all, and between which distances.
 #pragma once
 
 #include "render/slice_tree.h"
@@ -8,26 +8,26 @@
 namespace neuvv::render {
 
 struct TileRanges {
-    // At most so many tiles of rays and of pictures, and cameras of instances.
-    TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t picture_tiles, uint32_t cameras);
+    // At most so many tiles of rays and of images, and cameras of instances.
+    TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras);
 
-    uint32_t picture_tile_capacity;
+    uint32_t image_tile_capacity;
 
-    gpu::Buffer views;    // RangeView of each camera of the ray batch, host-mapped
-    gpu::Buffer ranges;   // per tile (bits of the least distance, complement of those of the largest)
-    gpu::Buffer list;     // tiles of rays where an instance may be seen, then kNoTile
-    gpu::Buffer count;    // LiveCount of these
-    gpu::Buffer seen;     // per tile of rays: whether any instance of the frame may be seen there
-    gpu::Buffer sharing;  // and how many of a group
-    gpu::Buffer picture_list, picture_count;  // tiles of the pictures that such rays add to, as list and count
+    gpu::Buffer views;                    // RangeView of each camera of the ray batch, host-mapped
+    gpu::Buffer ranges;                   // per tile (bits of the least distance, complement of those of the largest)
+    gpu::Buffer list;                     // tiles of rays where an instance may be seen, then kNoTile
+    gpu::Buffer count;                    // LiveCount of these
+    gpu::Buffer seen;                     // per tile of rays: whether any instance of the frame may be seen there
+    gpu::Buffer sharing;                  // and how many of a group
+    gpu::Buffer image_list, image_count;  // tiles of the images that such rays add to, as list and count
 };
 
 // A camera in its performer's space (shared/slice_tree.h).
 RangeView range_view(const ShaderCamera& camera);
 
-// How many pixels the rectangle around a box covers in the picture of such a camera, which is so many pixels large; all
+// How many pixels the rectangle around a box covers in the image of such a camera, which is so many pixels large; all
 // of them where the box reaches behind the eye. 0: none of it can be seen.
-double pixels_around(const RangeView& view, glm::dvec2 picture, glm::vec3 box_min, glm::vec3 box_max);
+double pixels_around(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max);
 
 // The coarsest level whose nodes look no larger than half a tile from `eye` (performer's space, metres), where a pixel
 // covers 1/focal_pixels of the distance.

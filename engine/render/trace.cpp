@@ -44,7 +44,7 @@ stage::Camera in_performer(stage::Camera camera, const glm::mat4& world_from_per
     return camera;
 }
 
-std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height) {
+std::vector<Tile> tiles_of_image(uint32_t camera, uint32_t width, uint32_t height) {
     std::vector<Tile> tiles;
     for (uint32_t y = 0; y < height; y += kTile)
         for (uint32_t x = 0; x < width; x += kTile) tiles.push_back({camera, x, y, 0});

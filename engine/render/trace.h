@@ -23,15 +23,15 @@ struct RayBatch {
     gpu::Buffer depth;     // per ray metres (errata 12)
 };
 
-// `camera` is enlarged so that its pixels are the samples × samples rays of a picture's pixel (ray.glsl spreads them);
+// `camera` is enlarged so that its pixels are the samples × samples rays of an image's pixel (ray.glsl spreads them);
 // 1 where rays leave pixels' centres, or tiles say where.
 ShaderCamera shader_camera(const stage::Camera& camera, uint32_t samples = 1);
 
 // The camera in the space of a performer that stands at `world_from_performer`, which must be invertible (errata 13).
 stage::Camera in_performer(stage::Camera camera, const glm::mat4& world_from_performer);
 
-// Every tile of one picture, row by row.
-std::vector<Tile> tiles_of_picture(uint32_t camera, uint32_t width, uint32_t height);
+// Every tile of one image, row by row.
+std::vector<Tile> tiles_of_image(uint32_t camera, uint32_t width, uint32_t height);
 
 constexpr float kStopTransmittance = 1.0f / 4096;  // changes no 8-bit sRGB value by more than a step, even on black
 

@@ -1,4 +1,4 @@
-// How the rays and pictures of one frame's views stand in their buffers.
+// How the rays and images of one frame's views stand in their buffers.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace neuvv::render {
 
-// Several views of one frame: pictures of one size, whose tiles stand behind each other, all of one view's first.
+// Several views of one frame: images of one size, whose tiles stand behind each other, all of one view's first.
 struct ViewLayout {
     uint32_t width = 0, height = 0;  // pixels
     uint32_t samples = 1;            // rays a pixel, along each side
@@ -21,10 +21,10 @@ struct ViewLayout {
     uint32_t tiles_across() const { return (rays_across() + kTile - 1) / kTile; }  // of rays
     uint32_t tiles_down() const { return (rays_down() + kTile - 1) / kTile; }
     uint32_t ray_tiles() const { return views * tiles_across() * tiles_down(); }
-    uint64_t picture_bytes() const { return uint64_t{4} * width * height * views; }
-    uint32_t pictures_across() const { return (width + kTile - 1) / kTile; }  // tiles of a picture
-    uint32_t pictures_down() const { return (height + kTile - 1) / kTile; }
-    uint32_t picture_tiles() const { return views * pictures_across() * pictures_down(); }
+    uint64_t image_bytes() const { return uint64_t{4} * width * height * views; }
+    uint32_t images_across() const { return (width + kTile - 1) / kTile; }  // tiles of an image
+    uint32_t images_down() const { return (height + kTile - 1) / kTile; }
+    uint32_t image_tiles() const { return views * images_across() * images_down(); }
     bool operator==(const ViewLayout&) const = default;
 };
 

@@ -41,7 +41,7 @@ class Walker {
         walk_.children.reserve(tree.children.size());
         walk_.leaf_cells.resize(tree.leaf_count);
         walk_.node_cells.resize(tree.nodes.size());
-        walk_.leaf_places.resize(tree.leaf_count);
+        walk_.leaf_positions.resize(tree.leaf_count);
         walk_.node_places.resize(tree.nodes.size());
         walk_.inner_cells.resize(tree.nodes.size());
         std::vector<uint32_t> level = {0}, next;
@@ -94,7 +94,7 @@ class Walker {
     void add_leaf(uint32_t entry, glm::uvec2 cells, glm::uvec2 place) {
         walk_.children.push_back(entry);
         walk_.leaf_cells[entry & ~kLeafBit] = cells;
-        walk_.leaf_places[entry & ~kLeafBit] = place;
+        walk_.leaf_positions[entry & ~kLeafBit] = place;
     }
 
     const voctree::VOctree& tree_;
@@ -110,9 +110,9 @@ struct Bounds {
     }
 };
 
-Bounds bounds_of(const std::vector<voctree::LeafPlace>& places, uint32_t levels) {
+Bounds bounds_of(const std::vector<voctree::LeafPosition>& places, uint32_t levels) {
     Bounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
-    for (const voctree::LeafPlace& place : places) {
+    for (const voctree::LeafPosition& place : places) {
         const glm::uvec3 cell(place.x, place.y, place.z);
         const bool finer = place.depth > 2 * levels;
         const uint32_t shift = finer ? place.depth - 2 * levels : 2 * levels - place.depth;
@@ -169,17 +169,17 @@ class TopGrid {
 }  // namespace
 
 WalkTree walk_tree(const voctree::VOctree& tree) {
-    std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     uint32_t finest = 1;
     size_t odd = 0;
-    for (const voctree::LeafPlace& place : places) {
+    for (const voctree::LeafPosition& place : places) {
         finest = std::max(finest, place.depth);
         odd += place.depth % 2;
     }
     const uint32_t above = odd > places.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
     voctree::VOctree rooted;
     rooted.node_levels = (finest + above + 1) / 2;
-    for (voctree::LeafPlace& place : places) place.depth += above;
+    for (voctree::LeafPosition& place : places) place.depth += above;
     voctree::build_nodes(rooted, places);
 
     WalkTree walk = Walker(rooted).take();

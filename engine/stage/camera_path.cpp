@@ -16,7 +16,7 @@ const double kRollFrom = std::sin(5 * std::numbers::pi / 180), kRollFull = std::
 // Turns of the roll from key to key up to which it is interpolated, and beyond which it is not.
 constexpr double kRollTurn = 45 * std::numbers::pi / 180, kMaxRollTurn = 90 * std::numbers::pi / 180;
 
-// An instant on a path: between two keys, with the one before and the one after them.
+// A time on a path: between two keys, with the one before and the one after them.
 struct Place {
     std::array<const CameraPathKey*, 4> keys{};  // null where an open path has ended
     std::array<double, 3> seconds{};             // between them
@@ -200,7 +200,7 @@ glm::dquat orientation_at(const Place& place, Interpolation interpolation) {
     return glm::normalize(turned * exp_of(glm::dvec3(0, 0, 0.5 * weight * roll_weight(turned) * off)));
 }
 
-// Of a picture with this width for one of its height.
+// Of an image with this width for one of its height.
 double vertical_angle(const CameraPathKey& key, double aspect) {
     return key.angle_x ? 2 * std::atan(std::tan(0.5 * *key.angle_x) * key.stretch / aspect) : key.angle_y;
 }

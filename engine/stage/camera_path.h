@@ -1,4 +1,4 @@
-// A camera that moves: keys in time, and the camera at any instant between them.
+// A camera that moves: keys in time, and the camera at any time between them.
 #pragma once
 
 #include <cassert>
@@ -18,7 +18,7 @@ struct CameraPathKey {
     double angle_y = 0.6;                      // the whole vertical angle of view, radians
     std::optional<double> angle_x;             // instead of angle_y where only the horizontal one is known
     double stretch = 1;                        // fx / fy
-    glm::dvec2 shift{0};                       // the principal point, right of and below the middle, in picture heights
+    glm::dvec2 shift{0};                       // the principal point, right of and below the middle, in image heights
     std::optional<double> clip_time;           // of the performance, 0 first frame … 1 last; absent: it just plays
 };
 
@@ -39,7 +39,7 @@ struct CameraPath {
     double fps = 0;                  // likewise
 };
 
-// The camera at an instant, in a picture of this size: the vertical angle of view is the path's. Before the first key
+// The camera at a time, in an image of this size: the vertical angle of view is the path's. Before the first key
 // and after the last an open path rests, a cyclic one goes on.
 //
 // Smooth: positions follow cubic Hermite curves whose velocity at a key is that of the parabola through it and its
@@ -56,7 +56,7 @@ struct CameraPath {
 // Linear: straight lines at constant speed, and constant turns (slerp), level as above.
 Camera camera_at(const CameraPath& path, double time_s, uint32_t width, uint32_t height);
 
-// The clip's instant then, 0 to 1; none between keys of which one has none.
+// The clip's time then, 0 to 1; none between keys of which one has none.
 std::optional<double> clip_time_at(const CameraPath& path, double time_s);
 
 // How far a camera's right side is turned up about its axis of view, −π to π; 0 for a level camera and for one that

@@ -29,8 +29,8 @@ struct PrimitiveLoader {
     std::string place;
     GltfPrimitive out;
 
-    [[noreturn]] void fail(const std::string& where, const std::string& problem, const std::string& mend = "") const {
-        throw InputError(scene.file, place + where, problem, mend);
+    [[noreturn]] void fail(const std::string& where, const std::string& problem, const std::string& fix = "") const {
+        throw InputError(scene.file, place + where, problem, fix);
     }
     int attribute(const std::string& name) const {
         const auto found = source.attributes.find(name);

@@ -233,7 +233,7 @@ void check_version(const Source& source, const json& root) {
 }
 
 // Where a required extension that is unknown comes from.
-std::string mend_of_extension(const std::string& name) {
+std::string fix_of_extension(const std::string& name) {
     for (const char* compression : {"draco", "meshopt", "basisu", "texture_webp", "texture_avif", "texture_dds"})
         if (name.find(compression) != std::string::npos)
             return "export without compression of meshes and textures, which this program does not read";
@@ -252,7 +252,7 @@ void check_extensions(const Source& source, const json& root) {
             known = known || name == ours;
         if (!known)
             throw InputError(source.file, "/extensionsRequired", fmt::format("needs {}, which is not supported", name),
-                             mend_of_extension(name));
+                             fix_of_extension(name));
     }
 }
 

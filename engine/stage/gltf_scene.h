@@ -1,7 +1,7 @@
 // A glTF 2.0 model as plain, validated data: what a reader may index without checking again.
 //
 // Units and spaces are glTF's: metres, +Y up, right-handed, colours of factors and vertices linear, UV from the top
-// left. pose.h evaluates it at an instant.
+// left. pose.h evaluates it at a time.
 #pragma once
 
 #include <array>
@@ -90,7 +90,7 @@ struct GltfMesh {
 // Looks along its node's −Z. A node's scale does not count.
 struct GltfCamera {
     std::string name;
-    bool orthographic = false;      // no picture of ours: kept so that it can be named
+    bool orthographic = false;      // no image of ours: kept so that it can be named
     double vertical_angle_rad = 0;  // of view, 0 where orthographic
 };
 
@@ -150,7 +150,7 @@ struct GltfAnimation {
     std::vector<GltfChannel> channels;
 };
 
-// A picture as its file has it, and its pixels.
+// An image as its file has it, and its pixels.
 struct GltfImage {
     std::vector<uint8_t> encoded;
     media::Image pixels;
@@ -192,7 +192,7 @@ struct GltfScene {
 };
 
 // Reads .gltf (JSON, with buffers and images beside it or in data URIs) or .glb; told apart by content. Throws
-// InputError with file, JSON place, problem and mend for whatever breaks the promises above, for a required extension
+// InputError with file, JSON place, problem and fix for whatever breaks the promises above, for a required extension
 // it does not know, and for URIs that leave the file's folder.
 GltfScene load_gltf(const std::filesystem::path& path);
 // The same for a file's bytes that are not on the disk; what they name is read from beside `path`. Images that `before`

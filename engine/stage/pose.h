@@ -1,4 +1,4 @@
-// A glTF scene at an instant: animation, skinning and morphing on the CPU, in double precision up to the vertices.
+// A glTF scene at a time: animation, skinning and morphing on the CPU, in double precision up to the vertices.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct PosedVertices {
 void pose_vertices(const GltfScene& scene, const PosedScene& pose, uint32_t node, const GltfPrimitive& primitive,
                    PosedVertices& out);
 
-// World-space box around everything drawn at all these instants: min, max. Throws InputError where nothing is drawn or
+// World-space box around everything drawn at all these times: min, max. Throws InputError where nothing is drawn or
 // a position is not finite.
 std::pair<glm::dvec3, glm::dvec3> bounds_over(const GltfScene& scene, int32_t animation,
                                               const std::vector<double>& times_s);

@@ -75,7 +75,7 @@ void read_performers(Stage& stage, bool clips_needed) {
     }
 }
 
-// Of the nodes as they stand; what animations do to them is looked at at each instant.
+// Of the nodes as they stand; what animations do to them is looked at at each time.
 void expect_placeable(const Stage& stage) {
     const std::string file = stage.file.path.string();
     const PosedScene pose = pose_scene(stage.scene, kNoAnimation, 0);

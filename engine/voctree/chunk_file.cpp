@@ -181,9 +181,9 @@ ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind
                                                      : "train it again, or open it with the neuvv that wrote it");
 }
 
-void ChunkReader::fail(const std::string& problem, const std::string& mend) const {
+void ChunkReader::fail(const std::string& problem, const std::string& fix) const {
     const std::string place = open_.name.empty() ? fmt::format("byte {}", position_) : "chunk " + open_.name;
-    throw InputError(path_, place, problem, mend);
+    throw InputError(path_, place, problem, fix);
 }
 
 void ChunkReader::fail_damaged(const std::string& problem) const {

@@ -75,7 +75,7 @@ class ChunkReader {
 
     uint64_t file_bytes() const { return file_bytes_; }
     const std::string& path() const { return path_; }
-    [[noreturn]] void fail(const std::string& problem, const std::string& mend) const;  // at the open chunk
+    [[noreturn]] void fail(const std::string& problem, const std::string& fix) const;  // at the open chunk
     [[noreturn]] void fail_damaged(const std::string& problem) const;
 
   private:

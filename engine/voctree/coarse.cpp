@@ -21,7 +21,7 @@ struct SortedLeaf {
     uint32_t leaf;
 };
 
-std::vector<SortedLeaf> sorted_leaves(const VOctree& tree, const std::vector<LeafPlace>& places) {
+std::vector<SortedLeaf> sorted_leaves(const VOctree& tree, const std::vector<LeafPosition>& places) {
     std::vector<SortedLeaf> sorted(places.size());
     for (uint32_t i = 0; i < places.size(); i++) sorted[i] = {first_cell(places[i], 2 * tree.node_levels), i};
     const auto before = [](const SortedLeaf& a, const SortedLeaf& b) { return a.code < b.code; };
@@ -92,15 +92,15 @@ struct Merger {
     }
 };
 
-VOctree cut_sorted(const VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<SortedLeaf>& sorted,
+VOctree cut_sorted(const VOctree& tree, const std::vector<LeafPosition>& places, const std::vector<SortedLeaf>& sorted,
                    uint32_t depth) {
     const uint32_t below = 3 * (2 * tree.node_levels - depth);
     std::vector<size_t> first;  // of each coarse leaf's in `sorted`, and the end
-    std::vector<LeafPlace> coarse_places;
+    std::vector<LeafPosition> coarse_places;
     for (size_t i = 0; i < sorted.size(); i++) {
         if (i > 0 && sorted[i].code >> below == sorted[i - 1].code >> below) continue;
         first.push_back(i);
-        const LeafPlace& place = places[sorted[i].leaf];
+        const LeafPosition& place = places[sorted[i].leaf];
         const uint32_t finer = place.depth - std::min(place.depth, depth);
         coarse_places.push_back({place.x >> finer, place.y >> finer, place.z >> finer, place.depth - finer});
     }
@@ -142,13 +142,13 @@ VOctree cut_sorted(const VOctree& tree, const std::vector<LeafPlace>& places, co
 }  // namespace
 
 VOctree cut_tree(const VOctree& tree, uint32_t depth) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<LeafPosition> places = leaf_positions(tree);
     return cut_sorted(tree, places, sorted_leaves(tree, places), std::min(depth, 2 * tree.node_levels));
 }
 
 std::optional<VOctree> coarse_tree(const VOctree& tree) {
     if (tree.leaf_count < kCoarseFrom) return std::nullopt;
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<LeafPosition> places = leaf_positions(tree);
     const std::vector<SortedLeaf> sorted = sorted_leaves(tree, places);
     const auto counts = leaves_of_cuts(sorted, 2 * tree.node_levels);
     uint32_t depth = 2 * tree.node_levels;

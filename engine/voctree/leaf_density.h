@@ -1,4 +1,4 @@
-// How dense leaves are in each frame: what decides how much of their numbers a picture shows.
+// How dense leaves are in each frame: what decides how much of their numbers an image shows.
 #pragma once
 
 #include <vector>

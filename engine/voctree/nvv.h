@@ -25,7 +25,7 @@ struct NvvChunk {
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra = {},
                int compression = 3, const std::optional<VOctree>& coarse = std::nullopt);
 
-// Throws InputError naming the file, the chunk and the mend; never trusts a size or an index in the file.
+// Throws InputError naming the file, the chunk and the fix; never trusts a size or an index in the file.
 VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra = nullptr);
 
 // The coarse tree alone, as well checked, from the file's first bytes: the rest is not looked at. Nothing where the

@@ -29,7 +29,7 @@ struct LeafEdit {
     bool operator==(const LeafEdit&) const = default;
 };
 
-// In order of leaf and first frame; of one leaf, no two edits hold at the same instant.
+// In order of leaf and first frame; of one leaf, no two edits hold at the same time.
 struct EditLayer {
     PaintedField field;
     std::vector<LeafEdit> edits;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr uint32_t kMaxDepth = 2 * kMaxNodeLevels;
 constexpr double kY00 = 0.28209479177387814;
-constexpr const char* kMend = "write it with N3Tree.save of svox";
+constexpr const char* kFix = "write it with N3Tree.save of svox";
 
 // An array as it stands in the file.
 struct RawArray {
@@ -35,7 +35,7 @@ struct RawArray {
 };
 
 RawArray read_array(const NpzReader& npz, const std::string& file, const char* name) {
-    if (!npz.has(name)) throw InputError(file, name, "is missing: this is no PlenOctree", kMend);
+    if (!npz.has(name)) throw InputError(file, name, "is missing: this is no PlenOctree", kFix);
     RawArray array;
     array.bytes = npz.bytes(name);
     array.header = parse_npy_header(array.bytes, file, name);
@@ -45,7 +45,7 @@ RawArray read_array(const NpzReader& npz, const std::string& file, const char* n
 glm::vec3 read_vec3(const NpzReader& npz, const std::string& file, const char* name) {
     const RawArray array = read_array(npz, file, name);
     if (array.header.type != "<f4" || array.header.count != 3)
-        throw InputError(file, name, "is not three numbers of type <f4", kMend);
+        throw InputError(file, name, "is not three numbers of type <f4", kFix);
     return {array.at<float>(0), array.at<float>(1), array.at<float>(2)};
 }
 
@@ -56,7 +56,7 @@ PlenoctreeBox read_box(const NpzReader& npz, const std::string& file) {
     for (int axis = 0; axis < 3; ++axis)
         if (!(per_metre[axis] > 0) || !std::isnormal(box.size[axis]) || !std::isfinite(box.min[axis]) ||
             !std::isfinite(box.min[axis] + box.size[axis]))
-            throw InputError(file, "invradius3", "with offset it makes no box of finite size", kMend);
+            throw InputError(file, "invradius3", "with offset it makes no box of finite size", kFix);
     return box;
 }
 
@@ -80,7 +80,7 @@ std::string format_name(const NpzReader& npz, const std::string& file, uint64_t 
     if (!npz.has("data_format")) return data_dim == 4 ? "RGBA" : fmt::format("SH{}", (data_dim - 1) / 3);
     const RawArray text = read_array(npz, file, "data_format");
     if (!text.header.type.starts_with("<U") || text.header.count != 1)
-        throw InputError(file, "data_format", "is no text", kMend);
+        throw InputError(file, "data_format", "is no text", kFix);
     std::string name;
     for (size_t at = text.header.begin; at + 4 <= text.bytes.size() && name.size() < 8; at += 4) {
         uint32_t letter = 0;
@@ -101,15 +101,15 @@ class Plenoctree {
         const auto& of_data = data_.header.shape;
         if (child_.header.type != "<i4" || of_child.size() != 4 || of_child[0] == 0 || of_child[1] != 2 ||
             of_child[2] != 2 || of_child[3] != 2)
-            throw InputError(file, "child", "is not of type <i4 and shape (nodes, 2, 2, 2)", kMend);
+            throw InputError(file, "child", "is not of type <i4 and shape (nodes, 2, 2, 2)", kFix);
         halves_ = data_.header.type == "<f2";
         if ((!halves_ && data_.header.type != "<f4") || of_data.size() != 5 ||
             !std::equal(of_child.begin(), of_child.end(), of_data.begin()) || of_data[4] < 4)
-            throw InputError(file, "data", "is not of type <f2 or <f4 and shape (nodes, 2, 2, 2, numbers)", kMend);
+            throw InputError(file, "data", "is not of type <f2 or <f4 and shape (nodes, 2, 2, 2, numbers)", kFix);
         numbers_ = of_data[4];
         format_ = format_of(format_name(npz, file, numbers_), file);
         if (numbers_ != 3 * format_.numbers + 1)
-            throw InputError(file, "data_format", fmt::format("does not fit {} numbers a leaf", numbers_), kMend);
+            throw InputError(file, "data_format", fmt::format("does not fit {} numbers a leaf", numbers_), kFix);
         reached_.resize(of_child[0]);
         reached_[0] = true;
         visit(0, {0, 0, 0, 0});
@@ -137,9 +137,9 @@ class Plenoctree {
     bool halves_ = true;
     uint64_t numbers_ = 0;  // of a leaf
     Format format_;
-    std::vector<bool> reached_;      // nodes
-    std::vector<LeafPlace> places_;  // of leaves that are seen
-    std::vector<uint64_t> cells_;    // where they stand in `data`
+    std::vector<bool> reached_;         // nodes
+    std::vector<LeafPosition> places_;  // of leaves that are seen
+    std::vector<uint64_t> cells_;       // where they stand in `data`
     uint32_t deepest_ = 1;
 
     std::string name_of(const char* array, uint64_t cell) const {
@@ -157,11 +157,11 @@ class Plenoctree {
 
     // In the order in which ours walks: z is the highest bit of a cell here, the lowest in the file. As deep as the
     // tree at most.
-    void visit(uint64_t node, const LeafPlace& place) {
+    void visit(uint64_t node, const LeafPosition& place) {
         for (uint32_t i = 0; i < 8; ++i) {
             const uint32_t x = i & 1, y = i >> 1 & 1, z = i >> 2;
             const uint64_t cell = 8 * node + 4 * x + 2 * y + z;
-            const LeafPlace at{2 * place.x + x, 2 * place.y + y, 2 * place.z + z, place.depth + 1};
+            const LeafPosition at{2 * place.x + x, 2 * place.y + y, 2 * place.z + z, place.depth + 1};
             if (child_.at<int32_t>(cell) == 0)
                 add_leaf(cell, at);
             else
@@ -170,8 +170,8 @@ class Plenoctree {
     }
 
     uint64_t child_of(uint64_t node, uint64_t cell, uint32_t depth) {
-        const auto fail = [&](const std::string& problem, const char* mend = kMend) {
-            throw InputError(file_, name_of("child", cell), problem, mend);
+        const auto fail = [&](const std::string& problem, const char* fix = kFix) {
+            throw InputError(file_, name_of("child", cell), problem, fix);
         };
         const int64_t child = static_cast<int64_t>(node) + child_.at<int32_t>(cell);
         if (child < 0 || child >= static_cast<int64_t>(reached_.size()))
@@ -184,7 +184,7 @@ class Plenoctree {
         return index;
     }
 
-    void add_leaf(uint64_t cell, const LeafPlace& place) {
+    void add_leaf(uint64_t cell, const LeafPosition& place) {
         if (number(cell, numbers_ - 1) <= 0) return;
         if (places_.size() == kMaxLeaves)
             throw InputError(file_, "child", fmt::format("has more than {} leaves", kMaxLeaves),

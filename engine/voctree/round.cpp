@@ -105,7 +105,7 @@ float rounded_to(float value, float step) {
 }
 
 void round_weights(VOctree& tree, float error) {
-    const std::vector<LeafPlace> places = leaf_places(tree);
+    const std::vector<LeafPosition> places = leaf_positions(tree);
     const std::vector<BasisEntry> sigma_entries = basis_entries(tree.sigma_basis, tree.bases);
     const std::vector<BasisEntry> gamma_entries = basis_entries(tree.gamma_basis, tree.bases);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {

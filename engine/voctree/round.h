@@ -1,4 +1,4 @@
-// Weights on grids as coarse as pictures allow: numbers with few digits pack into few bytes (pack.h).
+// Weights on grids as coarse as images allow: numbers with few digits pack into few bytes (pack.h).
 #pragma once
 
 #include "voctree/voctree.h"

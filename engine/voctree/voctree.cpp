@@ -53,10 +53,10 @@ struct PlacedLeaf {
     uint32_t depth;
 };
 
-std::vector<PlacedLeaf> sort_places(const std::vector<LeafPlace>& places, uint32_t finest_depth) {
+std::vector<PlacedLeaf> sort_places(const std::vector<LeafPosition>& places, uint32_t finest_depth) {
     std::vector<PlacedLeaf> placed(places.size());
     for (size_t i = 0; i < places.size(); ++i) {
-        const LeafPlace& place = places[i];
+        const LeafPosition& place = places[i];
         assert(place.depth >= 1 && place.depth <= finest_depth && "leaf depth must fit node_levels");
         assert(std::max({place.x, place.y, place.z}) >> place.depth == 0 && "leaf must lie inside the box");
         placed[i] = {first_cell(place, finest_depth), static_cast<uint32_t>(i), place.depth};
@@ -69,12 +69,12 @@ std::vector<PlacedLeaf> sort_places(const std::vector<LeafPlace>& places, uint32
 }
 
 // A node on a walk: where its first cell lies, in cells of the depth above its own cells (0..4^level−1).
-struct NodePlace {
+struct NodeTransform {
     uint32_t node;
     uint32_t x, y, z;
 };
 
-NodePlace child_place(const NodePlace& parent, uint32_t node, uint32_t cell) {
+NodeTransform child_place(const NodeTransform& parent, uint32_t node, uint32_t cell) {
     const uint32_t x = (cell & 1) | (cell >> 2 & 2);
     const uint32_t y = (cell >> 1 & 1) | (cell >> 3 & 2);
     const uint32_t z = (cell >> 2 & 1) | (cell >> 4 & 2);
@@ -83,11 +83,11 @@ NodePlace child_place(const NodePlace& parent, uint32_t node, uint32_t cell) {
 
 }  // namespace
 
-uint64_t first_cell(const LeafPlace& place, uint32_t finest_depth) {
+uint64_t first_cell(const LeafPosition& place, uint32_t finest_depth) {
     return morton_code(place.x, place.y, place.z) << (3 * (finest_depth - place.depth));
 }
 
-void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places) {
+void build_nodes(VOctree& tree, const std::vector<LeafPosition>& places) {
     assert(tree.node_levels >= 1 && tree.node_levels <= kMaxNodeLevels);
     assert(places.size() <= kMaxLeaves);
     const std::vector<PlacedLeaf> placed = sort_places(places, 2 * tree.node_levels);
@@ -128,30 +128,30 @@ void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places) {
     }
 }
 
-void build_topology(VOctree& tree, const std::vector<LeafPlace>& places) {
+void build_topology(VOctree& tree, const std::vector<LeafPosition>& places) {
     build_nodes(tree, places);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0.0f);
 }
 
-void replace_leaves(VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<const float*>& from) {
+void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& places, const std::vector<const float*>& from) {
     assert(places.size() == from.size());
     const std::vector<float> old = std::move(tree.weights);  // where `from` may point
     build_topology(tree, places);
     for (uint32_t i = 0; i < tree.leaf_count; ++i) std::copy_n(from[i], tree.weights_per_leaf(), tree.leaf(i));
 }
 
-std::vector<LeafPlace> leaf_places(const VOctree& tree) {
-    std::vector<LeafPlace> places(tree.leaf_count);
-    std::vector<NodePlace> level_nodes = {{0, 0, 0, 0}}, next;
+std::vector<LeafPosition> leaf_positions(const VOctree& tree) {
+    std::vector<LeafPosition> places(tree.leaf_count);
+    std::vector<NodeTransform> level_nodes = {{0, 0, 0, 0}}, next;
     for (uint32_t level = 0; !level_nodes.empty(); ++level, level_nodes.swap(next), next.clear()) {
-        for (const NodePlace& here : level_nodes) {
+        for (const NodeTransform& here : level_nodes) {
             const TreeNode& node = tree.nodes[here.node];
             const uint64_t mask = mask_of(node);
             size_t slot = node.first_child;
             for (uint32_t cell = 0; cell < 64; ++cell) {
                 if (!(mask >> cell & 1)) continue;
                 const uint32_t entry = tree.children[slot];
-                const NodePlace place = child_place(here, entry & ~kLeafBit, cell);
+                const NodeTransform place = child_place(here, entry & ~kLeafBit, cell);
                 if (!(entry & kLeafBit)) {
                     next.push_back(place);
                     ++slot;

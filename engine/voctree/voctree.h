@@ -47,26 +47,26 @@ struct VOctree {
 };
 
 // One leaf's place: cell coordinates at its own depth (0..2^depth−1 on each axis) and octree depth (1..2·node_levels).
-struct LeafPlace {
+struct LeafPosition {
     uint32_t x, y, z;
     uint32_t depth;
 };
 
 // Morton code of a place's first cell at the finest depth (at least the place's own): the order of leaves on walks.
-uint64_t first_cell(const LeafPlace& place, uint32_t finest_depth);
+uint64_t first_cell(const LeafPosition& place, uint32_t finest_depth);
 
 // Builds nodes and children of a tree whose leaf i stands at places[i]. Places must not overlap and must fit
 // node_levels (assert). Weights are left to the caller (resized, zero).
-void build_topology(VOctree& tree, const std::vector<LeafPlace>& places);
+void build_topology(VOctree& tree, const std::vector<LeafPosition>& places);
 
 // The same but for the weights, which stay as they are.
-void build_nodes(VOctree& tree, const std::vector<LeafPlace>& places);
+void build_nodes(VOctree& tree, const std::vector<LeafPosition>& places);
 
 // The inverse: where each leaf stands, by leaf index.
-std::vector<LeafPlace> leaf_places(const VOctree& tree);
+std::vector<LeafPosition> leaf_positions(const VOctree& tree);
 
 // build_topology, where leaf i takes the weights at `from[i]`, which may point into the tree's own.
-void replace_leaves(VOctree& tree, const std::vector<LeafPlace>& places, const std::vector<const float*>& from);
+void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& places, const std::vector<const float*>& from);
 
 // Index of the leaf that holds this tree-space position in [0,1)³, or UINT32_MAX where it is empty.
 uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree);

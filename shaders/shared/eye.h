@@ -1,11 +1,11 @@
-// What goes to a headset: both eyes' pictures with their depth, and over them what hands hold and point with.
+// What goes to a headset: both eyes' images with their depth, and over them what hands hold and point with.
 #ifndef NEUVV_SHARED_EYE_H
 #define NEUVV_SHARED_EYE_H
 #include "shared/types.h"
 
 NEUVV_SHARED
 
-CONSTEXPR uint kEyePicture = 0u;   // as resolve.comp leaves it, the left eye's first
+CONSTEXPR uint kEyeImage = 0u;     // as resolve.comp leaves it, the left eye's first
 CONSTEXPR uint kEyeRadiance = 1u;  // and the rays that it is of
 CONSTEXPR uint kEyeDepth = 2u;
 CONSTEXPR uint kEyeCameras = 3u;

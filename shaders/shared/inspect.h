@@ -1,4 +1,4 @@
-// Inspecting rays: what a walk was like in place of the light that it gathered, and the pass that makes pictures
+// Inspecting rays: what a walk was like in place of the light that it gathered, and the pass that makes images
 // of it.
 //
 // An instance that is traced into kIntoInspect (shared/trace.h) leaves in the rays' buffers
@@ -18,7 +18,7 @@ CONSTEXPR float kInspectAlpha = 0.5f;
 CONSTEXPR uint kInspectRays = 0u;
 CONSTEXPR uint kInspectDepth = 1u;
 CONSTEXPR uint kInspectCameras = 2u;  // as kTraceCameras
-CONSTEXPR uint kInspectPicture = 3u;  // as kResolvePicture
+CONSTEXPR uint kInspectImage = 3u;    // as kResolveImage
 
 struct InspectPush {
     uint width;

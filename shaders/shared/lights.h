@@ -43,7 +43,7 @@ struct ShaderLights {
     // x²−y².
     vec4 irradiance[9];
     vec4 ambient;      // constant light from around; part of irradiance, too
-    vec4 environment;  // x: factor of the picture, 0 without one; y: last mip level; z, w: cosine, sine of its rotation
+    vec4 environment;  // x: factor of the image, 0 without one; y: last mip level; z, w: cosine, sine of its rotation
     uint count;        // of lights
     uint set_shadows;  // 0: the set casts none
     uint performer_shadows;

@@ -6,7 +6,7 @@
 //
 // Parameters are one array of floats, in this order:
 //   hidden layers: matrices (inputs + 1) × width, row k all that input k says, the last row the bias
-//   head:          (width + 1) × heads, not learnt: the output layer folded with the rows A_t and B_t of one instant,
+//   head:          (width + 1) × heads, not learnt: the output layer folded with the rows A_t and B_t of one time,
 //                  columns σ, γ, then w^HH as in the output layer, then zeros
 //   output layer:  (width + 1) × outputs, columns in the order of a leaf's weights (voctree.h)
 //   A, B:          frames × bases each

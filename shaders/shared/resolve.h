@@ -1,4 +1,4 @@
-// The resolve pass: rays in tile order → an 8-bit sRGB picture in rows. A pixel is the mean of samples × samples rays.
+// The resolve pass: rays in tile order → an 8-bit sRGB image in rows. A pixel is the mean of samples × samples rays.
 // The upscale pass: the same where rays are fewer than pixels.
 #ifndef NEUVV_SHARED_RESOLVE_H
 #define NEUVV_SHARED_RESOLVE_H
@@ -8,12 +8,12 @@ NEUVV_SHARED
 
 CONSTEXPR uint kResolveRadiance = 0u;
 CONSTEXPR uint kResolveDepth = 1u;
-CONSTEXPR uint kResolvePicture = 2u;  // one R8G8B8A8 word a pixel
+CONSTEXPR uint kResolveImage = 2u;  // one R8G8B8A8 word a pixel
 
 CONSTEXPR uint kResolveTiles = 3u;  // where only some are resolved: those, then kNoTile
 
 CONSTEXPR uint kResolveCameras = 4u;  // as kTraceCameras
-// The set's pictures (render/set_raster.h): as many texels as rays a pixel, one a pixel where rays are fewer
+// The set's images (render/set_raster.h): as many texels as rays a pixel, one a pixel where rays are fewer
 CONSTEXPR uint kResolveSetColour = 5u;
 CONSTEXPR uint kResolveSetFront = 6u;
 CONSTEXPR uint kResolveSetDepth = 7u;
@@ -26,7 +26,7 @@ CONSTEXPR uint kShowLevel = 3u;  // these by inspect.comp
 CONSTEXPR uint kShowCost = 4u;
 
 struct ResolvePush {
-    vec4 background;  // linear RGB; w: its opacity, 0 for a transparent picture
+    vec4 background;  // linear RGB; w: its opacity, 0 for a transparent image
     uint width;
     uint height;
     uint show;

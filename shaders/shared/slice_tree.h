@@ -57,7 +57,7 @@ struct SliceEntriesPush {
 // shade.comp
 CONSTEXPR uint kShadeEntries = 0u;
 CONSTEXPR uint kShadeLeaves = 1u;
-CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_places
+CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_positions
 CONSTEXPR uint kShadeCount = 3u;   // as kNodesCount
 CONSTEXPR uint kShadeOut = 4u;
 
@@ -87,7 +87,7 @@ CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the 
 // A camera as places go to pixels, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for the
 // pixel x, y that sees p. Four texels.
 struct RangeView {
-    vec4 eye;  // metres; w: the picture's farthest place of z = 1 is so many metres away
+    vec4 eye;  // metres; w: the image's farthest place of z = 1 is so many metres away
     vec4 row_x;
     vec4 row_y;
     vec4 row_z;

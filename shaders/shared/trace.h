@@ -30,7 +30,7 @@ CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
 CONSTEXPR uint kTracePages = 16u;  // shared/segments.h
 CONSTEXPR uint kTraceHeads = 17u;
-CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel of the set's picture each
+CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel of the set's image each
 CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
 CONSTEXPR uint kTraceSetShadows = 20u;
 CONSTEXPR uint kTracePerformerShadows = 21u;
@@ -47,19 +47,19 @@ CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11
 CONSTEXPR uint kIntoSegments = 3u;
 CONSTEXPR uint kIntoInspect = 4u;  // no light, but what the walk was like (shared/inspect.h)
 
-// Where the rays of an axis stand in the picture: as dense as the slopes say before, inside and beyond an inset
+// Where the rays of an axis stand in the image: as dense as the slopes say before, inside and beyond an inset
 // (grid.glsl).
 struct GridAxis {
     vec4 knots;   // the rays and the pixels at which the inset begins and ends: ray, ray, pixel, pixel
     vec4 slopes;  // pixels a ray before, inside and beyond it
 };
 
-// Place (x, y) of the picture, in pixels, is seen along normalize(corner + x·right + y·down), world space.
+// Place (x, y) of the image, in pixels, is seen along normalize(corner + x·right + y·down), world space.
 struct ShaderCamera {
     vec4 origin;
     vec4 right;   // w: rays across
     vec4 down;    // w: rays down
-    vec4 corner;  // w: rays of a picture's pixel along each side, which are pixels here
+    vec4 corner;  // w: rays of an image's pixel along each side, which are pixels here
     GridAxis across;
     GridAxis downwards;
 };
@@ -84,7 +84,7 @@ struct TracePush {
     uint first_camera;   // of the instance's, one a view; before them stand the world's
     uint first_tile;     // of those that are traced, and their end
     uint end_tile;
-    uint set_width;     // texels of the set's picture, in rows; 0: there is no set
+    uint set_width;     // texels of the set's image, in rows; 0: there is no set
     uint set_texels;    // of a view
     uint lighting;      // of kLit, kShadowed
     uint levels_above;  // Field::levels_above

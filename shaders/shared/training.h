@@ -57,7 +57,7 @@ CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
 // smooth.comp: the bindings of trace.comp but for rays and radiance, and
 CONSTEXPR uint kSmoothLeaves = 4u;     // per slot: its leaf
-CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: as Field::leaf_places
+CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: as Field::leaf_positions
 CONSTEXPR uint kSmoothTouched = 6u;    // slots to run over
 CONSTEXPR uint kSmoothCount = 7u;      // how many
 CONSTEXPR uint kSmoothGradients = 8u;  // as kTraceGradients
@@ -82,7 +82,7 @@ CONSTEXPR uint kAdjointReach = 7u;        // read and cleared
 CONSTEXPR uint kAdjointLeafUse = 8u;      // per leaf since the tree last changed: largest blending weight, sum of pulls
 CONSTEXPR uint kAdjointPartials = 9u;     // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
 CONSTEXPR uint kAdjointLeafFrames = 11u;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
-CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as Field::leaf_places
+CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as Field::leaf_positions
 CONSTEXPR uint kAdjointHead = 13u;        // the slice, kept as the moved weights have it: as kSliceHead
 CONSTEXPR uint kAdjointSh = 14u;          // as kSliceSh
 

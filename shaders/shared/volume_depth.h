@@ -8,7 +8,7 @@ NEUVV_SHARED
 CONSTEXPR uint kVolumeRadiance = 0u;
 CONSTEXPR uint kVolumeDepth = 1u;
 CONSTEXPR uint kVolumeCameras = 2u;  // as kTraceCameras
-CONSTEXPR uint kVolumeOut = 3u;      // r32f, a texel of the set's picture each
+CONSTEXPR uint kVolumeOut = 3u;      // r32f, a texel of the set's image each
 
 struct VolumeDepthPush {
     uint width;  // texels of a view

@@ -82,7 +82,7 @@ TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
     const nlohmann::json rival = json_of(command)["rival"];
     for (const char* pass : {"project", "sort", "composite"}) EXPECT_GT(rival["passes_ms"][pass], 0.0) << pass;
     EXPECT_GT(rival["pairs"], 10.0);
-    EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same picture";
+    EXPECT_GT(rival["psnr_db"], 60.0) << "the same samples make the same image";
     EXPECT_LT(rival["mean_difference_of_255"], 0.01);
     expect_refused({"render", scene, "--rival", "splats"}, 2, {"--rival"});
 }

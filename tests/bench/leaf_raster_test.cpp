@@ -27,7 +27,7 @@ struct Rays {
     std::vector<float> depth;
 };
 
-// A tree of one instant, drawn both ways.
+// A tree of one time, drawn both ways.
 class Drawn {
   public:
     Drawn(const gpu::Device& device, const voctree::VOctree& tree, uint32_t width, uint32_t height,
@@ -36,7 +36,7 @@ class Drawn {
           live(device, field, field.leaf_count),
           trees(device, field, render::most_entries(field), 2),
           shaded(render::shaded_entries(device, trees.capacity)),
-          tiles(render::tiles_of_picture(0, width, height)),
+          tiles(render::tiles_of_image(0, width, height)),
           target(device, 1, static_cast<uint32_t>(tiles.size()), 1),
           rays(target.rays),
           rasterizer(device, field, trees, shaded, rays, pairs),
@@ -122,10 +122,10 @@ size_t ray_of_pixel(uint32_t x, uint32_t y, uint32_t width) {
     return (size_t{y / kTile} * across + x / kTile) * kTilePixels + y % kTile * kTile + x % kTile;
 }
 
-// Rays beyond the picture's edges see nothing.
+// Rays beyond the image's edges see nothing.
 Rays shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, size_t rays) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, kFrame);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Rays truth{std::vector<glm::vec4>(rays, glm::vec4(0)), std::vector<float>(rays, INFINITY)};
     for (uint32_t y = 0; y < camera.height; y++)

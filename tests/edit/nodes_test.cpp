@@ -4,8 +4,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "edit/operations.h"
+#include "stage/evaluated_stage.h"
 #include "stage/stage.h"
-#include "stage/stage_instant.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
 
@@ -62,10 +62,10 @@ TEST_F(Nodes, ACameraSeesWhatItWasMadeFor) {
     EXPECT_NE(edit::add_camera(file, "", 0.5, world_from_camera).find("\"camera\" (node 6)"), std::string::npos);
     edit::add_camera(file, "Camera", 0.6, glm::dmat4(1));
     const stage::Stage now = stage();
-    const stage::StageInstant instant = stage::stage_at(now, 0);
-    ASSERT_EQ(instant.cameras.size(), 3u);
-    EXPECT_EQ(instant.cameras[2].name, "Camera 2");
-    const stage::Camera camera = stage::camera_of(now, "camera", instant, 200, 100);
+    const stage::EvaluatedStage evaluated = stage::stage_at(now, 0);
+    ASSERT_EQ(evaluated.cameras.size(), 3u);
+    EXPECT_EQ(evaluated.cameras[2].name, "Camera 2");
+    const stage::Camera camera = stage::camera_of(now, "camera", evaluated, 200, 100);
     for (int c = 0; c < 4; ++c) EXPECT_LT(glm::length(camera.world_from_camera[c] - world_from_camera[c]), 1e-12) << c;
     EXPECT_NEAR(camera.fy, 50 / std::tan(0.25), 1e-9);
     edit::remove_node(file, node("camera"));
@@ -79,7 +79,7 @@ TEST_F(Nodes, ASharedCameraBecomesTheNodesOwn) {
     edit::set_camera(file, node("Pivot"), 0.25);
     const auto angle = [&](const char* name) {
         const stage::Stage now = stage();
-        for (const stage::InstantCamera& camera : stage::stage_at(now, 0).cameras)
+        for (const stage::EvaluatedCamera& camera : stage::stage_at(now, 0).cameras)
             if (camera.name == name) return camera.vertical_angle_rad;
         return 0.0;
     };
@@ -105,11 +105,11 @@ TEST_F(Nodes, ShownAndHidden) {
     }
     EXPECT_TRUE(edit::is_shown(file, node("Sun"))) << "what hangs on a hidden node says nothing itself";
     stage::Stage now = stage();
-    stage::StageInstant instant = stage::stage_at(now, 0);
-    EXPECT_FALSE(instant.performers[0].visible);
-    EXPECT_TRUE(instant.lights.empty());
+    stage::EvaluatedStage evaluated = stage::stage_at(now, 0);
+    EXPECT_FALSE(evaluated.performers[0].visible);
+    EXPECT_TRUE(evaluated.lights.empty());
     EXPECT_FALSE(now.scene.nodes[node("Floor")].draws_mesh());
-    EXPECT_EQ(instant.cameras.size(), 1u);
+    EXPECT_EQ(evaluated.cameras.size(), 1u);
     for (const char* name : {"Pivot", "Anna", "Floor", "Spot"}) edit::show_node(file, node(name), true);
     EXPECT_EQ(file.json, before);
     edit::show_node(file, node("Pivot"), false);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "stage/evaluated_stage.h"
 #include "stage/stage.h"
-#include "stage/stage_instant.h"
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"
 
@@ -27,9 +27,9 @@ struct Edits : testing::Test {
         return stage::make_stage(file);
     }
     ordered_json& node(const std::string& name) { return file.json.edit("nodes")[edit::find_node(file, name)]; }
-    const stage::InstantPerformer performer(const std::string& name, double t = 0) const {
+    const stage::EvaluatedPerformer performer(const std::string& name, double t = 0) const {
         const stage::Stage now = stage();
-        for (const stage::InstantPerformer& at : stage::stage_at(now, t).performers)
+        for (const stage::EvaluatedPerformer& at : stage::stage_at(now, t).performers)
             if (now.performers[at.performer].name == name) return at;
         throw std::runtime_error("no performer " + name);
     }
@@ -51,11 +51,11 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
         stage::StageFile made = edit::new_stage(at(name));
         stage::save_stage_file(made, at(name));
         const stage::Stage stage = stage::load_stage(at(name));
-        const stage::StageInstant instant = stage::stage_at(stage, 0);
-        ASSERT_EQ(instant.lights.size(), 1u);
-        const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - instant.lights[0].position;
-        expect_near(instant.lights[0].direction, glm::normalize(to_middle));
-        const stage::Camera camera = stage::camera_of(stage, "camera", instant, 64, 64);
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+        ASSERT_EQ(evaluated.lights.size(), 1u);
+        const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - evaluated.lights[0].position;
+        expect_near(evaluated.lights[0].direction, glm::normalize(to_middle));
+        const stage::Camera camera = stage::camera_of(stage, "camera", evaluated, 64, 64);
         expect_near(front(camera.world_from_camera),
                     glm::normalize(place(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
         ASSERT_EQ(stage.scene.meshes.size(), 1u);
@@ -182,13 +182,13 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
     const glm::dvec3 middle(0, 0.5, 1);
     std::set<std::pair<int, int>> places;
     for (int i = 0; i < 6; ++i) {
-        const stage::InstantPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
+        const stage::EvaluatedPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
         const glm::dvec3 out = place(copy.world_from_performer) - middle;
         EXPECT_NEAR(glm::length(out), 2, 1e-6);
         expect_near(front(copy.world_from_performer), glm::normalize(out));
         EXPECT_NEAR(out.y, 0, 1e-9);
         places.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
-        const stage::InstantPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
+        const stage::EvaluatedPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
         EXPECT_EQ(later.frame, 5 - i);
     }
     EXPECT_EQ(places.size(), 6u);
@@ -210,7 +210,7 @@ TEST_F(Edits, CopiesOfALoopRunFromTheStart) {
         const double pace = time == "loop" ? 1 : 2;  // stage frames a frame of the clip
         for (int i = 0; i < 5; ++i)
             for (const int frame : {0, 1, 5, 30}) {
-                const stage::InstantPerformer copy =
+                const stage::EvaluatedPerformer copy =
                     performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), frame * pace / 25);
                 EXPECT_EQ(copy.frame, (frame + 70 - 2 * i) % 7) << time << " copy " << i << " at " << frame;
             }

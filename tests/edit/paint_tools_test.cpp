@@ -33,7 +33,7 @@ TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
             const std::vector<float> sigma = edit::densities(canvas, frame);
             for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
                 EXPECT_NEAR(sigma[leaf], truth[leaf].sigma, 1e-4);
-                const glm::vec3 colour = edit::mean_colour(tree, edit::InstantRows(tree, frame), leaf);
+                const glm::vec3 colour = edit::mean_colour(tree, edit::RowsAtTime(tree, frame), leaf);
                 for (int c = 0; c < 3; c++) {
                     const double k = truth[leaf].k[static_cast<size_t>(c)][0];
                     EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
@@ -173,7 +173,7 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
             if (found == edits.end()) continue;
             live++;
             changing += found->first > 1 && found->last < 5;
-            const glm::vec3 want = edit::shifted(edit::mean_colour(tree, edit::InstantRows(tree, frame), leaf), shift);
+            const glm::vec3 want = edit::shifted(edit::mean_colour(tree, edit::RowsAtTime(tree, frame), leaf), shift);
             for (int c = 0; c < 3; c++)
                 EXPECT_NEAR(std::sqrt(found->colour[c]), std::sqrt(want[c]), 0.0601) << leaf << " at " << frame;
         }
@@ -230,7 +230,7 @@ std::vector<Standing> standings() {
     return all;
 }
 
-// In the world, where figure_camera stands in the performer's space; the figure just fills the picture.
+// In the world, where figure_camera stands in the performer's space; the figure just fills the image.
 stage::Camera camera_before(const Standing& standing, uint32_t side) {
     const auto at = [&](const glm::dvec3& place) {
         return glm::dvec3(standing.world_from_performer * glm::dvec4(place, 1));
@@ -247,7 +247,7 @@ stage::Camera camera_before(const Standing& standing, uint32_t side) {
     return camera;
 }
 
-// What is wrong with a picture of columns projected from a camera, as rays of the reference see it.
+// What is wrong with an image of columns projected from a camera, as rays of the reference see it.
 struct ProjectionFaults {
     uint32_t seen = 0, holes = 0, wrong = 0, behind = 0;
 };
@@ -294,7 +294,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
 }
 
 // Whatever the camera sees with its rays is painted, whether pixels are finer than leaves or coarser, and however the
-// performer stands before it; what lies behind the surface is not; and colours are those of the picture where the
+// performer stands before it; what lies behind the surface is not; and colours are those of the image where the
 // leaf's middle is seen.
 TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const voctree::VOctree tree = figure_tree();
@@ -326,7 +326,7 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     EXPECT_GT(faults.holes + faults.wrong, faults.seen / 10);
 }
 
-// A pixel of the world's picture picks the leaf that its ray meets, at the place where it does.
+// A pixel of the world's image picks the leaf that its ray meets, at the place where it does.
 TEST_F(ToolsTest, PicksWhereThePerformerStands) {
     voctree::VOctree tree = figure_tree();
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);

@@ -7,7 +7,7 @@
 
 #include "edit/history.h"
 #include "edit/operations.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
 

@@ -55,7 +55,7 @@ std::vector<std::string> all() {
     return maps;
 }
 
-// Odd instants, away from where loops begin anew.
+// Odd times, away from where loops begin anew.
 std::vector<double> instants(double first, double last, double step = 0.37) {
     std::vector<double> times;
     for (double t = first + 0.0123; t < last; t += step) times.push_back(t);

@@ -13,7 +13,7 @@ stage::TimeMap map_of(const std::string& text) {
     return stage::parse_time_map(text, "test", "time");
 }
 
-// Three performers of one clip of 50 pictures at 25, one of another; one more hangs on no scene.
+// Three performers of one clip of 50 images at 25, one of another; one more hangs on no scene.
 stage::StageFile some_stage() {
     return stage::make_stage_file("/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
         "extensionsUsed": ["NEUVV_performer"],

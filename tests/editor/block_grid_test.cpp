@@ -10,11 +10,11 @@ namespace {
 constexpr double kTarget_ms = 40;
 
 struct Drawn {
-    double all_ms = 0, slowest_ms = 0;  // of the grid that the picture was finished with
+    double all_ms = 0, slowest_ms = 0;  // of the grid that the image was finished with
     uint32_t side = 0, begun = 1;       // how often
 };
 
-// A picture whose pixels take full_ms, and each block fixed_ms.
+// An image whose pixels take full_ms, and each block fixed_ms.
 Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1) {
     grid.begin(least);
     Drawn drawn{0, 0, grid.side()};

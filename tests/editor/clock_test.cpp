@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Four seconds of 25 pictures each, playing from 0.
+// Four seconds of 25 images each, playing from 0.
 editor::StageClock playing_clock() {
     editor::StageClock clock;
     clock.set_stage(4, 25);
@@ -23,10 +23,10 @@ TEST(Playback, PlaysTheWholeStageAgainAndAgain) {
     editor::StageClock clock = playing_clock();
     EXPECT_EQ(clock.in_s(), 0);
     EXPECT_EQ(clock.out_s(), 4);
-    EXPECT_EQ(clock.pictures(), 100);
+    EXPECT_EQ(clock.images(), 100);
     clock.tick(1.5);
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.5);
-    EXPECT_EQ(clock.picture(), 37);
+    EXPECT_EQ(clock.image(), 37);
     clock.tick(3);
     EXPECT_DOUBLE_EQ(clock.time_s(), 0.5) << "what was left of the step goes on";
     clock.playing = false;
@@ -123,7 +123,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
     clock.scrub(1.5);
     clock.tick(0.6);
     EXPECT_FALSE(clock.playing);
-    EXPECT_DOUBLE_EQ(clock.time_s(), 1.96) << "the last picture of the range";
+    EXPECT_DOUBLE_EQ(clock.time_s(), 1.96) << "the last image of the range";
     clock.playing = true;
     clock.speed = -1;
     clock.tick(5);
@@ -133,7 +133,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
 
 TEST(Playback, StepsFromPictureToPicture) {
     editor::StageClock clock = playing_clock();
-    clock.tick(0.99);  // between picture 24 and 25
+    clock.tick(0.99);  // between image 24 and 25
     clock.step(1);
     EXPECT_FALSE(clock.playing);
     EXPECT_EQ(clock.time_s(), 25 / 25.0);
@@ -143,22 +143,22 @@ TEST(Playback, StepsFromPictureToPicture) {
     for (int i = 0; i < 1000; ++i) clock.step(1);
     EXPECT_EQ(clock.time_s(), 24 / 25.0) << "ten rounds, exactly";
     clock.step(-25);
-    EXPECT_EQ(clock.picture(), 99);
+    EXPECT_EQ(clock.image(), 99);
     clock.step(1);
-    EXPECT_EQ(clock.picture(), 0);
+    EXPECT_EQ(clock.image(), 0);
 }
 
 TEST(Playback, StepsReachEveryPictureOfUnevenRates) {
     editor::StageClock clock;
     clock.set_stage(1001 * 3 / 30000.0 * 10, 30000 / 1001.0);
-    ASSERT_EQ(clock.pictures(), 30);
+    ASSERT_EQ(clock.images(), 30);
     for (int64_t i = 1; i <= 60; ++i) {
         clock.step(1);
-        ASSERT_EQ(clock.picture(), i % 30);
+        ASSERT_EQ(clock.image(), i % 30);
     }
     for (int64_t i = 1; i <= 60; ++i) {
         clock.step(-1);
-        ASSERT_EQ(clock.picture(), (60 - i) % 30);
+        ASSERT_EQ(clock.image(), (60 - i) % 30);
     }
 }
 
@@ -167,19 +167,19 @@ TEST(Playback, StepsStayInTheRange) {
     clock.set_range(1, 2);
     clock.scrub(1);
     clock.step(-1);
-    EXPECT_EQ(clock.picture(), 49);
+    EXPECT_EQ(clock.image(), 49);
     clock.step(2);
-    EXPECT_EQ(clock.picture(), 26);
+    EXPECT_EQ(clock.image(), 26);
     clock.loops = false;
     clock.step(1000);
-    EXPECT_EQ(clock.picture(), 49);
+    EXPECT_EQ(clock.image(), 49);
     clock.step(-1000);
-    EXPECT_EQ(clock.picture(), 25);
+    EXPECT_EQ(clock.image(), 25);
     clock.scrub(3);
     clock.step(1);
-    EXPECT_EQ(clock.picture(), 76) << "outside, the stage's ends hold";
+    EXPECT_EQ(clock.image(), 76) << "outside, the stage's ends hold";
     clock.step(1000);
-    EXPECT_EQ(clock.picture(), 99);
+    EXPECT_EQ(clock.image(), 99);
 }
 
 TEST(Playback, RangesAreCutToTheStage) {
@@ -189,7 +189,7 @@ TEST(Playback, RangesAreCutToTheStage) {
     EXPECT_EQ(clock.out_s(), 4);
     clock.set_range(2, 2);
     EXPECT_EQ(clock.in_s(), 2);
-    EXPECT_DOUBLE_EQ(clock.out_s(), 2.04) << "a picture at least";
+    EXPECT_DOUBLE_EQ(clock.out_s(), 2.04) << "an image at least";
     clock.set_range(4, 4);
     EXPECT_DOUBLE_EQ(clock.in_s(), 3.96);
     EXPECT_DOUBLE_EQ(clock.out_s(), 4);
@@ -208,7 +208,7 @@ TEST(Playback, AnotherDurationKeepsWhatItCan) {
     EXPECT_EQ(clock.in_s(), 1);
     EXPECT_EQ(clock.out_s(), 2);
     EXPECT_EQ(clock.time_s(), 2);
-    EXPECT_EQ(clock.picture(), 59);
+    EXPECT_EQ(clock.image(), 59);
 }
 
 TEST(Playback, AStageWithoutDurationStandsStill) {
@@ -219,8 +219,8 @@ TEST(Playback, AStageWithoutDurationStandsStill) {
     clock.step(3);
     clock.scrub(5);
     EXPECT_EQ(clock.time_s(), 0);
-    EXPECT_EQ(clock.picture(), 0);
-    EXPECT_EQ(clock.pictures(), 1);
+    EXPECT_EQ(clock.image(), 0);
+    EXPECT_EQ(clock.images(), 1);
     clock.set_stage(2, 25);
     EXPECT_EQ(clock.out_s(), 2);
 }
@@ -263,7 +263,7 @@ TEST(Playback, PlaysAnewFromWhereItWouldStop) {
     clock.speed = -1;
     clock.scrub(0);
     clock.play_or_pause();
-    EXPECT_DOUBLE_EQ(clock.time_s(), 3.96) << "backwards from the last picture";
+    EXPECT_DOUBLE_EQ(clock.time_s(), 3.96) << "backwards from the last image";
     clock.playing = false;
     clock.loops = true;
     clock.scrub(0);

@@ -11,7 +11,7 @@
 namespace neuvv {
 namespace {
 
-// A device whose pictures cost fixed + full · scale², each off by up to `noise` of that.
+// A device whose images cost fixed + full · scale², each off by up to `noise` of that.
 struct Simulated {
     double fixed_ms, full_ms, noise = 0;
     std::mt19937 random{7};
@@ -25,10 +25,10 @@ struct Simulated {
     }
 };
 
-// The scales of so many pictures.
-std::vector<double> draw(editor::DynamicScale& control, Simulated& device, int pictures) {
+// The scales of so many images.
+std::vector<double> draw(editor::DynamicScale& control, Simulated& device, int images) {
     std::vector<double> scales;
-    for (int i = 0; i < pictures; ++i) {
+    for (int i = 0; i < images; ++i) {
         scales.push_back(control.scale());
         control.drawn(control.scale(), device.milliseconds(control.scale()));
     }

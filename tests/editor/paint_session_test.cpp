@@ -158,7 +158,7 @@ TEST_F(PaintSessions, ProjectAsEditDoes) {
     EXPECT_EQ(every.layer()->edits, want.edits);
 }
 
-TEST(Pictures, AreReducedToMeans) {
+TEST(Images, AreReducedToMeans) {
     media::Image image(5, 2);
     for (uint32_t i = 0; i < 10; i++) {
         uint8_t* to = image.at(i % 5, i / 5);

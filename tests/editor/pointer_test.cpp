@@ -66,7 +66,7 @@ TEST(Pointer, ALineIsDraggedToWhereThePointerIs) {
         for (const double s : {-0.7, 0.0, 0.3, 1.0}) {
             const glm::dvec2 seen = *editor::pixel_of(camera, through + along * s);
             EXPECT_NEAR(editor::line_drag(camera, through, along, 0.5, seen).value(), s, 1e-9);
-            // Beside the line, its nearest point in the picture is the foot.
+            // Beside the line, its nearest point in the image is the foot.
             const glm::dvec2 on = *editor::pixel_of(camera, through + along * (s + 0.01)) - seen;
             const glm::dvec2 beside = seen + 30.0 * glm::normalize(glm::dvec2(-on.y, on.x));
             EXPECT_NEAR(editor::line_drag(camera, through, along, 0.5, beside).value(), s, 1e-9);
@@ -76,7 +76,7 @@ TEST(Pointer, ALineIsDraggedToWhereThePointerIs) {
 TEST(Pointer, LinesHaveNoJumpWhereTheyVanish) {
     stage::Camera camera = some_camera();
     camera.world_from_camera = glm::dmat4(1);
-    const glm::dvec3 through(0, -1, -4), along(0, 0, -1);  // vanishes in the middle of the picture
+    const glm::dvec3 through(0, -1, -4), along(0, 0, -1);  // vanishes in the middle of the image
     double before = -1;
     for (double y = 400; y >= 0; y -= 0.01) {
         const double s = editor::line_drag(camera, through, along, 1, {camera.cx, y}).value();

@@ -1,7 +1,7 @@
 // Feeds a loader damaged data sets, stages, clips or layers of paint. Built under AddressSanitizer and
 // UndefinedBehaviorSanitizer, whose limits stand here too; the damaged data set stays behind where it fails.
 //
-//     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, pictures included
+//     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, images included
 //     fuzz --replay FOLDER              one data set, as it is
 
 #include <sanitizer/asan_interface.h>
@@ -65,10 +65,10 @@ void write(const fs::path& path, const std::string& bytes) {
     if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-// Pictures and videos are read by libraries with fuzzers of their own.
+// Images and videos are read by libraries with fuzzers of their own.
 bool is_calibration(const fs::path& path) {
-    static const std::set<std::string> kPictures = {".png", ".jpg", ".mp4"};
-    return !kPictures.contains(path.extension().string());
+    static const std::set<std::string> kImages = {".png", ".jpg", ".mp4"};
+    return !kImages.contains(path.extension().string());
 }
 
 struct Sample {

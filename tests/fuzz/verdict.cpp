@@ -5,7 +5,7 @@
 #include <exception>
 
 #include "base/error.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 namespace neuvv::fuzz {
 
@@ -28,18 +28,18 @@ bool finite(const glm::dmat4& matrix) {
     return true;
 }
 
-std::string complaint_about_instant(const stage::Stage& stage, double time_s) {
-    const stage::StageInstant instant = stage::stage_at(stage, time_s);
-    for (const stage::InstantPerformer& performer : instant.performers) {
+std::string complaint_about_time(const stage::Stage& stage, double time_s) {
+    const stage::EvaluatedStage instant = stage::stage_at(stage, time_s);
+    for (const stage::EvaluatedPerformer& performer : instant.performers) {
         if (performer.visible && !(finite(performer.world_from_performer) && performer.opacity >= 0))
             return "gave a performer that cannot be";
         if (!(performer.frame >= 0 && performer.frame <= static_cast<float>(stage.clips.at(performer.clip).frames - 1)))
             return "gave a frame outside of its clip";
     }
-    for (const stage::InstantLight& light : instant.lights)
+    for (const stage::EvaluatedLight& light : instant.lights)
         if (!(std::abs(glm::length(light.direction) - 1) < 1e-6 && std::isfinite(glm::length(light.position))))
             return "gave a light that cannot be";
-    for (const stage::InstantCamera& camera : instant.cameras)
+    for (const stage::EvaluatedCamera& camera : instant.cameras)
         if (!camera.orthographic &&
             !sound(stage::camera_of(stage, std::to_string(&camera - instant.cameras.data()), instant, 8, 8)))
             return "gave a camera that cannot be";
@@ -80,7 +80,7 @@ std::string complaint_about_stage(const std::function<stage::Stage()>& load) {
         const stage::Stage stage = load();
         std::string complaint;
         for (const double time_s : {0.0, 0.04, 1.0, 1e6})
-            if (complaint.empty()) complaint = complaint_about_instant(stage, time_s);
+            if (complaint.empty()) complaint = complaint_about_time(stage, time_s);
         if (complaint.empty() && stage::stage_bytes(stage.file) != stage.file.saved->bytes)
             complaint = "edited what it read";
         return complaint;
@@ -94,10 +94,10 @@ std::string complaint_about_clip(const std::function<voctree::VOctree()>& load) 
         for (const std::vector<float>* numbers : {&tree.weights, &tree.sigma_basis, &tree.gamma_basis})
             if (!std::all_of(numbers->begin(), numbers->end(), finite)) return "gave a number that is not finite";
         if (tree.weights.size() != size_t{tree.leaf_count} * tree.weights_per_leaf()) return "gave too few weights";
-        const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+        const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
         if (places.size() != tree.leaf_count) return "gave leaves that stand nowhere";
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
-            const voctree::LeafPlace& at = places[leaf];
+            const voctree::LeafPosition& at = places[leaf];
             const glm::dvec3 middle =
                 (glm::dvec3(at.x, at.y, at.z) + 0.5) * std::ldexp(1.0, -static_cast<int>(at.depth));
             if (voctree::find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";

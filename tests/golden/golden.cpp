@@ -19,12 +19,12 @@ GoldenDifference compare_over(const media::Image& result, const media::Image& tr
     std::vector<float> errors = training::flip(a, b);
     GoldenDifference difference;
     const uint32_t width = a.width;
-    difference.picture = media::Image(3 * width, a.height);
+    difference.image = media::Image(3 * width, a.height);
     for (uint32_t y = 0; y < a.height; y++)
         for (uint32_t x = 0; x < width; x++) {
-            std::memcpy(difference.picture.at(x, y), a.at(x, y), 4);
-            std::memcpy(difference.picture.at(width + x, y), b.at(x, y), 4);
-            uint8_t* pixel = difference.picture.at(2 * width + x, y);
+            std::memcpy(difference.image.at(x, y), a.at(x, y), 4);
+            std::memcpy(difference.image.at(width + x, y), b.at(x, y), 4);
+            uint8_t* pixel = difference.image.at(2 * width + x, y);
             std::fill_n(pixel, 3, static_cast<uint8_t>(std::lround(255 * errors[size_t{y} * width + x])));
             pixel[3] = 255;
         }
@@ -40,7 +40,7 @@ GoldenDifference compare_with_golden(const media::Image& result, const media::Im
     if (result.width != truth.width || result.height != truth.height || result.rgba.empty()) {
         GoldenDifference difference;
         difference.same_size = false;
-        difference.picture = result;
+        difference.image = result;
         return difference;
     }
     GoldenDifference black = compare_over(result, truth, 0), white = compare_over(result, truth, 255);
@@ -68,7 +68,7 @@ std::string check_golden(const std::string& name, const media::Image& result, co
     }
     const GoldenDifference difference = compare_with_golden(result, truth);
     if (difference.passes()) return "";
-    media::write_png(failure, difference.picture);
+    media::write_png(failure, difference.image);
     if (!difference.same_size)
         return fmt::format("{}x{} instead of {}x{}; the result is {}", result.width, result.height, truth.width,
                            truth.height, failure.string());

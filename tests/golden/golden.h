@@ -1,4 +1,4 @@
-// Comparing a picture with its golden one.
+// Comparing an image with its golden one.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace neuvv::test {
 
-// A picture is right when LDR-FLIP against its golden one stays below both. One step of 8 bits in every pixel, which
+// An image is right when LDR-FLIP against its golden one stays below both. One step of 8 bits in every pixel, which
 // devices may round differently, is about 0.03.
 constexpr double kGoldenMean = 0.01;
 constexpr double kGoldenPercentile99 = 0.05;
@@ -16,7 +16,7 @@ constexpr double kGoldenPercentile99 = 0.05;
 struct GoldenDifference {
     bool same_size = true;
     double mean = 0, percentile_99 = 0;
-    media::Image picture;  // truth | result | FLIP as grey
+    media::Image image;  // truth | result | FLIP as grey
 
     bool passes() const { return same_size && mean <= kGoldenMean && percentile_99 <= kGoldenPercentile99; }
 };
@@ -24,9 +24,9 @@ struct GoldenDifference {
 // Both over black and over white, so that alpha counts; the worse one is reported.
 GoldenDifference compare_with_golden(const media::Image& result, const media::Image& truth);
 
-// Compares with NEUVV_GOLDEN_DIR/NAME.png. On a failure writes the side by side picture as failures/NAME.png and
+// Compares with NEUVV_GOLDEN_DIR/NAME.png. On a failure writes the side by side image as failures/NAME.png and
 // returns what is wrong and where to look, else an empty string. With NEUVV_ACCEPT_GOLDEN=NAME (or all) in the
-// environment the result becomes the golden picture.
+// environment the result becomes the golden image.
 std::string check_golden(const std::string& name, const media::Image& result,
                          const std::filesystem::path& failures = NEUVV_GOLDEN_FAILURES);
 

@@ -1,4 +1,4 @@
-// Whole pictures against the committed ones, and proof that the comparison notices wrong ones.
+// Whole images against the committed ones, and proof that the comparison notices wrong ones.
 #include "golden/golden.h"
 
 #include <gtest/gtest.h>
@@ -32,11 +32,11 @@ TEST_F(GoldenTest, PicturesAreAsAccepted) {
         known |= accept && set.name == accept;
     }
     for (const GoldenStage& stage : golden_stages(device(), accept && std::string(accept) != "all" ? accept : "")) {
-        const std::string problem = check_golden(stage.name, stage.picture);
+        const std::string problem = check_golden(stage.name, stage.image);
         EXPECT_TRUE(problem.empty()) << stage.name << ": " << problem;
         known |= accept && stage.name == accept;
     }
-    EXPECT_TRUE(known) << "no golden picture has the name " << accept;
+    EXPECT_TRUE(known) << "no golden image has the name " << accept;
 }
 
 media::Image shifted(const media::Image& image, uint32_t pixels) {
@@ -54,7 +54,7 @@ media::Image swapped_red_and_blue(const media::Image& image) {
 
 // Without the density of the leaves in one eighth of the box.
 GoldenScene without_a_cluster(GoldenScene scene) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(scene.tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(scene.tree);
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
         const uint32_t half = 1u << (places[leaf].depth - 1);
         if (places[leaf].x < half && places[leaf].y < half && places[leaf].z >= half)
@@ -65,7 +65,7 @@ GoldenScene without_a_cluster(GoldenScene scene) {
 
 using GoldenComparison = GpuTest;
 
-TEST_F(GoldenComparison, NoticesWrongPictures) {
+TEST_F(GoldenComparison, NoticesWrongImages) {
     for (const GoldenScene& scene : golden_scenes()) {
         SCOPED_TRACE(scene.name);
         const media::Image truth = render_scene(device(), scene);
@@ -132,8 +132,7 @@ TEST(GoldenTolerance, BearsNoEdgeThatMovedByAPixel) {
 }
 
 TEST(GoldenFailure, LeavesTruthResultAndDifference) {
-    if (std::getenv("NEUVV_ACCEPT_GOLDEN"))
-        GTEST_SKIP() << "NEUVV_ACCEPT_GOLDEN is set: it would accept a wrong picture";
+    if (std::getenv("NEUVV_ACCEPT_GOLDEN")) GTEST_SKIP() << "NEUVV_ACCEPT_GOLDEN is set: it would accept a wrong image";
     const TemporaryFolder folder;
     const media::Image wrong =
         swapped_red_and_blue(media::read_png(std::filesystem::path(NEUVV_GOLDEN_DIR) / "random_tree.png"));

@@ -1,4 +1,4 @@
-// Pictures of painted figures against the committed ones: one for each tool, one of the blends beside each other.
+// Images of painted figures against the committed ones: one for each tool, one of the blends beside each other.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -41,7 +41,7 @@ struct PaintGolden : GpuTest {
     render::FrameRenderer renderer{device(), field, {2 * kSide, kSide, 2}};
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
 
-    media::Image picture(const std::vector<render::Instance>& instances, const stage::Camera& camera) {
+    media::Image image(const std::vector<render::Instance>& instances, const stage::Camera& camera) {
         render::FrameSettings settings;
         settings.instances = instances;
         settings.width = camera.width;
@@ -58,13 +58,13 @@ struct PaintGolden : GpuTest {
     void expect_golden(const std::string& name, float frame = 0) {
         const stage::Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kSide, kSide, 1.6);
         const render::PaintUse use{&layer};
-        const media::Image painted = picture({{frame, glm::mat4(1), renderer.paints().add({&use, 1})}}, camera);
+        const media::Image painted = image({{frame, glm::mat4(1), renderer.paints().add({&use, 1})}}, camera);
         EXPECT_EQ(check_golden(name, painted), "");
-        EXPECT_FALSE(compare_with_golden(picture({{frame}}, camera), painted).passes()) << "paint shows";
+        EXPECT_FALSE(compare_with_golden(image({{frame}}, camera), painted).passes()) << "paint shows";
     }
 };
 
-TEST_F(PaintGolden, AProjectedPicture) {
+TEST_F(PaintGolden, AProjectedImage) {
     render::Picker picker(device(), field);
     picker.show(0);
     add(edit::project(picker, canvas, edit::densities(canvas, 0), smile(200), figure_camera(200)));
@@ -127,7 +127,7 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
                  .world_from_performer = glm::translate(glm::mat4(1), {0.85f * static_cast<float>(i - 2), 0, 0}),
                  .paint = painted && i < 4 ? renderer.paints().add({&use, 1}) : 0});
         }
-        return picture(instances, camera);
+        return image(instances, camera);
     };
     const media::Image painted = row(true), plain = row(false);
     EXPECT_EQ(check_golden("paint_blends", painted), "");

@@ -48,10 +48,12 @@ GoldenScene blob_scene() {
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-    std::vector<voctree::LeafPlace> places;
-    const auto centre = [](const voctree::LeafPlace& p) { return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide}; };
+    std::vector<voctree::LeafPosition> places;
+    const auto centre = [](const voctree::LeafPosition& p) {
+        return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide};
+    };
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const voctree::LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const voctree::LeafPosition place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         if (blob_distance(centre(place), tree.frames) < kBlobRadius) places.push_back(place);
     }
     voctree::build_topology(tree, places);

@@ -1,4 +1,4 @@
-// The scenes of the golden pictures, built in code.
+// The scenes of the golden images, built in code.
 #pragma once
 
 #include <string>

@@ -150,7 +150,7 @@ media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
             if (i % side >= side / 2) volume[i] = set.volume_depth_m;
         gpu::upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
     }
-    const SetPictures drawn = draw_set(device, raster, {set.camera});
+    const SetImages drawn = draw_set(device, raster, {set.camera});
     std::vector<glm::vec4> pixels(kSize * kSize, glm::vec4(0));
     for (size_t i = 0; i < drawn.colour.size(); i++) {
         // Where a volume is said to be, it is a grey of one half: what lies behind it is darker.

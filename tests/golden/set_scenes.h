@@ -1,4 +1,4 @@
-// The sets of the golden pictures, built in code.
+// The sets of the golden images, built in code.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct GoldenSet {
     stage::Camera camera;
     std::vector<render::SetLight> lights;
     render::SetAmbient ambient;
-    float volume_depth_m = 0;  // of a made-up volume over the right half of the picture; 0: none
+    float volume_depth_m = 0;  // of a made-up volume over the right half of the image; 0: none
 };
 
 std::vector<GoldenSet> golden_sets();

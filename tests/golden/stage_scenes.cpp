@@ -53,9 +53,9 @@ media::Image render(const gpu::Device& device, const Builder& builder, const sta
     if (change) change(stage);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage),
                                    {camera.width, camera.height, kSamples});
-    const stage::StageInstant instant = stage::stage_at(stage, time_s);
-    renderer.show(instant);
-    return renderer.frames().render(camera, renderer.settings_at(instant));
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, time_s);
+    renderer.show(evaluated);
+    return renderer.frames().render(camera, renderer.settings_at(evaluated));
 }
 
 stage::Camera wide_camera() {
@@ -75,9 +75,9 @@ media::Image space(const gpu::Device& device) {
     return render(device, builder, look_at({0, 2.1, 6.8}, {0, 0.75, 0}, kWidth, kHeight, 1.15));
 }
 
-// Twelve instants half a second apart, side by side: the clip has eight frames at four a second.
+// Twelve times half a second apart, side by side: the clip has eight frames at four a second.
 media::Image film(const gpu::Device& device, const std::string& time, double spin = 0) {
-    constexpr uint32_t kInstants = 12, kFilmWidth = 20, kFilmHeight = 40;
+    constexpr uint32_t kTimes = 12, kFilmWidth = 20, kFilmHeight = 40;
     Builder builder;
     edit::PerformerEdit edit;
     edit.time = stage::parse_time_map(time, "test", "");
@@ -88,11 +88,11 @@ media::Image film(const gpu::Device& device, const std::string& time, double spi
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage),
                                    {kFilmWidth, kFilmHeight, kSamples});
     const stage::Camera camera = look_at({0.15, 1.1, 4}, {0.15, 0.95, 0}, kFilmWidth, kFilmHeight, 3.8);
-    media::Image strip(kInstants * kFilmWidth, kFilmHeight);
-    for (uint32_t i = 0; i < kInstants; i++) {
-        const stage::StageInstant instant = stage::stage_at(stage, 0.25 * i);
-        renderer.show(instant);
-        const media::Image one = renderer.frames().render(camera, renderer.settings_at(instant));
+    media::Image strip(kTimes * kFilmWidth, kFilmHeight);
+    for (uint32_t i = 0; i < kTimes; i++) {
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0.25 * i);
+        renderer.show(evaluated);
+        const media::Image one = renderer.frames().render(camera, renderer.settings_at(evaluated));
         for (uint32_t y = 0; y < kFilmHeight; y++)
             std::copy_n(one.at(0, y), size_t{4} * kFilmWidth, strip.at(i * kFilmWidth, y));
     }
@@ -189,10 +189,10 @@ media::Image foreign(const gpu::Device& device) {
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), {kWidth, kHeight, kSamples});
     media::Image both(2 * kWidth, kHeight);
     for (uint32_t i = 0; i < 2; i++) {
-        const stage::StageInstant instant = stage::stage_at(stage, 2 * i);
-        renderer.show(instant);
-        const stage::Camera camera = stage::camera_of(stage, "Camera", instant, kWidth, kHeight);
-        const media::Image one = renderer.frames().render(camera, renderer.settings_at(instant));
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, 2 * i);
+        renderer.show(evaluated);
+        const stage::Camera camera = stage::camera_of(stage, "Camera", evaluated, kWidth, kHeight);
+        const media::Image one = renderer.frames().render(camera, renderer.settings_at(evaluated));
         for (uint32_t y = 0; y < kHeight; y++) std::copy_n(one.at(0, y), size_t{4} * kWidth, both.at(i * kWidth, y));
     }
     return both;

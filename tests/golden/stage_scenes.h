@@ -1,4 +1,4 @@
-// The stages of the golden pictures: built by the operations that users have, rendered as neuvv render does.
+// The stages of the golden images: built by the operations that users have, rendered as neuvv render does.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace neuvv::test {
 
 struct GoldenStage {
     std::string name;
-    media::Image picture;
+    media::Image image;
 };
 
 // Renders all of them, or the one of this name.

@@ -184,22 +184,22 @@ TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
     const gpu::ComputePass pass(device(), "resolve", resolve_comp);
     const gpu::Buffer radiance(device(), "radiance", 1024, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
     const gpu::Buffer depth(device(), "depth", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    const gpu::Buffer picture(device(), "picture", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer image(device(), "picture", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     const gpu::Buffer plain(device(), "plain", 256, gpu::MemoryKind::kDevice), none;
     const auto bind = [&](const gpu::Buffer& in, uint32_t last) {
         gpu::BindingSet(pass, {{kResolveRadiance, &in},
                                {kResolveDepth, &depth},
-                               {kResolveTiles, &picture},
+                               {kResolveTiles, &image},
                                {kResolveCameras, &radiance},
                                {kResolveSetColour, &radiance},
                                {kResolveSetFront, &radiance},
                                {kResolveSetDepth, &depth},
-                               {last, &picture}});
+                               {last, &image}});
     };
-    EXPECT_NO_THROW(bind(radiance, kResolvePicture));
+    EXPECT_NO_THROW(bind(radiance, kResolveImage));
     expect_failure([&] { bind(radiance, 17); }, "no buffer for binding 2");
-    expect_failure([&] { bind(none, kResolvePicture); }, "no buffer for binding 0");
-    expect_failure([&] { bind(plain, kResolvePicture); }, "\"plain\" has no texel format");
+    expect_failure([&] { bind(none, kResolveImage); }, "no buffer for binding 0");
+    expect_failure([&] { bind(plain, kResolveImage); }, "\"plain\" has no texel format");
 }
 
 TEST_F(BindingTest, AStorageBufferBeyondTheRangeIsNamed) {

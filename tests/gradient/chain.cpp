@@ -59,7 +59,7 @@ Chain::Chain(const Scene& scene)
         }
     slice_rows();
     for (const reference::LeafSlice& slice : slices_) first_sigmas_.push_back(slice.sigma);
-    places_ = voctree::leaf_places(scene.tree);
+    places_ = voctree::leaf_positions(scene.tree);
     seen_ = seen_leaves();
 }
 

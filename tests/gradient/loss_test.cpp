@@ -18,7 +18,7 @@ struct LossScene {
     std::vector<glm::vec4> radiance, target, background;  // per ray
 };
 
-// Tile 0 is whole, 1 lies at the right edge of a picture, 2 at its bottom right corner. Errors keep away from the kinks
+// Tile 0 is whole, 1 lies at the right edge of an image, 2 at its bottom right corner. Errors keep away from the kinks
 // |P−I| = 0; a third of the pixels are dark, on the straight part of sRGB. A pixel is seen by samples² rays.
 LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
     Random random(seed);

@@ -334,7 +334,7 @@ TEST_P(PsiShapes, GradientsAreTheDifferencesOfTheReference) {
     }
 }
 
-// All parameters, rows included, against the reference's adjoint; rows of other instants exactly 0. As in training,
+// All parameters, rows included, against the reference's adjoint; rows of other times exactly 0. As in training,
 // with gradients through relu's dark side, which no difference shows.
 TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     const Scene scene = psi_scene(44, GetParam().hh_degree);

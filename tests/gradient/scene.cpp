@@ -9,7 +9,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kWidth = 21, kHeight = 19;  // tiles at the right and the bottom reach beyond the picture
+constexpr uint32_t kWidth = 21, kHeight = 19;  // tiles at the right and the bottom reach beyond the image
 
 glm::vec3 random_rgb(Random& random, double low, double high) {
     const auto next = [&] { return static_cast<float>(random.uniform(low, high)); };
@@ -20,8 +20,8 @@ glm::vec3 random_rgb(Random& random, double low, double high) {
 }  // namespace
 
 Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
-    std::vector<Tile> all = render::tiles_of_picture(0, kWidth, kHeight);
-    for (const Tile& tile : render::tiles_of_picture(1, kWidth, kHeight)) all.push_back(tile);
+    std::vector<Tile> all = render::tiles_of_image(0, kWidth, kHeight);
+    for (const Tile& tile : render::tiles_of_image(1, kWidth, kHeight)) all.push_back(tile);
     scene.tiles.clear();
     scene.target.clear();
     scene.background.clear();

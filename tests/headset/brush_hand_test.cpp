@@ -45,7 +45,7 @@ struct BrushHandTest : HandsAtAStage {
     std::set<uint32_t> within(const std::vector<glm::dvec3>& places, double radius_m) const {
         const voctree::VOctree tree = figure_tree();
         const edit::Canvas canvas(tree);
-        const glm::dmat4 performer_from_world = glm::inverse(on.instant.performers[1].world_from_performer);
+        const glm::dmat4 performer_from_world = glm::inverse(on.evaluated.performers[1].world_from_performer);
         const voctree::EditLayer none{voctree::painted_field(tree), {}};
         std::set<uint32_t> leaves;
         for (const glm::dvec3& place : places) {

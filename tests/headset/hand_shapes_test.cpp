@@ -20,7 +20,7 @@ TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
     headset::JointOverlay overlay;
     overlay.joints = {{"hip", {0.5, 0.5, 0.5}}, {"knee", {0.5, 0.3, 0.5}}, {"wrist", {0.9, 0.6, 0.5}}};
     overlay.bones = {{0, 1}};
-    const glm::dmat4 world = on.instant.performers[1].world_from_performer;
+    const glm::dmat4 world = on.evaluated.performers[1].world_from_performer;
     headset::draw_overlay(shapes, overlay, world);
     const auto at = [&](glm::dvec3 place) { return glm::dvec3(world * glm::dvec4(place, 1)); };
     for (const headset::JointOverlay::Joint& joint : overlay.joints)

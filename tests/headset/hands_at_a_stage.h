@@ -1,5 +1,5 @@
 // Two hands at a stage of two performers, without a headset: what the program's frames do between the runtime's poses
-// and the pictures.
+// and the images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
 
 class HandsAtAStage : public testing::Test {
   protected:
-    HandsAtAStage() : jobs([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {
+    HandsAtAStage() : jobs([this](const std::string& problem) { on.editor.notify(problem, true); }, [] {}) {
         voctree::write_nvv(clip, figure_tree());
         stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
         for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
@@ -46,7 +46,7 @@ class HandsAtAStage : public testing::Test {
     void frame(double dt_s = 1.0 / 90) {
         jobs.run_posted();
         on.follow_document();
-        on.look_at_instant();
+        on.look_at_evaluated();
         interaction.update(on, inputs, head, dt_s);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
@@ -72,7 +72,7 @@ class HandsAtAStage : public testing::Test {
     }
 
     uint32_t node(const std::string& name) const { return edit::find_node(on.editor.file(), name); }
-    glm::dvec3 place(const std::string& name) const { return {on.instant.pose.world_from_node[node(name)][3]}; }
+    glm::dvec3 place(const std::string& name) const { return {on.evaluated.pose.world_from_node[node(name)][3]}; }
     size_t steps() {  // of the history; undoes them all
         size_t count = 0;
         for (; on.editor.history().next_undo(); count++) on.editor.undo();

@@ -103,7 +103,7 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
         inputs[xr::kLeft].grab = 0;
         frame();
         let_go();
-        EXPECT_NEAR(on.instant.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
+        EXPECT_NEAR(on.evaluated.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
         EXPECT_NEAR(place("ben").y, 0, 1e-9) << wider;
         on.editor.undo();
         frames(2);

@@ -146,7 +146,7 @@ TEST(Exr, DamageIsNamed) {
         expect_input_error([&] { media::read_exr(path); }, {"bad.exr"});
     }
     uint32_t state = 7;
-    for (int round = 0; round < 200; ++round) {  // an InputError or a sound picture, nothing else
+    for (int round = 0; round < 200; ++round) {  // an InputError or a sound image, nothing else
         std::string bytes = whole;
         for (int i = 0; i < 6; ++i) {
             state = state * 1664525 + 1013904223;

@@ -49,13 +49,13 @@ uint32_t count_nodes(const std::vector<NodeInterval>& met, uint32_t grid_levels,
 WalkNodes walk_nodes(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, uint32_t levels_above,
                      uint32_t grid_levels, bool pruned) {
     WalkNodes walk;
-    walk.leaves = voctree::leaf_places(tree);
+    walk.leaves = voctree::leaf_positions(tree);
     walk.levels_above = levels_above;
     walk.grid_levels = grid_levels;
     walk.box_first = glm::uvec3(UINT32_MAX);
     std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>, bool> lives;
     for (size_t leaf = 0; leaf < walk.leaves.size(); leaf++) {
-        const voctree::LeafPlace& place = walk.leaves[leaf];
+        const voctree::LeafPosition& place = walk.leaves[leaf];
         const uint32_t depth = place.depth + levels_above;
         for (uint32_t level = 0; 2 * level < depth; level++) {
             const uint32_t shift = depth - 2 * level;

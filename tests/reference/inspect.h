@@ -7,7 +7,7 @@
 
 namespace neuvv::reference {
 
-// The nodes of a tree at one instant, as walks come to them. A node is so many cells of the box's 4^level /
+// The nodes of a tree at one time, as walks come to them. A node is so many cells of the box's 4^level /
 // 2^levels_above.
 struct WalkNode {
     uint32_t level = 0;
@@ -16,10 +16,10 @@ struct WalkNode {
 };
 struct WalkNodes {
     std::vector<WalkNode> nodes;
-    std::vector<voctree::LeafPlace> leaves;  // of the tree
-    uint32_t levels_above = 0;               // octree levels by which the root lies above the tree's
-    uint32_t grid_levels = 0;                // nodes of so many levels are found by place, whether they live or not
-    glm::uvec3 box_first{0}, box_end{0};     // cells of the grid, 4^grid_levels a side, around all leaves
+    std::vector<voctree::LeafPosition> leaves;  // of the tree
+    uint32_t levels_above = 0;                  // octree levels by which the root lies above the tree's
+    uint32_t grid_levels = 0;                   // nodes of so many levels are found by place, whether they live or not
+    glm::uvec3 box_first{0}, box_end{0};        // cells of the grid, 4^grid_levels a side, around all leaves
 };
 // `pruned`: walks do not meet leaves without density; else all nodes live.
 WalkNodes walk_nodes(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, uint32_t levels_above,

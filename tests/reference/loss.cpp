@@ -16,7 +16,7 @@ glm::dvec3 over_background(glm::dvec3 colour, double alpha, glm::dvec3 backgroun
     return colour + (1 - alpha) * background;
 }
 
-// P − I of each pixel; 0 beyond the picture.
+// P − I of each pixel; 0 beyond the image.
 std::array<glm::dvec3, kPatchPixels> differences(const Patch& patch) {
     std::array<glm::dvec3, kPatchPixels> result{};
     for (size_t i = 0; i < kPatchPixels; ++i) {
@@ -28,7 +28,7 @@ std::array<glm::dvec3, kPatchPixels> differences(const Patch& patch) {
     return result;
 }
 
-// Calls visit(pixel, neighbour) for each forward difference inside the patch and the picture.
+// Calls visit(pixel, neighbour) for each forward difference inside the patch and the image.
 template <typename Visit>
 void each_neighbour(const Patch& patch, const Visit& visit_pair) {
     const auto visit = [&](size_t pixel, size_t neighbour) {

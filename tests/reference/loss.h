@@ -28,7 +28,7 @@ struct PatchPixel {
     glm::dvec3 true_colour{0};  // C*, premultiplied linear
     double true_alpha = 0;
     glm::dvec3 background{0};  // B, linear
-    bool inside = true;        // false: beyond the picture's edge, takes no part
+    bool inside = true;        // false: beyond the image's edge, takes no part
 };
 using Patch = std::array<PatchPixel, kPatchPixels>;  // row-major
 

@@ -37,7 +37,7 @@ struct PsiGradient {
 };
 PsiGradient psi_gradient_begin(const Psi& psi);
 
-// σ and colour at x from direction d at the instant of the rows A_t, B_t.
+// σ and colour at x from direction d at the time of the rows A_t, B_t.
 struct PsiSample {
     double sigma = 0;  // 1/m
     glm::dvec3 colour{0};

@@ -1,4 +1,4 @@
-// Slice: a leaf's weights at one instant → density and spherical harmonics (errata 7, 9), and the adjoint.
+// Slice: a leaf's weights at one time → density and spherical harmonics (errata 7, 9), and the adjoint.
 //
 //   σ = relu(A_t·w^σ),  γ = π sigmoid(B_t·w^γ),  k_lm = Σ_n w_nlm R_nl(γ) for each of R, G, B
 #pragma once

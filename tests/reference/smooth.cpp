@@ -18,14 +18,15 @@ struct Cube {
     }
 };
 
-Cube cube_of(const voctree::LeafPlace& place, uint32_t finest) {
+Cube cube_of(const voctree::LeafPosition& place, uint32_t finest) {
     const int64_t size = int64_t{1} << (finest - place.depth);
     return {size * glm::i64vec3(place.x, place.y, place.z), size};
 }
 
 }  // namespace
 
-std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPlace>& places, uint32_t leaf, uint32_t finest) {
+std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& places, uint32_t leaf,
+                                        uint32_t finest) {
     const Cube own = cube_of(places[leaf], finest);
     std::array<uint32_t, 6> found;
     for (size_t face = 0; face < 6; face++) {

@@ -124,10 +124,11 @@ std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<
 }
 
 std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<voctree::LeafPlace>& places, glm::dvec3 eye, const Ray& ray) {
+                                       const std::vector<voctree::LeafPosition>& places, glm::dvec3 eye,
+                                       const Ray& ray) {
     std::vector<Sample> samples;
     for (const Segment& segment : intersect(tree, ray)) {
-        const voctree::LeafPlace& place = places[segment.leaf];
+        const voctree::LeafPosition& place = places[segment.leaf];
         const glm::dvec3 middle_tree = (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
         const glm::dvec3 middle = glm::dvec3(tree.box_min) + middle_tree * glm::dvec3(tree.box_size);
         const LeafSlice& leaf = slices[segment.leaf];

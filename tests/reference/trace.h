@@ -36,13 +36,14 @@ Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 
 // Neighbours share the very number at their border.
 std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray);
 
-// The samples of a ray at one instant, from slices (by leaf index) or from all weights.
+// The samples of a ray at one time, from slices (by leaf index) or from all weights.
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
 std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double frame, const Ray& ray);
 
 // The same with the colour of a leaf as seen from `eye` at its middle (shading), whatever the ray's direction.
 std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<voctree::LeafPlace>& places, glm::dvec3 eye, const Ray& ray);
+                                       const std::vector<voctree::LeafPosition>& places, glm::dvec3 eye,
+                                       const Ray& ray);
 
 RayResult trace(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                 double stop_transmittance = 0);

@@ -16,7 +16,7 @@ std::vector<double> random_values(Random& random, uint32_t count, double size) {
     return values;
 }
 
-// A leaf with the rows of one instant and a random linear loss on its slice.
+// A leaf with the rows of one time and a random linear loss on its slice.
 struct Leaf {
     uint32_t degree;
     LeafWeights weights;

@@ -11,21 +11,21 @@ namespace {
 
 struct TreeAndPlaces {
     voctree::VOctree tree;
-    std::vector<voctree::LeafPlace> places;  // by leaf index
+    std::vector<voctree::LeafPosition> places;  // by leaf index
 };
 
 TreeAndPlaces tree_and_places(uint64_t seed, uint32_t node_levels, uint32_t degree = 2) {
     TreeAndPlaces result;
     result.tree =
         neuvv::test::random_tree({.seed = seed, .node_levels = node_levels, .leaves = 300, .hh_degree = degree});
-    result.places = voctree::leaf_places(result.tree);
+    result.places = voctree::leaf_positions(result.tree);
     return result;
 }
 
 // By search over all places, without the tree: the leaf at a tree-space position, or UINT32_MAX.
-uint32_t leaf_at(const std::vector<voctree::LeafPlace>& places, glm::dvec3 position_tree) {
+uint32_t leaf_at(const std::vector<voctree::LeafPosition>& places, glm::dvec3 position_tree) {
     for (uint32_t leaf = 0; leaf < places.size(); ++leaf) {
-        const voctree::LeafPlace& place = places[leaf];
+        const voctree::LeafPosition& place = places[leaf];
         const glm::dvec3 p = position_tree * static_cast<double>(1u << place.depth);
         const glm::dvec3 low(place.x, place.y, place.z);
         if (glm::all(glm::lessThanEqual(low, p)) && glm::all(glm::lessThan(p, low + 1.0))) return leaf;

@@ -1,4 +1,4 @@
-// The picture around a stage: irradiance and blurred levels against quadrature, its place behind the set.
+// The image around a stage: irradiance and blurred levels against quadrature, its place behind the set.
 #include "render/environment.h"
 
 #include "render/set_truth.h"
@@ -14,17 +14,16 @@ glm::dvec3 smooth_light(glm::dvec3 d) {
     return {0.4 + 0.3 * d.y, 0.35 + 0.2 * d.x - 0.1 * d.z, 0.3 + 0.2 * d.x * d.z + 0.15 * d.y * d.y};
 }
 
-media::Image smooth_picture(uint32_t height) {
-    media::Image picture(2 * height, height);
+media::Image smooth_image(uint32_t height) {
+    media::Image image(2 * height, height);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < 2 * height; x++) {
             const glm::dvec3 light =
                 smooth_light(render::environment_direction((x + 0.5) / (2.0 * height), (y + 0.5) / height));
-            for (int c = 0; c < 3; c++)
-                picture.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
-            picture.at(x, y)[3] = 255;
+            for (int c = 0; c < 3; c++) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
+            image.at(x, y)[3] = 255;
         }
-    return picture;
+    return image;
 }
 
 glm::dvec3 value_of(const render::Irradiance& irradiance, glm::dvec3 n) {
@@ -47,7 +46,7 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
 }
 
 TEST(EnvironmentLight, IrradianceIsTheIntegral) {
-    const render::Environment environment = render::make_environment(smooth_picture(128));
+    const render::Environment environment = render::make_environment(smooth_image(128));
     for (const glm::dvec3& n : some_directions())
         // 8 bits of sRGB are 0.002 of light at most, and average out.
         expect_near(value_of(environment.irradiance, n), reference::irradiance(smooth_light, n, 256), 5e-4);
@@ -56,10 +55,10 @@ TEST(EnvironmentLight, IrradianceIsTheIntegral) {
 }
 
 TEST(EnvironmentLight, WidePicturesAreTakenDown) {
-    media::Image picture(8200, 12);  // four times as wide as may be, and a little
-    for (uint32_t y = 0; y < picture.height; y++)
-        for (uint32_t x = 0; x < picture.width; x++) picture.at(x, y)[x % 2] = 255;  // red, green, red, ...
-    const render::Environment environment = render::make_environment(picture);
+    media::Image image(8200, 12);  // four times as wide as may be, and a little
+    for (uint32_t y = 0; y < image.height; y++)
+        for (uint32_t x = 0; x < image.width; x++) image.at(x, y)[x % 2] = 255;  // red, green, red, ...
+    const render::Environment environment = render::make_environment(image);
     EXPECT_EQ(environment.width, 1025u);
     EXPECT_EQ(environment.height, 1u);
     for (size_t i = 0; i < environment.levels[0].size(); i += 4) {
@@ -70,7 +69,7 @@ TEST(EnvironmentLight, WidePicturesAreTakenDown) {
 }
 
 TEST(EnvironmentLight, TurnsWithItsPicture) {
-    const render::Environment environment = render::make_environment(smooth_picture(64));
+    const render::Environment environment = render::make_environment(smooth_image(64));
     const double angle = 0.7;
     const render::Irradiance by_angle = render::turned(environment.irradiance, angle);
     const glm::dmat3 back(std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle));
@@ -99,7 +98,7 @@ glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
 }
 
 TEST(EnvironmentLight, LevelsAreBlurredAsRoughSurfacesMirror) {
-    const render::Environment environment = render::make_environment(smooth_picture(128));
+    const render::Environment environment = render::make_environment(smooth_image(128));
     ASSERT_EQ(environment.levels.size(), 5u);
     for (size_t level = 1; level < environment.levels.size(); level++) {
         const uint32_t width = environment.width >> level, height = environment.height >> level;
@@ -132,8 +131,8 @@ TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     GlbBuilder glb;
     add_mesh(glb, rectangle({-0.2f, -0.2f, 0}, {0.4f, 0, 0}, {0, 0.4f, 0}), pbr_material(glm::vec4(1), 0, 1));
     const stage::GltfScene scene = scene_of(glb);
-    const media::Image picture = smooth_picture(128);
-    render::SetRaster set(device(), scene, kSide, kSide, 1, &picture);
+    const media::Image image = smooth_image(128);
+    render::SetRaster set(device(), scene, kSide, kSide, 1, &image);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     const stage::Camera camera = look_at({0.3, 0.8, 1.6}, {0, 0, 0}, kSide, kSide, 0.5);
     render::SetAmbient ambient;
@@ -143,7 +142,7 @@ TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     EXPECT_EQ(draw_set(device(), set, {camera}).colour[0].a, 0) << "not asked for";
     ambient.show_environment = true;
     set.light({}, ambient);
-    const SetPictures drawn = draw_set(device(), set, {camera});
+    const SetImages drawn = draw_set(device(), set, {camera});
     const double c = std::cos(0.9), s = std::sin(0.9);
     const glm::dmat3 back(c, 0, s, 0, 1, 0, -s, 0, c);
     size_t around = 0;

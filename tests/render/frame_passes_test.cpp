@@ -1,4 +1,4 @@
-// The intermediate buffers of a frame as pictures: their sizes, and what their numbers mean.
+// The intermediate buffers of a frame as images: their sizes, and what their numbers mean.
 #include "render/frame_passes.h"
 
 #include <gtest/gtest.h>

@@ -57,7 +57,7 @@ std::vector<View> views(const voctree::VOctree& tree) {
 
 size_t wide_leaves(const voctree::VOctree& tree) {
     size_t count = 0;
-    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) count += place.depth % 2;
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) count += place.depth % 2;
     return count;
 }
 
@@ -107,7 +107,7 @@ glm::dvec2 rook(uint32_t column, uint32_t row, double samples) {
     return {(column + (row + 0.5) / samples) / samples, (row + (samples - column - 0.5) / samples) / samples};
 }
 
-// Rays of a pixel stand inside it so that no two share a column or a row, and the picture is their mean.
+// Rays of a pixel stand inside it so that no two share a column or a row, and the image is their mean.
 TEST_F(FrameTest, SeveralRaysAPixel) {
     constexpr uint32_t kSamples = 3;
     const voctree::VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
@@ -123,7 +123,7 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
     settings.height = kHeight;
     settings.samples = kSamples;
     settings.stop = 0;
-    const media::Image picture = renderer.render(camera, settings);
+    const media::Image image = renderer.render(camera, settings);
     const std::vector<glm::vec4> rays = renderer.radiance();
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
     double alpha_mean = 0;
@@ -139,10 +139,10 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
                 ASSERT_NEAR(rays[size_t{row} * kSamples * kWidth + column].a, truth.alpha, kSteps / 255);
             }
             alpha_mean += mean.a / (kWidth * kHeight);
-            ASSERT_NEAR(picture.at(x, y)[3], 255 * mean.a, 0.6);
+            ASSERT_NEAR(image.at(x, y)[3], 255 * mean.a, 0.6);
             if (mean.a < 0.1) continue;  // straight colour of a nearly clear pixel says little
             for (int channel = 0; channel < 3; channel++)
-                ASSERT_NEAR(picture.at(x, y)[channel], 255 * reference::display_value(mean[channel] / mean.a), 0.6);
+                ASSERT_NEAR(image.at(x, y)[channel], 255 * reference::display_value(mean[channel] / mean.a), 0.6);
         }
     EXPECT_GT(alpha_mean, 0.02);
 }
@@ -172,9 +172,9 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
 TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
     for (const uint32_t node_levels : {2u, 3u, 5u}) {
         voctree::VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});
-        std::vector<voctree::LeafPlace> odd;
+        std::vector<voctree::LeafPosition> odd;
         std::vector<const float*> weights;
-        const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+        const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
             if (places[leaf].depth % 2 == 0) continue;
             odd.push_back(places[leaf]);
@@ -244,7 +244,7 @@ TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
 }
 
 // More tiles than one dimension of a dispatch may hold on many devices.
-TEST_F(FrameTest, APictureOfVeryManyTilesIsWhole) {
+TEST_F(FrameTest, AImageOfVeryManyTilesIsWhole) {
     const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const stage::Camera camera =
@@ -273,7 +273,7 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
         << "few rays are less work than many leaves";
 }
 
-// Shaded pictures are to be within 1/255 of those by ray, in the mean: here over what is covered, from as near as
+// Shaded images are to be within 1/255 of those by ray, in the mean: here over what is covered, from as near as
 // leaves are shaded at all.
 TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     for (uint32_t degree = 1; degree <= kMaxHhDegree; degree++) {
@@ -303,7 +303,7 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     }
 }
 
-// A slice tree and what an empty picture shows stay for the next picture: only while they are the same.
+// A slice tree and what an empty image shows stay for the next image: only while they are the same.
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -323,10 +323,10 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
           std::tuple(2.5f, 2u, red, render::Show::kColour), std::tuple(2.5f, 2u, red, render::Show::kDepth),
           std::tuple(2.5f, 2u, red, render::Show::kAlpha)}) {
         render::FrameRenderer fresh(device(), field, {kWidth, kHeight, 2});
-        const std::pmr::vector<uint8_t> picture = render(kept, frame, samples, background, show);
-        EXPECT_EQ(picture, render(fresh, frame, samples, background, show));
-        EXPECT_NE(picture, last);
-        last = picture;
+        const std::pmr::vector<uint8_t> image = render(kept, frame, samples, background, show);
+        EXPECT_EQ(image, render(fresh, frame, samples, background, show));
+        EXPECT_NE(image, last);
+        last = image;
     }
 }
 
@@ -372,7 +372,7 @@ TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
     expect_agreement(tree, views(tree)[0], renderers, 1.3f);
 }
 
-TEST_F(FrameTest, ARendererRefusesLargerPictures) {
+TEST_F(FrameTest, ARendererRefusesLargerImages) {
     const voctree::VOctree tree = random_tree({.seed = 6, .leaves = 20});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     render::FrameRenderer renderer(device(), field, {16, 16});

@@ -213,7 +213,7 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = camera_on();
     uint32_t coarsest = 99, finest = 0;
-    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) {
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
         coarsest = std::min(coarsest, place.depth);
         finest = std::max(finest, place.depth);
     }
@@ -224,7 +224,7 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
             render::FrameSettings settings = settings_of({{kFrame}}, show);
             settings.samples = samples;
             settings.resolve.cost_max = 20;
-            const media::Image picture = renderer.render(camera, settings);
+            const media::Image image = renderer.render(camera, settings);
             const std::vector<glm::vec4> walks = renderer.radiance();
             const std::vector<float> metres = renderer.depth();
             for (uint32_t y = 0; y < kHeight; y++)
@@ -238,9 +238,9 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
                         nearest = std::min(nearest, double{metres[ray]});
                     }
                     if (show == render::Show::kLevel)
-                        expect_colour(picture.at(x, y), level > 0, (level - coarsest) / (finest - coarsest));
+                        expect_colour(image.at(x, y), level > 0, (level - coarsest) / (finest - coarsest));
                     else
-                        expect_colour(picture.at(x, y), steps > 0, steps / 20);
+                        expect_colour(image.at(x, y), steps > 0, steps / 20);
                 }
         }
 }
@@ -271,7 +271,7 @@ TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
     render::FrameSettings settings = settings_of({{kFrame}}, render::Show::kCost);
     settings.scale = 0.5;
     settings.resolve.cost_max = 20;
-    const media::Image picture = renderer.render(camera_on(), settings);
+    const media::Image image = renderer.render(camera_on(), settings);
     const std::vector<glm::vec4> walks = renderer.radiance();
     const auto across = static_cast<uint32_t>(std::ceil(0.5 * kWidth));
     const auto ray_of = [](uint32_t pixel, uint32_t pixels) {
@@ -281,25 +281,25 @@ TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
     for (uint32_t y = 0; y < kHeight; y++)
         for (uint32_t x = 0; x < kWidth; x++) {
             const double steps = double{walks[ray_of(y, kHeight) * across + ray_of(x, kWidth)].y};
-            expect_colour(picture.at(x, y), steps > 0, steps / 20);
+            expect_colour(image.at(x, y), steps > 0, steps / 20);
         }
 }
 
-// The next picture of light is what it would have been.
+// The next image of light is what it would have been.
 TEST_F(InspectTest, LightComesBackAsItWas) {
     const voctree::VOctree tree = dense_tree(8, 2);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device(), field, {kWidth, kHeight});
     const glm::mat4 beside = glm::translate(glm::mat4(1), glm::vec3(0.5f, 0.2f, 0.1f));
-    const auto picture = [&](render::Show show) {
+    const auto image = [&](render::Show show) {
         return renderer.render(camera_on(1.4), settings_of({{kFrame}, {0.5f, beside}}, show)).rgba;
     };
-    const auto light = picture(render::Show::kColour), level = picture(render::Show::kLevel),
-               cost = picture(render::Show::kCost);
+    const auto light = image(render::Show::kColour), level = image(render::Show::kLevel),
+               cost = image(render::Show::kCost);
     EXPECT_NE(level, light);
     EXPECT_NE(level, cost);
-    EXPECT_EQ(picture(render::Show::kColour), light);
-    EXPECT_EQ(picture(render::Show::kLevel), level);
+    EXPECT_EQ(image(render::Show::kColour), light);
+    EXPECT_EQ(image(render::Show::kLevel), level);
 }
 
 }  // namespace

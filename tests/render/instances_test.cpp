@@ -34,7 +34,7 @@ Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::In
                             const stage::Camera& camera) {
     const auto [low, high] = [&] {
         glm::dvec3 first(1e30), last(-1e30);
-        for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) {
+        for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
             const double edge = std::exp2(-static_cast<double>(place.depth));
             const glm::dvec3 corner = edge * glm::dvec3(place.x, place.y, place.z);
             first = glm::min(first, corner);
@@ -155,12 +155,12 @@ TEST_F(InstancesTest, ViewsOfOneFrameAreTheirPicturesAlone) {
         render::FrameSettings settings = settings_of(a_stage(), render::TraceMode::kTree);
         settings.samples = samples;
         settings.resolve.background = {0.2f, 0.3f, 0.1f, 1};
-        const std::vector<media::Image> pictures = both.render_views(eyes, settings);
+        const std::vector<media::Image> images = both.render_views(eyes, settings);
         EXPECT_EQ(passes(both, "trace"), a_stage().size()) << "both eyes in one dispatch";
-        ASSERT_EQ(pictures.size(), 2u);
-        EXPECT_NE(pictures[0].rgba, pictures[1].rgba);
+        ASSERT_EQ(images.size(), 2u);
+        EXPECT_NE(images[0].rgba, images[1].rgba);
         for (uint32_t view = 0; view < 2; view++) {
-            EXPECT_EQ(pictures[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
+            EXPECT_EQ(images[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
             EXPECT_EQ(both.radiance(view), alone.radiance());
         }
     }
@@ -172,11 +172,11 @@ TEST_F(InstancesTest, EveryViewHasItsShadedLeaves) {
     const stage::Camera eyes[] = {stage_camera(-4), stage_camera(4)};
     render::FrameRenderer both(device(), field, {kWidth, kHeight, 1, 2}), alone(device(), field, {kWidth, kHeight});
     const render::FrameSettings settings = settings_of(a_stage(), render::TraceMode::kShaded);
-    const std::vector<media::Image> pictures = both.render_views(eyes, settings);
+    const std::vector<media::Image> images = both.render_views(eyes, settings);
     EXPECT_EQ(passes(both, "shade"), 2 * a_stage().size());
     for (uint32_t view = 0; view < 2; view++) {
-        EXPECT_EQ(pictures[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
-        EXPECT_NE(pictures[view].rgba, alone.render(eyes[view], settings_of(a_stage(), render::TraceMode::kTree)).rgba)
+        EXPECT_EQ(images[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
+        EXPECT_NE(images[view].rgba, alone.render(eyes[view], settings_of(a_stage(), render::TraceMode::kTree)).rgba)
             << "nothing is shaded";
     }
 }
@@ -206,7 +206,7 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
     }
 }
 
-// A part with each picture; whatever else is drawn meanwhile, the slice that results is the one that is built at once.
+// A part with each image; whatever else is drawn meanwhile, the slice that results is the one that is built at once.
 TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const voctree::VOctree tree =
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});

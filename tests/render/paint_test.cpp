@@ -1,4 +1,4 @@
-// Paint on slice trees against the reference: every entry; and pictures of painted copies beside unpainted ones.
+// Paint on slice trees against the reference: every entry; and images of painted copies beside unpainted ones.
 #include "render/paint.h"
 
 #include <gtest/gtest.h>
@@ -195,7 +195,7 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
         EXPECT_NE(alone(renderer, gone_paint, 0), truth);
         EXPECT_NE(alone(renderer, gone_paint, 0), alone(renderer, red_paint, 0));
         EXPECT_EQ(alone(renderer, 0, 0), truth) << "and stays so";
-        // Three copies beside each other: the third one's half of the picture is that of a picture without paint.
+        // Three copies beside each other: the third one's half of the image is that of an image without paint.
         const std::vector<render::Instance> three = {
             {.frame = 1.5f, .world_from_performer = at(-3.2f), .paint = red_paint},
             {.frame = 1.5f, .world_from_performer = at(0), .paint = gone_paint},
@@ -229,16 +229,16 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
         const render::FrameSettings settings = settings_of(
             {{1, at(-3), ids[0]}, {1, at(-1), ids[1]}, {1, at(1), ids[2]}, {1, at(2), ids[0]}, {2.5f, at(3), ids[0]}});
         for (int again = 0; again < 2; again++) {
-            const std::pmr::vector<uint8_t> picture = renderer.render(stage_camera(), settings).rgba;
-            if (truth.empty()) truth = picture;
-            EXPECT_EQ(picture, truth);
+            const std::pmr::vector<uint8_t> image = renderer.render(stage_camera(), settings).rgba;
+            if (truth.empty()) truth = image;
+            EXPECT_EQ(image, truth);
             EXPECT_EQ(passes(renderer, "direct"), 0u);
         }
         const size_t built_again = passes(renderer, "paint colour");
         const size_t places = std::clamp<size_t>(budget / one, 1, 4);
         EXPECT_GE(built_again, places == 4 ? 0 : 4 - (places - 1)) << "slices that share a place";
         EXPECT_LE(built_again, places == 4 ? 0u : 5u) << "slices stay";
-        // A picture without paint afterwards, and one of both kinds.
+        // An image without paint afterwards, and one of both kinds.
         render::FrameRenderer plain(device(), field, {kWidth, kHeight});
         EXPECT_EQ(renderer.render(stage_camera(), settings_of({{3}})).rgba.size(), truth.size());
         const render::FrameSettings mixed = settings_of({{1, at(-2), ids[1]}, {3, at(2)}});

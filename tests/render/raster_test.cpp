@@ -115,7 +115,7 @@ TEST(Raster, CameraPoseIsOpenGl) {
     quad.y0 = 0;
     quad.y1 = 0.5f;
     const auto pixels = render(scene_of({quad}), camera);
-    // World x is the camera's −y (down in the picture), world y its +x.
+    // World x is the camera's −y (down in the image), world y its +x.
     for (uint32_t y = 0; y < kSide; ++y)
         for (uint32_t x = 0; x < kSide; ++x)
             ASSERT_NEAR(at(pixels, x, y).a, x >= 30 && x < 46 && y >= 42 && y < 50 ? 1 : 0, 1e-3) << x << "," << y;

@@ -1,4 +1,4 @@
-// Rays that are fewer than pixels: where they stand, and the picture that upscaling makes of them.
+// Rays that are fewer than pixels: where they stand, and the image that upscaling makes of them.
 #include "render/ray_grid.h"
 
 #include <gtest/gtest.h>
@@ -130,7 +130,7 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
          {std::pair(0.45, std::vector<render::Fovea>{}), std::pair(1.0, std::vector{kInset})}) {
         render::FrameSettings settings = settings_of(scale, foveae);
         settings.resolve.background = {0.1f, 0.2f, 0.3f, 1};
-        const media::Image picture = renderer.render(camera, settings);
+        const media::Image image = renderer.render(camera, settings);
         const render::RayGrid grid =
             render::ray_grid(kWidth, kHeight, scale, foveae.empty() ? render::Fovea{} : foveae[0]);
         const std::vector<glm::vec4> light = renderer.radiance();
@@ -142,7 +142,7 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
                 for (int c = 0; c < 3; c++) {
                     const double shown =
                         reference::display_value(truth[c] + (1 - truth.a) * settings.resolve.background[c]);
-                    ASSERT_NEAR(picture.at(x, y)[c], 255 * shown, 0.6) << x << ' ' << y;
+                    ASSERT_NEAR(image.at(x, y)[c], 255 * shown, 0.6) << x << ' ' << y;
                 }
             }
     }
@@ -182,10 +182,10 @@ TEST_F(RayGridTest, ViewsHaveGridsOfTheirOwn) {
     const stage::Camera cameras[] = {a_camera(tree), a_camera(tree)};
     const render::Fovea left = kInset, right{{0.05, 0.3}, {0.4, 0.5}, 0.7};
     render::FrameRenderer both(device(), field, {kWidth, kHeight, 1, 2}), alone(device(), field, {kWidth, kHeight});
-    const std::vector<media::Image> pictures = both.render_views(cameras, settings_of(0.9, {left, right}));
-    EXPECT_EQ(pictures[0].rgba, alone.render(cameras[0], settings_of(0.9, {left})).rgba);
-    EXPECT_EQ(pictures[1].rgba, alone.render(cameras[1], settings_of(0.9, {right})).rgba);
-    EXPECT_NE(pictures[0].rgba, pictures[1].rgba);
+    const std::vector<media::Image> images = both.render_views(cameras, settings_of(0.9, {left, right}));
+    EXPECT_EQ(images[0].rgba, alone.render(cameras[0], settings_of(0.9, {left})).rgba);
+    EXPECT_EQ(images[1].rgba, alone.render(cameras[1], settings_of(0.9, {right})).rgba);
+    EXPECT_NE(images[0].rgba, images[1].rgba);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Resolve: rays to an 8-bit sRGB picture.
+// Resolve: rays to an 8-bit sRGB image.
 #include "render/resolve.h"
 
 #include <gtest/gtest.h>
@@ -32,14 +32,14 @@ media::Image resolve(const gpu::Device& device, const Rays& rays, const render::
                      uint32_t samples = 1) {
     const render::RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
     media::Image image(rays.width / samples, rays.height / samples);
-    const gpu::Buffer picture(device, "picture", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer image(device, "picture", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     gpu::upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     gpu::upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
-    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, picture);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, image);
     gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
         render::record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
-    gpu::download(device, picture, image.rgba.data(), image.rgba.size());
+    gpu::download(device, image, image.rgba.data(), image.rgba.size());
     return image;
 }
 
@@ -160,7 +160,7 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
 }
 
 // More tiles than one dimension of a dispatch may hold on many devices: their number is rounded up, and what is beyond
-// the last picture stays as it was.
+// the last image stays as it was.
 TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     constexpr uint32_t kWidth = 2402, kHeight = 1763, kUntouched = 0x12345678;
     const render::ViewLayout layout{kWidth, kHeight};
@@ -169,16 +169,16 @@ TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     light[0] = light.back() = glm::vec4(1);
     gpu::upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
     gpu::run_once(device(), "depth", [&](gpu::Commands& commands) { gpu::fill(commands, batch.depth, 0); });
-    const gpu::Buffer picture(device(), "picture", 2 * layout.picture_bytes(), gpu::MemoryKind::kDevice,
-                              VK_FORMAT_R32_UINT);
-    const render::Resolver resolver(device(), render::RaysPerPixel::kWhole, batch, picture);
+    const gpu::Buffer image(device(), "picture", 2 * layout.image_bytes(), gpu::MemoryKind::kDevice,
+                            VK_FORMAT_R32_UINT);
+    const render::Resolver resolver(device(), render::RaysPerPixel::kWhole, batch, image);
     gpu::run_once(device(), "resolve", [&](gpu::Commands& commands) {
-        gpu::fill(commands, picture, kUntouched);
+        gpu::fill(commands, image, kUntouched);
         gpu::compute_barrier(commands);
         render::record_resolve(commands, resolver, layout, {});
     });
     std::vector<uint32_t> pixels(2 * size_t{kWidth} * kHeight);
-    gpu::download(device(), picture, pixels.data(), pixels.size() * 4);
+    gpu::download(device(), image, pixels.data(), pixels.size() * 4);
     EXPECT_EQ(pixels[0], 0xffffffffu);
     EXPECT_EQ(std::count(pixels.begin(), pixels.begin() + pixels.size() / 2, 0xff000000u),
               static_cast<ptrdiff_t>(pixels.size() / 2 - 1));

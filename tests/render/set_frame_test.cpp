@@ -27,7 +27,7 @@ json unlit(glm::vec4 colour) {
             {"doubleSided", true}};
 }
 
-// An upright wall across the view at a place z, wider than any picture.
+// An upright wall across the view at a place z, wider than any image.
 MeshData wall_at(float z) {
     return rectangle({-20, -20, z}, {40, 0, 0}, {0, 40, 0});
 }
@@ -86,7 +86,7 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
     for (const uint64_t budget : {render::kSliceBudget, uint64_t{0}}) {
         SCOPED_TRACE("slice budget " + std::to_string(budget));
         OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 1, 1, budget});
-        const media::Image picture = stage.frames.render(camera, settings_of({{1}}));
+        const media::Image image = stage.frames.render(camera, settings_of({{1}}));
         Traced truth;
         double worst = 0;
         for (uint32_t y = 0; y < kHeight; y++)
@@ -99,8 +99,8 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
                 truth.depth.push_back(static_cast<float>(light.depth_m));
                 const glm::dvec3 shown = light.colour + (1 - light.alpha) * glm::dvec3(0.2, 0.5, 0.1);
                 for (int c = 0; c < 3; c++)
-                    raise(worst, std::abs(255 * reference::display_value(shown[c]) - picture.at(x, y)[c]));
-                EXPECT_EQ(picture.at(x, y)[3], 255);
+                    raise(worst, std::abs(255 * reference::display_value(shown[c]) - image.at(x, y)[c]));
+                EXPECT_EQ(image.at(x, y)[3], 255);
             }
         const Difference found = difference({stage.frames.radiance(), stage.frames.depth()}, truth);
         EXPECT_LE(found.steps, kHalfSteps);
@@ -120,12 +120,12 @@ TEST_F(SetFrameTest, WhatIsBehindTheSetIsNotThere) {
         GlbBuilder glb;
         add_mesh(glb, wall_at(z), unlit({1, 1, 1, 1}));
         OnSet stage(device(), glb, {&field}, {kWidth, kHeight, 2});
-        const media::Image picture = stage.frames.render(camera_before(), settings_of({{1}}, 2));
+        const media::Image image = stage.frames.render(camera_before(), settings_of({{1}}, 2));
         if (z < 0) {
             EXPECT_EQ(stage.frames.radiance(), alone.radiance());
         } else {
             for (const glm::vec4& ray : stage.frames.radiance()) EXPECT_EQ(ray.a, 0);
-            for (const uint8_t byte : picture.rgba) EXPECT_EQ(byte, 255);
+            for (const uint8_t byte : image.rgba) EXPECT_EQ(byte, 255);
         }
     }
 }
@@ -138,15 +138,15 @@ TEST_F(SetFrameTest, ViewsSamplesAndScalesAgree) {
     add_mesh(glb, wall_at(0.1f), unlit({0.4f, 0.1f, 0.2f, 1}));
     const stage::Camera eyes[] = {camera_before(), look_at({0.9, 0.6, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1)};
     OnSet both(device(), glb, {&field}, {kWidth, kHeight, 1, 2}), one(device(), glb, {&field}, {kWidth, kHeight});
-    const std::vector<media::Image> pictures = both.frames.render_views(eyes, settings_of({{1}}));
+    const std::vector<media::Image> images = both.frames.render_views(eyes, settings_of({{1}}));
     for (size_t view = 0; view < 2; view++)
-        EXPECT_EQ(pictures[view].rgba, one.frames.render(eyes[view], settings_of({{1}})).rgba) << "view " << view;
+        EXPECT_EQ(images[view].rgba, one.frames.render(eyes[view], settings_of({{1}})).rgba) << "view " << view;
     render::FrameSettings coarse = settings_of({{1}});
     coarse.scale = 0.6;
     const media::Image scaled = one.frames.render(eyes[0], coarse);
     double mean = 0;
     for (size_t i = 0; i < scaled.rgba.size(); i++)
-        mean += std::abs(scaled.rgba[i] - pictures[0].rgba[i]) / static_cast<double>(scaled.rgba.size());
+        mean += std::abs(scaled.rgba[i] - images[0].rgba[i]) / static_cast<double>(scaled.rgba.size());
     EXPECT_LT(mean, 6) << "random leaves are all edges";
     EXPECT_GT(mean, 0);
 }
@@ -162,7 +162,7 @@ voctree::VOctree cube(float sigma, uint32_t levels = 1) {
     tree.hh_degree = 0;
     tree.sigma_basis = {1};
     tree.gamma_basis = {0};
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < side * side * side; i++)
         places.push_back({i % side, i / side % side, i / side / side, 2 * levels});
     voctree::build_topology(tree, places);
@@ -357,9 +357,9 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
     add_mesh(glb, wall_at(-2), glass({0, 1, 0, 0.5f}));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
     const stage::Camera camera = look_at({0, 0.5, 5}, {0, 0.5, 0}, kWidth, kHeight, 1);
-    const media::Image picture = stage.frames.render(camera, settings_of({{0}}));
-    const uint8_t* on = picture.at(kWidth / 2, kHeight / 2);
-    const uint8_t* beside = picture.at(2, 2);
+    const media::Image image = stage.frames.render(camera, settings_of({{0}}));
+    const uint8_t* on = image.at(kWidth / 2, kHeight / 2);
+    const uint8_t* beside = image.at(2, 2);
     const auto byte = [](double linear) { return std::round(255 * media::srgb_from_linear(linear)); };
     // The cube's own colour is grey: sigmoid(0).
     EXPECT_NEAR(on[0], byte(0.5 + 0.5 * 0.5), 1);

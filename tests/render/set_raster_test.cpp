@@ -54,7 +54,7 @@ TEST_F(SetRasterTest, TheComparisonNoticesOtherLightsAndMaterials) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.7));
     const Lighting lighting{{spot()}, {}};
-    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    const SetImages drawn = draw(device(), glb, camera_above(), lighting);
     const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
     ASSERT_LT(compare(drawn, camera_above(), floor_of(1.5), material, lighting).worst, kColourTolerance);
     Lighting other = lighting;
@@ -78,7 +78,7 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     render::SetRaster set(device(), scene, kSide, kSide, 3);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     set.light(lighting.lights, lighting.ambient);
-    const SetPictures drawn = draw_set(device(), set, {camera_above(), other});
+    const SetImages drawn = draw_set(device(), set, {camera_above(), other});
     const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
     EXPECT_LT(compare(drawn, camera_above(), floor_of(1.5), material, lighting).worst, kColourTolerance);
     EXPECT_LT(compare(drawn, other, floor_of(1.5), material, lighting, kSide * kSide).worst, kColourTolerance);
@@ -86,7 +86,7 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
 
     const stage::Camera small = look_at({0.4, 1.3, 2.2}, {0, 0, 0}, 32, 40, 1.1);
     const stage::Camera small_too = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, 32, 40, 0.9);
-    const SetPictures smaller = draw_set(device(), set, {small, small_too});
+    const SetImages smaller = draw_set(device(), set, {small, small_too});
     EXPECT_LT(compare(smaller, small, floor_of(1.5), material, lighting).worst, kColourTolerance);
     const Agreement second = compare(smaller, small_too, floor_of(1.5), material, lighting, 32 * 40);
     EXPECT_LT(second.worst, kColourTolerance);
@@ -96,22 +96,22 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
 
 TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
     for (const double roughness : {0.0, 0.3, 1.0})
-        for (const bool by_picture : {false, true}) {
+        for (const bool by_image : {false, true}) {
             GlbBuilder glb;
             add_mesh(glb, sphere({0, 0.2f, 0}, 0.7f, 64), pbr_material(glm::vec4(1), 0, roughness));
             const stage::GltfScene scene = scene_of(glb);
             const media::Image white = one_colour(255, 255, 255);
-            render::SetRaster set(device(), scene, kSide, kSide, 1, by_picture ? &white : nullptr);
+            render::SetRaster set(device(), scene, kSide, kSide, 1, by_image ? &white : nullptr);
             set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
             render::SetAmbient ambient;
-            ambient.light = glm::dvec3(by_picture ? 0 : 1);
+            ambient.light = glm::dvec3(by_image ? 0 : 1);
             set.light({}, ambient);
-            const SetPictures drawn = draw_set(device(), set, {camera_above()});
+            const SetImages drawn = draw_set(device(), set, {camera_above()});
             size_t covered = 0;
             for (const glm::dvec4& light : drawn.colour) {
                 if (light.a == 0) continue;
                 covered++;
-                for (int c = 0; c < 3; c++) ASSERT_NEAR(light[c], 1, 2e-3) << roughness << " " << by_picture;
+                for (int c = 0; c < 3; c++) ASSERT_NEAR(light[c], 1, 2e-3) << roughness << " " << by_image;
             }
             EXPECT_GT(covered, 400u);
         }
@@ -216,7 +216,7 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
             pose.morph_weights[0][0] = 0.8f;
         }
         set.pose(pose);
-        const SetPictures moved = draw_set(device(), set, {camera_above()});
+        const SetImages moved = draw_set(device(), set, {camera_above()});
         const Surface lifted = [](const reference::Ray& ray) -> std::optional<Hit> {
             reference::Ray lower = ray;
             lower.origin.y -= 0.3;
@@ -236,7 +236,7 @@ TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
     glb.root["nodes"] = {{{"name", "nothing"}}};
     Lighting lighting{{directional(), spot()}, {}};
     for (render::SetLight& light : lighting.lights) light.casts_shadow = true;
-    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    const SetImages drawn = draw(device(), glb, camera_above(), lighting);
     for (size_t i = 0; i < drawn.depth_m.size(); i++) {
         ASSERT_EQ(drawn.colour[i], glm::dvec4(0));
         ASSERT_EQ(drawn.depth_m[i], INFINITY);
@@ -253,7 +253,7 @@ TEST_F(SetRasterTest, VerticesThatOverflowHurtNobody) {
     add_mesh(glb, rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), unlit({0, 1, 0, 1}));
     Lighting lighting{{directional()}, {}};
     lighting.lights[0].casts_shadow = true;
-    const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+    const SetImages drawn = draw(device(), glb, camera_above(), lighting);
     expect_colour(drawn.colour[texel_of(camera_above(), {0, 0.5, 0})], {0, 1, 0, 1});
 }
 
@@ -262,7 +262,7 @@ TEST_F(SetRasterTest, NearerHides) {
     add_mesh(glb, floor_mesh(), unlit({1, 0, 0, 1}));
     add_mesh(glb, sphere({0, 0, 0}, 0.5f, 32), unlit({0, 1, 0, 1}));
     const stage::Camera camera = camera_above();
-    const SetPictures drawn = draw(device(), glb, camera, {});
+    const SetImages drawn = draw(device(), glb, camera, {});
     expect_colour(drawn.colour[texel_of(camera, {0, 0.3, 0})], {0, 1, 0, 1}, "the ball before the floor");
     expect_colour(drawn.colour[texel_of(camera, {-0.9, 0, 0.5})], {1, 0, 0, 1}, "the floor beside it");
 }
@@ -288,7 +288,7 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
     for (size_t i = 0; i < volume.size(); i++)
         if (i % kSide >= kSide / 2) volume[i] = 1.85f;
     gpu::upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
-    const SetPictures drawn = draw_set(device(), set, {camera});
+    const SetImages drawn = draw_set(device(), set, {camera});
     const glm::dvec4 blue = 0.5 * glm::dvec4(0, 0, 1, 1) + 0.5 * glm::dvec4(1);
     const glm::dvec4 green = 0.5 * glm::dvec4(0, 1, 0, 1) + 0.5 * blue;
     const glm::dvec4 red = 0.5 * glm::dvec4(1, 0, 0, 1);
@@ -300,7 +300,7 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
         if (HasFailure()) return;
     }
     // Seen from behind through both sides? Panes have one: only the wall's back is there, and it is culled.
-    const SetPictures behind = draw_set(device(), set, {look_at({0, 0, -4}, {0, 0, 0}, kSide, kSide, 1)});
+    const SetImages behind = draw_set(device(), set, {look_at({0, 0, -4}, {0, 0, 0}, kSide, kSide, 1)});
     expect_colour(behind.colour[kSide * 10 + 10], glm::dvec4(0), "from behind");
 }
 

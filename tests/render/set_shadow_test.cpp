@@ -61,7 +61,7 @@ Surface floor_beside_plate() {
 }
 
 // Of the texels of the floor alone: the plate's own are not compared.
-Agreement floor_agreement(const SetPictures& drawn, const Lighting& lighting) {
+Agreement floor_agreement(const SetImages& drawn, const Lighting& lighting) {
     Agreement agreement = compare(drawn, camera_above(), floor_beside_plate(), kMaterial, lighting);
     EXPECT_GT(agreement.covered, 500u);
     return agreement;
@@ -82,7 +82,7 @@ TEST_F(SetShadowTest, APlateShadowsTheFloor) {
     for (const auto& [name, lights] : cases) {
         const GlbBuilder glb = plate_over_floor(pbr_material(glm::vec4(1), 0, 1));
         const Lighting lighting = plate_lighting(lights);
-        const SetPictures drawn = draw(device(), glb, camera_above(), lighting);
+        const SetImages drawn = draw(device(), glb, camera_above(), lighting);
         EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << name;
         Lighting unshadowed = lighting;
         unshadowed.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
@@ -96,7 +96,7 @@ TEST_F(SetShadowTest, BlendedAndCutOutPiecesCastNone) {
         material["alphaMode"] = mode;
         Lighting lighting = plate_lighting({spot_above()});
         lighting.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
-        const SetPictures drawn = draw(device(), plate_over_floor(material), camera_above(), lighting);
+        const SetImages drawn = draw(device(), plate_over_floor(material), camera_above(), lighting);
         EXPECT_LT(floor_agreement(drawn, lighting).worst, kColourTolerance) << mode;
     }
 }
@@ -163,7 +163,7 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
         const auto hit = floor_of(1.5)(ray);
         return hit && hit->place.x < 0.19 ? hit : std::nullopt;
     };
-    const SetPictures drawn = draw(device(), glb, camera, lighting);
+    const SetImages drawn = draw(device(), glb, camera, lighting);
     const Agreement agreement = compare(drawn, camera, floor_before_wall, kMaterial, lighting);
     EXPECT_LT(agreement.worst, kColourTolerance);
     EXPECT_GT(agreement.covered, 500u);
@@ -189,7 +189,7 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         SCOPED_TRACE(shadow);
         const render::SetLight& from = lighting.lights[shadow];
         ASSERT_EQ(set.lights().light[shadow].shadow, shadow);
-        // The lower right quarter of its picture, 1 m from it.
+        // The lower right quarter of its image, 1 m from it.
         std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
         for (size_t i = 0; i < side * side; i++)
             if (i % side >= side / 2 && i / side >= side / 2) maps[shadow * side * side + i] = {0.75f, 1};

@@ -99,7 +99,7 @@ inline bool at_edge(const Surface& surface, const stage::Camera& camera, uint32_
     return false;
 }
 
-inline Agreement compare(const SetPictures& pictures, const stage::Camera& camera, const Surface& surface,
+inline Agreement compare(const SetImages& images, const stage::Camera& camera, const Surface& surface,
                          const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
     Agreement agreement;
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
@@ -108,8 +108,8 @@ inline Agreement compare(const SetPictures& pictures, const stage::Camera& camer
             if (at_edge(surface, camera, x, y)) continue;
             const size_t texel = first_texel + size_t{y} * camera.width + x;
             const auto hit = surface(reference::camera_ray(camera, x, y));
-            const glm::dvec4 drawn = pictures.colour[texel];
-            const float metres = pictures.depth_m[texel];
+            const glm::dvec4 drawn = images.colour[texel];
+            const float metres = images.depth_m[texel];
             agreement.wrong_cover +=
                 hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
             if (!hit || !is_compared(*hit, lighting)) continue;
@@ -129,8 +129,8 @@ inline Agreement compare(const SetPictures& pictures, const stage::Camera& camer
 constexpr double kColourTolerance = 2e-3;
 constexpr double kDepthTolerance = 2e-6;
 
-inline SetPictures draw(const gpu::Device& device, const GlbBuilder& glb, const stage::Camera& camera,
-                        const Lighting& lighting) {
+inline SetImages draw(const gpu::Device& device, const GlbBuilder& glb, const stage::Camera& camera,
+                      const Lighting& lighting) {
     const stage::GltfScene scene = scene_of(glb);
     render::SetRaster set(device, scene, camera.width, camera.height, 1);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));

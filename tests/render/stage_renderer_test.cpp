@@ -85,9 +85,9 @@ stage::Camera camera_of_size(uint32_t width, uint32_t height) {
 }
 
 media::Image shown(render::StageRenderer& renderer, const stage::Stage& stage) {
-    const stage::StageInstant instant = stage::stage_at(stage, 0.06);
-    renderer.show(instant);
-    const render::FrameSettings settings = renderer.settings_at(instant);
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0.06);
+    renderer.show(evaluated);
+    const render::FrameSettings settings = renderer.settings_at(evaluated);
     return renderer.frames().render(camera_of_size(settings.width, settings.height), settings);
 }
 
@@ -100,8 +100,8 @@ struct Live {
     render::StageLoader loader{device, source};
     render::StageRenderer renderer{device, *stage, loader.load(*stage), {kWidth, kHeight}};
 
-    media::Image picture() { return shown(renderer, *stage); }
-    media::Image fresh_picture() const {
+    media::Image image() { return shown(renderer, *stage); }
+    media::Image fresh_image() const {
         render::StageRenderer fresh(device, *stage, render::StageLoader(device, source).load(*stage),
                                     {kWidth, kHeight});
         return shown(fresh, *stage);
@@ -114,11 +114,11 @@ struct Live {
     // It shows something else than before, and that is right.
     void expect_change(const std::string& what) {
         SCOPED_TRACE(what);
-        const media::Image before = picture();
+        const media::Image before = image();
         change();
-        const media::Image after = picture();
+        const media::Image after = image();
         EXPECT_NE(after.rgba, before.rgba);
-        EXPECT_EQ(after.rgba, fresh_picture().rgba);
+        EXPECT_EQ(after.rgba, fresh_image().rgba);
     }
 };
 
@@ -127,7 +127,7 @@ TEST_F(StageRendererTest, PerformersAndLightsChangeWithoutUploads) {
     Live live{device(), draft};
     const render::Field* field = &live.renderer.field(0);
     const render::Performer* performer = nullptr;
-    live.picture();
+    live.image();
     performer = live.renderer.frames().performer();
     const uint64_t bytes = device().buffer_bytes();
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
@@ -177,8 +177,8 @@ TEST_F(StageRendererTest, TheSetChanges) {
 TEST_F(StageRendererTest, TheEnvironmentChanges) {
     Draft draft;
     Live live{device(), draft};
-    const auto around = [&](const media::Image& picture, const std::string& name) {
-        media::write_png(draft.folder.path / name, picture);
+    const auto around = [&](const media::Image& image, const std::string& name) {
+        media::write_png(draft.folder.path / name, image);
     };
     media::Image sky(32, 16);
     for (uint32_t i = 0; i < sky.rgba.size(); i++) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
@@ -197,7 +197,7 @@ TEST_F(StageRendererTest, ClipsComeAndGoAndAreWrittenAnew) {
     Draft draft;
     Live live{device(), draft};
     const std::filesystem::path folder = draft.folder.path;
-    live.picture();
+    live.image();
     const render::Field* a = &live.renderer.field(0);
     voctree::write_nvv(folder / "b.nvv", clip_tree(2));
     draft.performer("anna")["uri"] = "b.nvv";
@@ -288,12 +288,12 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     std::shared_ptr<const voctree::EditLayer> open;
     const render::PaintSource source = [&](const std::filesystem::path&, const voctree::PaintedField&) { return open; };
     Live live{device(), draft, draft.stage(), source};
-    const media::Image before = live.picture();
+    const media::Image before = live.image();
     const auto expect_refusal = [&](const std::string& what) {
         SCOPED_TRACE(what);
         draft.node("bert")["translation"] = {0.9, 0.2, -0.6};
         EXPECT_THROW(live.change(), InputError);
-        EXPECT_EQ(live.picture().rgba, before.rgba);
+        EXPECT_EQ(live.image().rgba, before.rgba);
     };
     voctree::write_nvv(draft.folder.path / "b.nvv", other);
     draft.performer("anna")["uri"] = "b.nvv";
@@ -310,7 +310,7 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     const std::unique_ptr<stage::Stage> next = draft.stage();  // a damaged clip's header is sound
     std::filesystem::resize_file(clip, std::filesystem::file_size(clip) - 100);
     EXPECT_THROW(live.renderer.change(*next, live.loader.load(*next)), InputError);
-    EXPECT_EQ(live.picture().rgba, before.rgba);
+    EXPECT_EQ(live.image().rgba, before.rgba);
     voctree::write_nvv(clip, other);
     live.expect_change("all is well again");
 }
@@ -318,44 +318,44 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
 TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     Draft draft;
     Live live{device(), draft};
-    live.picture();
+    live.image();
     const render::Performer* performer = live.renderer.frames().performer();
     for (const glm::uvec2 size : {glm::uvec2(90, 40), glm::uvec2(30, 70), glm::uvec2(20, 20), glm::uvec2(90, 70)}) {
         SCOPED_TRACE(std::to_string(size.x) + "x" + std::to_string(size.y));
         live.renderer.resize(size.x, size.y);
         render::StageRenderer fresh(device(), *live.stage, render::StageLoader(device()).load(*live.stage),
                                     {size.x, size.y});
-        const media::Image picture = live.picture();
-        EXPECT_EQ(picture.width, size.x);
-        EXPECT_EQ(picture.rgba, shown(fresh, *live.stage).rgba);
+        const media::Image image = live.image();
+        EXPECT_EQ(image.width, size.x);
+        EXPECT_EQ(image.rgba, shown(fresh, *live.stage).rgba);
         EXPECT_EQ(live.renderer.frames().performer(), performer) << "with its slices";
     }
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
     live.change();
     render::StageRenderer fresh(device(), *live.stage, render::StageLoader(device()).load(*live.stage), {90, 70});
-    EXPECT_EQ(live.picture().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
+    EXPECT_EQ(live.image().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
 }
 
 TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
     Draft draft;
     Live live{device(), draft};
-    const media::Image picture = live.picture();
-    const stage::StageInstant instant = stage::stage_at(*live.stage, 0.06);
-    render::FrameSettings settings = live.renderer.settings_at(instant);
+    const media::Image image = live.image();
+    const stage::EvaluatedStage evaluated = stage::stage_at(*live.stage, 0.06);
+    render::FrameSettings settings = live.renderer.settings_at(evaluated);
     settings.instances.clear();
     const stage::Camera camera = camera_of_size(kWidth, kHeight);
     render::FrameRenderer& frames = live.renderer.frames();
     frames.render(camera, settings);  // something else is there
-    const gpu::Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(instant));
-    std::vector<uint8_t> bytes(picture.rgba.size());
+    const gpu::Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(evaluated));
+    std::vector<uint8_t> bytes(image.rgba.size());
     gpu::download(device(), kept, bytes.data(), bytes.size());
-    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), picture.rgba.begin()));
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), image.rgba.begin()));
 }
 
 TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
     Draft draft;
     Live live{device(), draft};
-    live.picture();
+    live.image();
     const voctree::VOctree tree = clip_tree(1);
     uint64_t leaves = 0;
     for (const reference::LeafSlice& leaf :
@@ -366,15 +366,15 @@ TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
     EXPECT_LE(entries, leaves + live.renderer.field(0).node_count());
     draft.add_performer("carl", "a.nvv", {1.1, 0, -0.4});
     live.change();
-    live.picture();
+    live.image();
     EXPECT_EQ(live.renderer.frames().live_entries(), entries) << "copies share a slice";
     draft.remove_node("anna"), draft.remove_node("bert"), draft.remove_node("carl");
     live.change();
-    live.picture();
+    live.image();
     EXPECT_EQ(live.renderer.frames().live_entries(), 0u);
 }
 
-// The part of a camera's picture from pixel (x, y) on.
+// The part of a camera's image from pixel (x, y) on.
 stage::Camera part_of(stage::Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     camera.cx -= x;
     camera.cy -= y;
@@ -383,7 +383,7 @@ stage::Camera part_of(stage::Camera camera, uint32_t x, uint32_t y, uint32_t wid
     return camera;
 }
 
-// Pixels that differ by more than a step. Glass and edges of the set may: a vertex of the part's picture, in single
+// Pixels that differ by more than a step. Glass and edges of the set may: a vertex of the part's image, in single
 // precision, falls to the other side of the rasteriser's 1/256 of a texel.
 uint32_t unlike_pixels(const media::Image& a, const media::Image& b) {
     uint32_t unlike = 0;
@@ -400,16 +400,16 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
     Draft draft;
     voctree::write_nvv(draft.folder.path / "a.nvv", figure_tree());
     const std::unique_ptr<stage::Stage> stage = draft.stage();
-    const stage::StageInstant instant = stage::stage_at(*stage, 0);
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage, 0);
     const render::StageAssets assets = render::StageLoader(device()).load(*stage);
     render::StageRenderer fine(device(), *stage, assets, {kWide, kHigh, 2}),
         coarse(device(), *stage, assets, {kWide, kHigh, 1});
-    fine.show(instant);
-    coarse.show(instant);
+    fine.show(evaluated);
+    coarse.show(evaluated);
     const stage::Camera camera = camera_of_size(kWide, kHigh);
-    render::FrameSettings settings = fine.settings_at(instant);
+    render::FrameSettings settings = fine.settings_at(evaluated);
     const auto put_together = [&](uint32_t samples) {
-        media::Image picture(kWide, kHigh);
+        media::Image image(kWide, kHigh);
         render::FrameSettings of_block = settings;
         of_block.width = kWide / 2;
         of_block.height = kHigh / 2;
@@ -419,9 +419,9 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
             const media::Image block =
                 coarse.frames().render(part_of(camera, x, y, of_block.width, of_block.height), of_block);
             for (uint32_t row = 0; row < of_block.height; row++)
-                std::copy_n(block.at(0, row), size_t{4} * of_block.width, picture.at(x, y + row));
+                std::copy_n(block.at(0, row), size_t{4} * of_block.width, image.at(x, y + row));
         }
-        return picture;
+        return image;
     };
     for (const render::TraceMode mode :
          {render::TraceMode::kTree, render::TraceMode::kPlay}) {  // which chooses for each part by itself

@@ -155,7 +155,7 @@ TEST(CameraPath, TurnsTheShorterWayWhateverTheSign) {
                     interpolation);
         for (int i = 0; i <= 200; ++i) EXPECT_LT(turned_by(turn(path, i / 100.0), facing(-0.1 * i, 0)), 1e-7) << i;
     }
-    // No instant where the wild path jumps: 1 ms turns it by less than 2°, while it turns 90° in 250 ms.
+    // No time where the wild path jumps: 1 ms turns it by less than 2°, while it turns 90° in 250 ms.
     stage::CameraPath path = wild_path();
     path.cyclic = true;
     path.duration_s = 6.5;

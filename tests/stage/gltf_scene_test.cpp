@@ -241,7 +241,7 @@ TEST(GltfScene, VertexColoursOfEveryKind) {
 
 TEST(GltfScene, MaterialsAndTextureTransform) {
     GlbBuilder glb = triangle();
-    // Not a picture: decoding it is media's, and only of images that a base colour uses.
+    // Not an image: decoding it is media's, and only of images that a base colour uses.
     glb.root["images"] = {{{"bufferView", glb.add_view("nonsense", 8)}, {"mimeType", "image/png"}}};
     glb.root["materials"] = {
         {{"extensions", {{"KHR_materials_unlit", json::object()}}},
@@ -260,7 +260,7 @@ TEST(GltfScene, MaterialsAndTextureTransform) {
 
     glb.root["textures"] = {{{"source", 0}}};
     glb.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    EXPECT_NE(error_of(glb), "") << "the broken picture is used now";
+    EXPECT_NE(error_of(glb), "") << "the broken image is used now";
 }
 
 TEST(GltfScene, SparseAccessorsReplaceElements) {

@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <set>
 
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"
 
@@ -61,9 +61,9 @@ TEST_F(Stages, AnotherProgramsStageIsRead) {
 
 TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
     const stage::Stage stage = stage::load_stage(test::put_foreign_stage(folder.path));
-    const stage::StageInstant instant = stage::stage_at(stage, 1);
-    ASSERT_EQ(instant.performers.size(), 1u);
-    const stage::InstantPerformer& anna = instant.performers[0];
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 1);
+    ASSERT_EQ(evaluated.performers.size(), 1u);
+    const stage::EvaluatedPerformer& anna = evaluated.performers[0];
     // 25 frames of stage time, 2 late, in a loop of 7.
     EXPECT_EQ(anna.frame, 23 % 7);
     EXPECT_EQ(anna.opacity, 0.5f);
@@ -76,14 +76,14 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
     };
     for (const glm::dvec3 p : {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 3)})
         expect_near(glm::dvec3(anna.world_from_performer * glm::dvec4(p, 1)), stood(p));
-    ASSERT_EQ(instant.lights.size(), 2u);
-    expect_near(instant.lights[0].position, {0, 4, 0});
-    expect_near(instant.lights[0].direction, {0, -1, 0});
-    expect_near(instant.lights[0].intensity, 54.35141306588226 * glm::dvec3(1, 0.5, 0.25));
-    EXPECT_NEAR(instant.lights[0].cos_inner, std::cos(0.3), 1e-12);
-    EXPECT_NEAR(instant.lights[0].cos_outer, std::cos(0.6), 1e-12);
-    expect_near(instant.lights[1].direction, {0, 0, -1});
-    const stage::Camera camera = stage::camera_of(stage, "Camera", instant, 160, 80);
+    ASSERT_EQ(evaluated.lights.size(), 2u);
+    expect_near(evaluated.lights[0].position, {0, 4, 0});
+    expect_near(evaluated.lights[0].direction, {0, -1, 0});
+    expect_near(evaluated.lights[0].intensity, 54.35141306588226 * glm::dvec3(1, 0.5, 0.25));
+    EXPECT_NEAR(evaluated.lights[0].cos_inner, std::cos(0.3), 1e-12);
+    EXPECT_NEAR(evaluated.lights[0].cos_outer, std::cos(0.6), 1e-12);
+    expect_near(evaluated.lights[1].direction, {0, 0, -1});
+    const stage::Camera camera = stage::camera_of(stage, "Camera", evaluated, 160, 80);
     expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // half of its way
     EXPECT_NEAR(camera.fy, 40 / std::tan(0.4), 1e-9);
     EXPECT_EQ(camera.fx, camera.fy);
@@ -92,7 +92,7 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
                 {2, 1.5, 4});
     expect_near(glm::dvec3(stage::camera_of(stage, "", stage::stage_at(stage, 0), 8, 8).world_from_camera[3]),
                 {0, 1.5, 4});
-    expect_input_error([&] { stage::camera_of(stage, "Lens2", instant, 8, 8); }, {"Lens2", "0 \"Camera\""});
+    expect_input_error([&] { stage::camera_of(stage, "Lens2", evaluated, 8, 8); }, {"Lens2", "0 \"Camera\""});
 }
 
 TEST_F(Stages, APlainSceneIsAStage) {
@@ -154,7 +154,7 @@ TEST_F(Stages, OneClipForAllThatPlayIt) {
 TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
     const stage::Stage stage =
         changed(R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])", R"("scale" : [ -2, 3, 0.1 ])");
-    for (const stage::InstantLight& light : stage::stage_at(stage, 0).lights)
+    for (const stage::EvaluatedLight& light : stage::stage_at(stage, 0).lights)
         EXPECT_NEAR(glm::length(light.direction), 1, 1e-12);
     const stage::Stage flat = changed(R"("translation" : [ 0, 1.50, 4 ])", R"("scale" : [ 0, 0, 0 ])");
     const stage::Camera camera = stage::camera_of(flat, "Camera", stage::stage_at(flat, 0), 8, 8);
@@ -288,7 +288,7 @@ TEST_F(Stages, HostileCameraPathsAreRefused) {
     refused_key("0.5", "3.15", {"keys/0/yfov"});
 }
 
-// While an animation flattens a performer it is not seen, rather than no picture at all.
+// While an animation flattens a performer it is not seen, rather than no image at all.
 TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
     const stage::Stage stage =
         changed(R"("target" : { "node" : 1, "path" : "translation" })", R"("target":{"node":4,"path":"scale"})");

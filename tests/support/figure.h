@@ -1,4 +1,4 @@
-// A figure that is recognised at once, for pictures: a head on shoulders, of small solid leaves that move to the right
+// A figure that is recognised at once, for images: a head on shoulders, of small solid leaves that move to the right
 // by half a head in the second frame.
 #pragma once
 
@@ -29,13 +29,13 @@ inline voctree::VOctree figure_tree() {
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0};
-    std::vector<voctree::LeafPlace> places;
-    const auto middle = [](const voctree::LeafPlace& p) {
+    std::vector<voctree::LeafPosition> places;
+    const auto middle = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide};
     };
     for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
-        const voctree::LeafPlace place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
-                                       kFigureDepth};
+        const voctree::LeafPosition place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
+                                          kFigureDepth};
         if (figure_part(middle(place), 0) || figure_part(middle(place), 1)) places.push_back(place);
     }
     voctree::build_topology(tree, places);

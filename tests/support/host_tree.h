@@ -74,7 +74,7 @@ struct TreeCheck {
         ASSERT_LT(leaf, tree.leaf_count);
         EXPECT_FALSE(met[leaf]) << "leaf " << leaf << " twice";
         met[leaf] = true;
-        EXPECT_EQ(voctree::leaf_places(tree)[leaf].depth, depth);
+        EXPECT_EQ(voctree::leaf_positions(tree)[leaf].depth, depth);
         const auto relative = [this](double value, double expected, double scale) {
             return std::abs(value - expected) / std::max(scale, least_scale);
         };

@@ -34,17 +34,17 @@ struct Random {
 
 // Disjoint places at depths 1..2·node_levels in random order: cells split at random until there are twice as many as
 // wanted, then a random half of them.
-inline std::vector<voctree::LeafPlace> random_places(Random& random, uint32_t node_levels, uint32_t leaves) {
-    std::vector<voctree::LeafPlace> open = {{0, 0, 0, 0}}, finest;
+inline std::vector<voctree::LeafPosition> random_places(Random& random, uint32_t node_levels, uint32_t leaves) {
+    std::vector<voctree::LeafPosition> open = {{0, 0, 0, 0}}, finest;
     while (!open.empty() && open.size() + finest.size() < size_t{2} * leaves) {
         // Half of the time the newest cell, so that small trees are deep, too.
         const size_t pick = random.below(2) ? open.size() - 1 : random.below(open.size());
-        const voctree::LeafPlace parent = open[pick];
+        const voctree::LeafPosition parent = open[pick];
         open[pick] = open.back();
         open.pop_back();
         for (uint32_t octant = 0; octant < 8; ++octant) {
-            const voctree::LeafPlace child = {parent.x * 2 + (octant & 1), parent.y * 2 + (octant >> 1 & 1),
-                                              parent.z * 2 + (octant >> 2), parent.depth + 1};
+            const voctree::LeafPosition child = {parent.x * 2 + (octant & 1), parent.y * 2 + (octant >> 1 & 1),
+                                                 parent.z * 2 + (octant >> 2), parent.depth + 1};
             (child.depth < 2 * node_levels ? open : finest).push_back(child);
         }
     }

@@ -1,4 +1,4 @@
-// Where a camera of a rig sees a point, and small pictures for rigs to name.
+// Where a camera of a rig sees a point, and small images for rigs to name.
 #pragma once
 
 #include <filesystem>

@@ -101,7 +101,7 @@ inline stage::GltfScene scene_of(const GlbBuilder& glb) {
 }
 
 // Everything that the raster pass left, by texel of all views.
-struct SetPictures {
+struct SetImages {
     std::vector<glm::dvec4> colour, front;
     std::vector<float> depth_m;
 };
@@ -115,17 +115,17 @@ inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const
     return colours;
 }
 
-inline SetPictures draw_set(const gpu::Device& device, render::SetRaster& set,
-                            const std::vector<stage::Camera>& cameras) {
+inline SetImages draw_set(const gpu::Device& device, render::SetRaster& set,
+                          const std::vector<stage::Camera>& cameras) {
     gpu::run_once(device, "set", [&](gpu::Commands& commands) {
         set.record_shadows(commands);
         set.record_solid(commands, cameras);
         set.record_transparent(commands, cameras);
     });
-    SetPictures pictures{download_colours(device, set.colour), download_colours(device, set.front), {}};
-    pictures.depth_m.resize(set.depth.bytes / 4);
-    gpu::download(device, set.depth, pictures.depth_m.data(), set.depth.bytes);
-    return pictures;
+    SetImages images{download_colours(device, set.colour), download_colours(device, set.front), {}};
+    images.depth_m.resize(set.depth.bytes / 4);
+    gpu::download(device, set.depth, images.depth_m.data(), set.depth.bytes);
+    return images;
 }
 
 }  // namespace neuvv::test

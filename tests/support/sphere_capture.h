@@ -31,7 +31,7 @@ inline stage::Camera sphere_camera(const SphereCapture& capture, uint32_t index)
     return look_at(eye, {0, 0, 0}, capture.size, capture.size, 1.3);
 }
 
-// The sphere's linear colour where the ray of a place in the picture meets it; alpha 0 where it does not.
+// The sphere's linear colour where the ray of a place in the image meets it; alpha 0 where it does not.
 inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camera& camera, double time, glm::dvec2 at) {
     const glm::dvec3 in_camera((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
     const glm::dvec3 ray = glm::normalize(glm::dmat3(camera.world_from_camera) * in_camera);
@@ -44,7 +44,7 @@ inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camer
 }
 
 // Sixteen samples a pixel; straight alpha.
-inline media::Image sphere_picture(const SphereCapture& capture, const stage::Camera& camera, double time) {
+inline media::Image sphere_image(const SphereCapture& capture, const stage::Camera& camera, double time) {
     media::Image image(camera.width, camera.height);
     for (uint32_t y = 0; y < camera.height; y++)
         for (uint32_t x = 0; x < camera.width; x++) {
@@ -67,7 +67,7 @@ inline training::Dataset sphere_dataset(const SphereCapture& capture) {
         dataset.cameras.push_back(sphere_camera(capture, camera));
         for (uint32_t frame = 0; frame < capture.frames; frame++)
             dataset.views.push_back({fmt::format("c{:02}_f{:03}", camera, frame), camera, capture.time(frame),
-                                     sphere_picture(capture, dataset.cameras.back(), capture.time(frame))});
+                                     sphere_image(capture, dataset.cameras.back(), capture.time(frame))});
     }
     for (uint32_t frame = 0; frame < capture.frames; frame++) dataset.times.push_back(capture.time(frame));
     return dataset;

@@ -42,7 +42,7 @@ inline Traced trace_by_reference(const voctree::VOctree& tree, const stage::Came
 
 inline Traced shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, double frame) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Traced traced;
     for (uint32_t y = 0; y < camera.height; y++)

@@ -1,4 +1,4 @@
-// A person of leaves for pictures: stands at the origin, 1.8 m tall, looks along +Z and waves its left arm once in
+// A person of leaves for images: stands at the origin, 1.8 m tall, looks along +Z and waves its left arm once in
 // eight frames.
 #pragma once
 
@@ -54,10 +54,10 @@ inline voctree::VOctree waver_tree() {
     tree.sigma_basis.assign(size_t{kWaverFrames} * kWaverFrames, 0);
     for (uint32_t i = 0; i < kWaverFrames; i++) tree.sigma_basis[i * kWaverFrames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of frames in which it is solid, colour
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const voctree::LeafPlace place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const voctree::LeafPosition place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(place.x, place.y, place.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);

@@ -15,23 +15,23 @@
 
 namespace neuvv {
 
-constexpr float kOwnFps = 2;  // an orbit of four frames takes four seconds: eight pictures
+constexpr float kOwnFps = 2;  // an orbit of four frames takes four seconds: eight images
 
 inline voctree::VOctree own_tree() {
     return test::random_tree({.leaves = 200, .frames = 4});
 }
 
-inline nlohmann::json frame_of(const tools::ViewStep& step, const std::string& picture, double time) {
-    nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},        {"cx", step.camera.cx},
-                            {"cy", step.camera.cy},   {"w", step.camera.width},        {"h", step.camera.height},
-                            {"time", time},           {"file_path", "test/" + picture}};
+inline nlohmann::json frame_of(const tools::ViewStep& step, const std::string& image, double time) {
+    nlohmann::json frame = {{"fl_x", step.camera.fx}, {"fl_y", step.camera.fy},      {"cx", step.camera.cx},
+                            {"cy", step.camera.cy},   {"w", step.camera.width},      {"h", step.camera.height},
+                            {"time", time},           {"file_path", "test/" + image}};
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
             frame["transform_matrix"][row][column] = step.camera.world_from_camera[column][row];
     return frame;
 }
 
-// A data set of two cameras and three instants that shows the tree exactly; one instant lies between two frames.
+// A data set of two cameras and three times that shows the tree exactly; one time lies between two frames.
 inline void write_own_dataset(const gpu::Device& device, const voctree::VOctree& tree,
                               const std::filesystem::path& folder) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
@@ -63,7 +63,7 @@ struct CliGpu : test::GpuTest {
         voctree::write_nvv(scene, tree);
     }
     std::string file(const char* name) const { return (folder.path / name).string(); }
-    // What write_own_dataset makes of own_tree(), in "data". Its pictures are rendered once for all cases.
+    // What write_own_dataset makes of own_tree(), in "data". Its images are rendered once for all cases.
     void write_own_data() const {
         static const TemporaryFolder made;
         static const bool written = (write_own_dataset(device(), own_tree(), made.path), true);

@@ -40,12 +40,12 @@ TEST_F(CliGpu, RenderWritesNumberedPictures) {
     EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 8);
     bool clear = false, seen = false;
     for (int i = 0; i < 8; ++i) {
-        const media::Image picture = media::read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
-        EXPECT_EQ(picture.width, 40u);
-        EXPECT_EQ(picture.height, 24u);
-        for (size_t p = 3; p < picture.rgba.size(); p += 4) {
-            clear |= picture.rgba[p] == 0;
-            seen |= picture.rgba[p] > 60;
+        const media::Image image = media::read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
+        EXPECT_EQ(image.width, 40u);
+        EXPECT_EQ(image.height, 24u);
+        for (size_t p = 3; p < image.rgba.size(); p += 4) {
+            clear |= image.rgba[p] == 0;
+            seen |= image.rgba[p] > 60;
         }
     }
     EXPECT_TRUE(clear && seen);
@@ -66,7 +66,7 @@ TEST_F(CliGpu, RenderWritesAVideo) {
 }
 
 TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
-    const auto picture = [&](const std::vector<std::string>& more) {
+    const auto image = [&](const std::vector<std::string>& more) {
         std::vector<std::string> arguments = {"render",   scene, "-o",     file("one_%d.png"),
                                               "--frames", "1.5", "--size", "32x32"};
         arguments.insert(arguments.end(), more.begin(), more.end());
@@ -74,9 +74,8 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
         EXPECT_EQ(result.code, 0) << result.err;
         return media::read_png(file("one_0.png"));
     };
-    const media::Image colour = picture({}), direct = picture({"--direct"}),
-                       green = picture({"--background", "#00ff00"});
-    const media::Image alpha = picture({"--alpha"}), depth = picture({"--depth"});
+    const media::Image colour = image({}), direct = image({"--direct"}), green = image({"--background", "#00ff00"});
+    const media::Image alpha = image({"--alpha"}), depth = image({"--depth"});
     for (size_t i = 0; i < colour.rgba.size(); ++i) {
         const size_t pixel = i / 4 * 4;
         EXPECT_NEAR(colour.rgba[i], direct.rgba[i], colour.rgba[pixel + 3] > 0 ? 1 : 255);
@@ -87,8 +86,8 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     EXPECT_EQ(std::vector<uint8_t>(green.rgba.begin(), green.rgba.begin() + 4), (std::vector<uint8_t>{0, 255, 0, 255}));
     EXPECT_EQ(depth.rgba[0], 0);  // nothing there: far
     EXPECT_GT(*std::max_element(depth.rgba.begin(), depth.rgba.end() - 1), 60);
-    const media::Image level = picture({"--level"}), cost = picture({"--cost"}),
-                       cheap = picture({"--cost", "--cost-max", "4"});
+    const media::Image level = image({"--level"}), cost = image({"--cost"}),
+                       cheap = image({"--cost", "--cost-max", "4"});
     EXPECT_NE(level.rgba, cost.rgba);
     EXPECT_NE(cost.rgba, cheap.rgba);
     for (size_t i = 0; i < colour.rgba.size(); i += 4) {
@@ -175,9 +174,9 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     ASSERT_EQ(json.at("images").size(), 6u);
     EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
     for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
-        const media::Image picture = media::read_png(folder.path / "pictures" / name);
-        EXPECT_EQ(picture.width, 48u) << name;
-        EXPECT_EQ(picture.height, 40u) << name;
+        const media::Image image = media::read_png(folder.path / "pictures" / name);
+        EXPECT_EQ(image.width, 48u) << name;
+        EXPECT_EQ(image.height, 40u) << name;
     }
     EXPECT_EQ(media::read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "pictures"), {}), 3 * 6 + 1);
@@ -217,7 +216,7 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
 }
 
-// The same picture from the file itself, from it on a stage and from what it is converted to.
+// The same image from the file itself, from it on a stage and from what it is converted to.
 TEST_F(CliGpu, PlenoctreesAreClips) {
     const std::string tree_npz = file("tree.npz");
     std::filesystem::copy(NEUVV_SOURCE_DIR "/tests/fuzz/corpus/plenoctree/tiny/scene.npz", tree_npz);

@@ -24,7 +24,7 @@ struct CliPaint : CliGpu {
         EXPECT_EQ(result.code, 0) << result.err;
         return result.code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
     }
-    media::Image picture(const std::string& paints) {
+    media::Image image(const std::string& paints) {
         std::vector<std::string> arguments = {"render",   scene, "-o",     file("still.png"),
                                               "--frames", "1",   "--size", "40x40"};
         if (!paints.empty()) arguments.insert(arguments.end(), {"--paint", paints});
@@ -42,22 +42,22 @@ std::vector<std::string> with_everywhere(std::vector<std::string> arguments) {
 }
 
 TEST_F(CliPaint, RegionsAreErasedAndRestored) {
-    const media::Image plain = picture("");
+    const media::Image plain = image("");
     const auto half = paint({"region", "--colour", "#ff0000", "--box", "-9,-9,-9,0,9,9"});
     EXPECT_GT(half.at("colours"), 10);
     EXPECT_EQ(half.at("erased"), 0);
-    const media::Image red = picture(layer);
+    const media::Image red = image(layer);
     EXPECT_NE(red.rgba, plain.rgba);
-    EXPECT_NE(picture(layer + ":tint:0.5").rgba, red.rgba);
-    EXPECT_EQ(picture(layer + ":normal:0").rgba, plain.rgba);
+    EXPECT_NE(image(layer + ":tint:0.5").rgba, red.rgba);
+    EXPECT_EQ(image(layer + ":normal:0").rgba, plain.rgba);
     paint(with_everywhere({"erase"}));
     const auto erased = paint({"info"});
     EXPECT_EQ(erased.at("edits"), erased.at("erased"));
-    const media::Image gone = picture(layer);
+    const media::Image gone = image(layer);
     for (size_t i = 3; i < gone.rgba.size(); i += 4) ASSERT_EQ(gone.rgba[i], 0);
     const auto cut = paint(with_everywhere({"restore", "--frames", "1"}));
     EXPECT_EQ(cut.at("erased"), 2 * erased.at("erased").get<int>()) << "before and after it";
-    EXPECT_EQ(picture(layer).rgba, plain.rgba) << "at that frame";
+    EXPECT_EQ(image(layer).rgba, plain.rgba) << "at that frame";
     EXPECT_EQ(paint(with_everywhere({"restore"})).at("edits"), 0);
 }
 
@@ -65,18 +65,18 @@ TEST_F(CliPaint, BrushAndPictureReachWhatTheCameraSees) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 40;
     voctree::write_nvv(scene, tree);
-    const media::Image plain = picture("");
+    const media::Image plain = image("");
     EXPECT_GT(paint({"brush", "--line", "10,20", "30,20", "--size", "40x40", "--at", "1", "--radius", "0.3", "--colour",
                      "#00ff00", "--follow", "run"})
                   .at("leaves"),
               3);
-    EXPECT_NE(picture(layer).rgba, plain.rgba);
+    EXPECT_NE(image(layer).rgba, plain.rgba);
     media::Image red(20, 20);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
     media::write_png(file("red.png"), red);
     paint(with_everywhere({"restore"}));
     paint({"project", "--image", file("red.png"), "--at", "1", "--follow", "all"});
-    const media::Image shown = picture(layer);
+    const media::Image shown = image(layer);
     uint64_t redness = 0, before = 0, green = 0;
     for (size_t i = 0; i < shown.rgba.size(); i += 4) {
         redness += shown.rgba[i];
@@ -183,7 +183,7 @@ Halves halves_of(const media::Image& before, const media::Image& after) {
     return halves;
 }
 
-TEST_F(CliStagePaint, APictureLandsOnThePixelsOfTheStagesCamera) {
+TEST_F(CliStagePaint, AImageLandsOnThePixelsOfTheStagesCamera) {
     write_halves();
     const media::Image before = still();
     const auto told = project({});

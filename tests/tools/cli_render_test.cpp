@@ -1,4 +1,4 @@
-// neuvv render: camera paths, linear pictures, and renders that are interrupted and gone on with.
+// neuvv render: camera paths, linear images, and renders that are interrupted and gone on with.
 #include <gtest/gtest.h>
 
 #include "media/exr.h"
@@ -37,7 +37,7 @@ struct CliRender : CliGpu {
         words.insert(words.end(), more);
         return words;
     }
-    // Runs until picture `last` is there, and stops it.
+    // Runs until image `last` is there, and stops it.
     void interrupt(const std::vector<std::string>& words, const std::filesystem::path& last, int signal, int code) {
         std::vector<std::string> all = {NEUVV_PROGRAM};
         all.insert(all.end(), words.begin(), words.end());
@@ -82,7 +82,7 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
     write_text(file("nerf.json"), path.dump());
     const std::string show = file("show.gltf");
     test::write_stage(show, scene, "scene");
-    const auto pictures = [&](const std::string& what, const std::vector<std::string>& more) {
+    const auto images = [&](const std::string& what, const std::vector<std::string>& more) {
         std::vector<std::string> words = {"render",          what,    "-o", file("p_%d.png"), "--camera",
                                           file("nerf.json"), "--json"};
         words.insert(words.end(), more.begin(), more.end());
@@ -91,13 +91,13 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
         return nlohmann::json::parse(result.out).at("pictures").get<int>();
     };
     for (const std::string& what : {scene, show}) {
-        EXPECT_EQ(pictures(what, {"--fps", "2"}), 3) << what;
-        EXPECT_EQ(pictures(what, {}), 5) << what << ": at the path's own rate";
+        EXPECT_EQ(images(what, {"--fps", "2"}), 3) << what;
+        EXPECT_EQ(images(what, {}), 5) << what << ": at the path's own rate";
     }
     path["keyframes"].erase(size_t{1});
     write_text(file("nerf.json"), path.dump());
     for (const std::string& what : {scene, show})
-        EXPECT_EQ(pictures(what, {"--fps", "2"}), 4) << what << ": a fixed camera sees all of the clip's two seconds";
+        EXPECT_EQ(images(what, {"--fps", "2"}), 4) << what << ": a fixed camera sees all of the clip's two seconds";
 }
 
 TEST_F(CliRender, PaintIsNamedAsItIsMeant) {
@@ -117,18 +117,18 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
     ASSERT_EQ(run_neuvv(command("one.png", {"--frames", "1.5"})).code, 0);
     const ProgramResult result = run_neuvv(command("one.exr", {"--frames", "1.5"}));
     ASSERT_EQ(result.code, 0) << result.err;
-    const media::Image picture = media::read_png(file("one.png"));
+    const media::Image image = media::read_png(file("one.png"));
     const media::LinearImage linear = media::read_exr(file("one.exr"));
     ASSERT_EQ(linear.width, 48u);
     ASSERT_EQ(linear.depth_m.size(), size_t{48 * 40});
     size_t seen = 0;
     for (size_t p = 0; p < linear.depth_m.size(); ++p) {
         const float alpha = linear.rgba[4 * p + 3];
-        EXPECT_NEAR(picture.rgba[4 * p + 3], 255 * alpha, 0.75);  // half a step, and a half's rounding
+        EXPECT_NEAR(image.rgba[4 * p + 3], 255 * alpha, 0.75);  // half a step, and a half's rounding
         EXPECT_EQ(std::isfinite(linear.depth_m[p]), alpha > 0);
         seen += alpha > 0.2f;
         for (size_t c = 0; c < 3 && alpha > 0.2f; ++c)
-            EXPECT_NEAR(picture.rgba[4 * p + c],
+            EXPECT_NEAR(image.rgba[4 * p + c],
                         255 * media::srgb_from_linear(std::min(1.0, double{linear.rgba[4 * p + c]} / double{alpha})),
                         1.5);
     }
@@ -184,7 +184,7 @@ TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
 }
 
 TEST_F(CliRender, AnInterruptedVideoGoesOnWhereItWasBegunSo) {
-    // x264's output for the same pictures varies from run to run where they are smaller.
+    // x264's output for the same images varies from run to run where they are smaller.
     const std::vector<std::string> rest = {"--size", "128x96", "--fps", "8", "--samples", "1", "--json"};
     const auto words_of = [&](const char* name) {
         std::vector<std::string> words = {"render", scene, "-o", file(name)};

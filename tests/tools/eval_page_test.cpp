@@ -34,14 +34,14 @@ struct EvalPage : testing::Test {
         evaluation.mean = {.psnr = 35.25, .ssim = 0.9, .mae = 0.01, .flip = 0.05};
     }
     std::string page(const std::vector<size_t>& views) const {
-        std::vector<tools::PagePicture> pictures;
+        std::vector<tools::PageImage> images;
         for (const size_t view : views) {
             const media::Image truth = training::truth_over_white(dataset, dataset.views[view]);
             media::Image render = truth;
             render.at(3, 3)[1] = 0;
-            pictures.push_back({view, truth, render});
+            images.push_back({view, truth, render});
         }
-        return tools::comparison_page({"a.nvv", "data", "test", "llvmpipe"}, dataset, evaluation, pictures);
+        return tools::comparison_page({"a.nvv", "data", "test", "llvmpipe"}, dataset, evaluation, images);
     }
 };
 
@@ -112,7 +112,7 @@ TEST(CameraLabels, AreWhatTheNamesBeginWith) {
     dataset.views.resize(1);
     dataset.views[0].name = "only_one";
     EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"}))
-        << "two cameras have no picture";
+        << "two cameras have no image";
     dataset.cameras.resize(1);
     EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"only_one"}));
 }

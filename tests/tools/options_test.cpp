@@ -12,7 +12,7 @@ namespace neuvv {
 namespace {
 
 TEST(Options, Size) {
-    const tools::PictureSize size = tools::parse_size("1280x720");
+    const tools::media::ImageSize size = tools::parse_size("1280x720");
     EXPECT_EQ(size.width, 1280u);
     EXPECT_EQ(size.height, 720u);
     for (const char* text : {"", "x", "640", "640x", "x480", "0x10", "10x0", "-1x10", "10x10x10", "10 x10", "10x10 ",
@@ -58,9 +58,9 @@ TEST(Options, FrameRange) {
 }
 
 TEST(Options, Output) {
-    EXPECT_EQ(tools::parse_output("a/b.mp4").kind, tools::PictureOutput::Kind::kVideo);
+    EXPECT_EQ(tools::parse_output("a/b.mp4").kind, tools::ImageOutput::Kind::kVideo);
     EXPECT_EQ(tools::parse_output("50%.mp4").file(3), "50%.mp4");
-    EXPECT_EQ(tools::parse_output("b.PNG").kind, tools::PictureOutput::Kind::kPicture);
+    EXPECT_EQ(tools::parse_output("b.PNG").kind, tools::ImageOutput::Kind::kImage);
     EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
     EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
     EXPECT_EQ(tools::parse_output("%d.png").file(12), "12.png");
@@ -68,7 +68,7 @@ TEST(Options, Output) {
     EXPECT_FALSE(tools::parse_output("out_%04d.png").exr);
     EXPECT_TRUE(tools::parse_output("out_%04d.EXR").exr);
     EXPECT_EQ(tools::parse_output("out_%04d.exr").file(7), "out_0007.exr");
-    EXPECT_EQ(tools::parse_output("out.exr").kind, tools::PictureOutput::Kind::kPicture);
+    EXPECT_EQ(tools::parse_output("out.exr").kind, tools::ImageOutput::Kind::kImage);
     for (const char* text : {"", "out", "out.avi", "mp4", "out.mp4.tmp"})
         expect_input_error([&] { tools::parse_output(text); }, {"--output", "out_%04d.png"});
     for (const char* text : {"%s.png", "%04.png", "%n_%d.png", "%d_%d.png", "%%.png", "%.png", "%0d.png", "%00d.png",

@@ -325,7 +325,7 @@ TEST_F(StageVerb, InfoIsOneForClipsAndStages) {
     expect_refused({"info", clip, "--memory"}, 2, {"--memory", "stages"});
 }
 
-// A performer whose .nvv went away: the stage says so, and can be mended.
+// A performer whose .nvv went away: the stage says so, and can be fixed.
 TEST_F(StageVerb, AMissingClipIsNamedAndCanBeRemoved) {
     expect_done({"new", show});
     expect_done({"add", show, clip, "--name", "anna"});

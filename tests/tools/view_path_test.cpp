@@ -14,7 +14,7 @@ namespace {
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
 
-// Where a world position falls in the picture, in pixels.
+// Where a world position falls in the image, in pixels.
 glm::dvec2 project(const stage::Camera& camera, glm::dvec3 position) {
     const glm::dvec3 p = glm::dvec3(glm::inverse(camera.world_from_camera) * glm::dvec4(position, 1));
     EXPECT_LT(p.z, 0) << "behind the camera";
@@ -56,8 +56,8 @@ TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
 
 TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
     const Box box{{-0.5, 0, -0.4}, {0.7, 1.8, 0.4}};
-    for (const tools::PictureSize size :
-         {tools::PictureSize{720, 720}, tools::PictureSize{1280, 720}, tools::PictureSize{300, 500}}) {
+    for (const tools::media::ImageSize size :
+         {tools::media::ImageSize{720, 720}, tools::media::ImageSize{1280, 720}, tools::media::ImageSize{300, 500}}) {
         double outermost = 0;
         for (const tools::ViewStep& step : tools::orbit_path(box, {{0, 23}, 25, 25}, size)) {
             EXPECT_NEAR(glm::determinant(glm::dmat3(step.camera.world_from_camera)), 1, 1e-12);
@@ -174,7 +174,7 @@ TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
     EXPECT_EQ(path[0].camera.cy, 50);
 }
 
-// Rates as .nvv files and users give them: no picture may drift off the clip's frames.
+// Rates as .nvv files and users give them: no image may drift off the clip's frames.
 TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
     const double clip_fps = double{29.97f};

@@ -39,7 +39,7 @@ bool holds_foreground(const training::View& view, uint32_t x0, uint32_t y0) {
     return false;
 }
 
-// How often each tile was drawn until every instant's epoch had ended once: batches hold whole epochs.
+// How often each tile was drawn until every time's epoch had ended once: batches hold whole epochs.
 std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
     std::map<TileKey, uint32_t> draws;
     for (size_t i = 0; i < capture().times.size(); i++) {

@@ -269,7 +269,7 @@ json transforms_key(double z) {
     return {{"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 1}, {0, 0, 1, z}, {0, 0, 0, 1}}}};
 }
 
-// As `neuvv capture` and its kind write them: views, each shown for a picture.
+// As `neuvv capture` and its kind write them: views, each shown for an image.
 TEST_F(CameraPathFile, FramesWithoutSecondsAreViews) {
     json document = {{"camera_angle_x", 0.8}};
     document["frames"].push_back(transforms_key(2));

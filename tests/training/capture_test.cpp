@@ -46,7 +46,7 @@ glm::dvec2 project(const stage::Camera& camera, const glm::vec3& point) {
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
-// The largest alpha in the 3 × 3 pixels around a place in the picture.
+// The largest alpha in the 3 × 3 pixels around a place in the image.
 int alpha_near(const media::Image& image, const glm::dvec2& place) {
     int largest = 0;
     for (int dy = -1; dy <= 1; ++dy)
@@ -128,22 +128,22 @@ TEST(Capture, CheckerIsTheSamePerformerOverThePlate) {
     const training::Dataset checker = training::load_dataset(checker_folder.path, training::Split::kTrain);
     double worst = 0;
     for (size_t v = 0; v < clear.views.size(); ++v) {
-        const media::Image& picture = checker.views[v].image;
+        const media::Image& image = checker.views[v].image;
         const media::Image& plate = checker.plates.at(checker.views[v].camera);
-        ASSERT_EQ(plate.width, picture.width);
+        ASSERT_EQ(plate.width, image.width);
         EXPECT_NE(std::equal(plate.rgba.begin() + 4, plate.rgba.end(), plate.rgba.begin()), true) << "one colour only";
-        for (uint32_t y = 0; y < picture.height; ++y)
-            for (uint32_t x = 0; x < picture.width; ++x) {
-                ASSERT_EQ(picture.at(x, y)[3], clear.views[v].image.at(x, y)[3]);
-                if (picture.at(x, y)[3] == 0) {
-                    for (int c = 0; c < 3; ++c) ASSERT_EQ(picture.at(x, y)[c], plate.at(x, y)[c]);
+        for (uint32_t y = 0; y < image.height; ++y)
+            for (uint32_t x = 0; x < image.width; ++x) {
+                ASSERT_EQ(image.at(x, y)[3], clear.views[v].image.at(x, y)[3]);
+                if (image.at(x, y)[3] == 0) {
+                    for (int c = 0; c < 3; ++c) ASSERT_EQ(image.at(x, y)[c], plate.at(x, y)[c]);
                 }
                 const glm::vec4 difference = training::foreground(clear, clear.views[v], x, y) -
                                              training::foreground(checker, checker.views[v], x, y);
                 for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(static_cast<double>(difference[c])));
             }
     }
-    EXPECT_LT(worst, 0.012) << "8-bit rounding of picture, plate and matte, in linear light";
+    EXPECT_LT(worst, 0.012) << "8-bit rounding of image, plate and matte, in linear light";
 }
 
 TEST(Capture, AStoppedCaptureLeavesNoTransforms) {
@@ -239,7 +239,7 @@ TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     std::filesystem::create_directories(folder.path / "mattes");
     const training::MattesMade made =
         training::make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
-    EXPECT_EQ(made.pictures, 18u);
+    EXPECT_EQ(made.images, 18u);
     EXPECT_EQ(made.cameras_with_plate, 6u);
     EXPECT_EQ(made.missing_split, "");
     const training::Dataset found = training::load_dataset(folder.path, training::Split::kTrain);

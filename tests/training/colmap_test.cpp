@@ -130,7 +130,7 @@ std::array<double, 7> pose_of(int i) {
     return {q.w, q.x, q.y, q.z, 0.1 * i, -0.2, 4.0 + i};
 }
 
-// Nine cameras with one picture each, all of them with a lens of its own.
+// Nine cameras with one image each, all of them with a lens of its own.
 ColmapSample nine_cameras() {
     ColmapSample sample;
     for (int i = 0; i < 9; ++i) {
@@ -146,7 +146,7 @@ struct ColmapTest : testing::TestWithParam<bool> {
     ColmapSample sample = nine_cameras();
 
     std::filesystem::path model() const { return folder.path / "sparse" / "0"; }
-    void write_pictures() const {
+    void write_images() const {
         for (const auto& image : sample.images) test::write_grey_png(folder.path / "images" / image.name, 64, 48);
     }
     training::Rig read(training::Split split = training::Split::kTrain) const {
@@ -168,7 +168,7 @@ TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
         SCOPED_TRACE(model.name);
         sample.cameras = {{7, model.id, model.name, 64, 48, model.parameters}};
         sample.images = {{1, pose_of(1), 7, "a.png"}, {2, pose_of(2), 7, "b.png"}};
-        write_pictures();
+        write_images();
         const training::Rig rig = read();
         ASSERT_EQ(rig.cameras.size(), 1u);
         EXPECT_EQ(rig.cameras[0].name, "b");
@@ -187,7 +187,7 @@ TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
 }
 
 TEST_P(ColmapTest, EveryEighthPictureIsHeldOut) {
-    write_pictures();
+    write_images();
     const training::Rig train = read(), test = read(training::Split::kTest);
     EXPECT_EQ(train.format, "colmap");
     ASSERT_EQ(train.cameras.size(), 7u);
@@ -196,13 +196,13 @@ TEST_P(ColmapTest, EveryEighthPictureIsHeldOut) {
     EXPECT_EQ(test.cameras[1].name, "cam8");
     EXPECT_EQ(train.shots.size(), 7u);
     EXPECT_EQ(train.shots[0].time, 0);
-    EXPECT_EQ(train.shots[0].picture.path, folder.path / "images" / "cam1.png");
+    EXPECT_EQ(train.shots[0].image.path, folder.path / "images" / "cam1.png");
     EXPECT_TRUE(train.shots[0].mask.path.empty());
     EXPECT_FALSE(train.box);
 }
 
 TEST_P(ColmapTest, TheModelMayStandElsewhere) {
-    write_pictures();
+    write_images();
     for (const char* place : {"sparse", "colmap/sparse/0", "."}) {
         test::write_colmap(folder.path / place, sample, GetParam());
         EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 7u) << place;
@@ -234,7 +234,7 @@ TEST_P(ColmapTest, FoldersOfFramesAreVideosOfStillCameras) {
     EXPECT_EQ(train.masks, training::MaskMeaning::kMatte);
     const std::vector<double> times = {0, 2 / 3.0, 1};
     for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(train.shots[i].time, times[i], 1e-12);
-    EXPECT_EQ(train.shots[0].picture.path, folder.path / "images" / "cam1" / "8.png");
+    EXPECT_EQ(train.shots[0].image.path, folder.path / "images" / "cam1" / "8.png");
     EXPECT_EQ(train.shots[0].mask.path, folder.path / "masks" / "cam1" / "8.png");
     EXPECT_EQ(train.shots[2].name, "cam1_11");
 
@@ -258,8 +258,8 @@ TEST_P(ColmapTest, VideosOfCameras) {
     const training::Rig rig = read();
     ASSERT_EQ(rig.shots.size(), 3u);
     EXPECT_EQ(rig.fps, 10);
-    EXPECT_EQ(rig.shots[2].picture.path, folder.path / "videos" / "cam1.mp4");
-    EXPECT_EQ(rig.shots[2].picture.video_frame, 2);
+    EXPECT_EQ(rig.shots[2].image.path, folder.path / "videos" / "cam1.mp4");
+    EXPECT_EQ(rig.shots[2].image.video_frame, 2);
     EXPECT_EQ(rig.shots[2].mask.path, folder.path / "masks" / "cam1.mp4");
     EXPECT_EQ(rig.shots[1].time, 0.5);
 }
@@ -269,7 +269,7 @@ TEST_P(ColmapTest, ImagesOfAFolderAreHeldOutTogether) {
     sample.images.clear();
     for (int i = 0; i < 6; ++i)
         sample.images.push_back({i, pose_of(i), 2, fmt::format("rig/{}/f{:02}.png", i / 3, 5 * (i % 3))});
-    write_pictures();
+    write_images();
     const training::Rig rig = read(), held_out = read(training::Split::kTest);
     ASSERT_EQ(rig.cameras.size(), 3u);
     ASSERT_EQ(held_out.cameras.size(), 3u);
@@ -279,7 +279,7 @@ TEST_P(ColmapTest, ImagesOfAFolderAreHeldOutTogether) {
 }
 
 TEST_P(ColmapTest, TheBoxLeavesStraysOut) {
-    write_pictures();
+    write_images();
     for (int i = 0; i < 1000; ++i) sample.points.push_back({i / 1000.0, 2 + i / 500.0, -(i % 100) / 100.0});
     for (const double stray : {-500.0, 500.0, 1e300, std::numeric_limits<double>::infinity()})
         sample.points.push_back({stray, stray, stray});
@@ -293,7 +293,7 @@ TEST_P(ColmapTest, TheBoxLeavesStraysOut) {
 }
 
 TEST_P(ColmapTest, DamageIsNamed) {
-    write_pictures();
+    write_images();
     const char* images = GetParam() ? "images.bin" : "images.txt";
     const char* cameras = GetParam() ? "cameras.bin" : "cameras.txt";
     const double nan = std::nan("");
@@ -303,7 +303,7 @@ TEST_P(ColmapTest, DamageIsNamed) {
     expect_bad([](auto& s) { s.images[2].name = "../../secret.png"; }, {images, "secret.png", "folder"});
     expect_bad([](auto& s) { s.images[2].name = "/etc/passwd"; }, {images, "passwd", "folder"});
     expect_bad([](auto& s) { s.images[2].name = s.images[1].name; }, {images, "cam1.png"});
-    expect_bad([](auto& s) { s.images[2].name = "lost.png"; }, {images, "lost.png", "no picture"});
+    expect_bad([](auto& s) { s.images[2].name = "lost.png"; }, {images, "lost.png", "no image"});
     expect_bad([](auto& s) { s.images[2].pose = {0, 0, 0, 0, 1, 2, 3}; }, {images, "quaternion"});
     expect_bad([](auto& s) { s.images[2].pose[5] = 1e9; }, {images, "origin"});
     expect_bad([&](auto& s) { s.images[2].pose[5] = nan; }, {images});
@@ -319,7 +319,7 @@ TEST_P(ColmapTest, DamageIsNamed) {
 }
 
 TEST_P(ColmapTest, TruncatedAnywhereIsNeverSilent) {
-    write_pictures();
+    write_images();
     sample.points.assign(120, {1, 2, 3});
     read();
     for (const char* stem : {"cameras", "images", "points3D"}) {
@@ -344,7 +344,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ColmapBinary, testing::Values(true));
 
 // A count must not be believed before the bytes are there.
 TEST_P(ColmapBinary, CountsBeyondTheFile) {
-    write_pictures();
+    write_images();
     sample.points.assign(120, {1, 2, 3});
     read();
     for (const char* stem : {"cameras", "images", "points3D"}) {

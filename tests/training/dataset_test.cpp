@@ -23,8 +23,8 @@ json pose_at(double x, double y, double z) {
     return {{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}};
 }
 
-// A picture with a matte: opaque, half clear and clear columns, the colour telling pictures apart.
-media::Image matte_picture(uint32_t width, uint32_t height, uint8_t red) {
+// An image with a matte: opaque, half clear and clear columns, the colour telling images apart.
+media::Image matte_image(uint32_t width, uint32_t height, uint8_t red) {
     media::Image image(width, height);
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {
@@ -37,7 +37,7 @@ media::Image matte_picture(uint32_t width, uint32_t height, uint8_t red) {
     return image;
 }
 
-// Two cameras and three instants, out of order, that load; tests damage one thing each.
+// Two cameras and three times, out of order, that load; tests damage one thing each.
 struct DatasetTest : testing::Test {
     TemporaryFolder folder;
     json good;
@@ -52,7 +52,7 @@ struct DatasetTest : testing::Test {
                                           {"transform_matrix", pose_at(camera, 1.5, 3)}});
                 std::filesystem::create_directories(folder.path / "train");
                 media::write_png(folder.path / "train" / (name + ".png"),
-                                 matte_picture(6, 4, static_cast<uint8_t>(10 * instant + 100 * camera)));
+                                 matte_image(6, 4, static_cast<uint8_t>(10 * instant + 100 * camera)));
             }
     }
 
@@ -134,7 +134,7 @@ TEST_F(DatasetTest, OneFileHoldsOutEveryEighthCamera) {
     json document = {{"camera_angle_x", 0.8}};
     for (int camera = 0; camera < 10; ++camera) {
         const std::string name = "train/h" + std::to_string(camera);
-        media::write_png(folder.path / (name + ".png"), matte_picture(6, 4, 1));
+        media::write_png(folder.path / (name + ".png"), matte_image(6, 4, 1));
         document["frames"].push_back({{"file_path", name}, {"transform_matrix", pose_at(camera, 0, 4)}});
     }
     const training::Dataset test = load(document, "transforms.json", training::Split::kTest);
@@ -239,7 +239,7 @@ TEST_F(DatasetTest, SizesMustAgree) {
     expect_bad([](json& j) { j["w"] = 1u << 20; }, {"w"});
     expect_bad([](json& j) { j.erase("h"); }, {"w and h"});
     expect_bad([](json& j) { j["w"] = 7; }, {"train/c", ".png", "6×4", "7×4"});
-    media::write_png(folder.path / "train" / "c1_f1.png", matte_picture(5, 4, 1));
+    media::write_png(folder.path / "train" / "c1_f1.png", matte_image(5, 4, 1));
     expect_bad([](json&) {}, {"c1_f1.png", "5×4"});
     expect_bad([](json& j) { j.erase("w"), j.erase("h"); }, {"c1_f1.png", "5×4"});
 }
@@ -292,7 +292,7 @@ TEST_F(DatasetTest, WhatALensDoesNotKnowIsRefused) {
 
 TEST_F(DatasetTest, ForegroundWithoutAPlateIsStraightAlpha) {
     const training::Dataset data = load(good);
-    const training::View& view = data.views[1];  // camera 1, instant 2: red 120
+    const training::View& view = data.views[1];  // camera 1, time 2: red 120
     const auto linear = [](int byte) { return static_cast<float>(media::linear_from_srgb(byte / 255.0)); };
     EXPECT_EQ(training::foreground(data, view, 2, 3), glm::vec4(0));
     const glm::vec4 half = training::foreground(data, view, 1, 2);
@@ -306,8 +306,8 @@ TEST_F(DatasetTest, ForegroundWithoutAPlateIsStraightAlpha) {
     EXPECT_EQ(truth.at(3, 0)[0], 255);
 }
 
-// Pictures over a plate must give back the colours of the same pictures without one.
-TEST_F(DatasetTest, APlateIsTakenOutOfThePicture) {
+// Images over a plate must give back the colours of the same images without one.
+TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
     const training::Dataset clear = load(good);
     json document = good;
     media::Image plate(6, 4);

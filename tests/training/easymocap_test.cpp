@@ -134,7 +134,7 @@ TEST_F(EasyMocapTest, CamerasWithoutPicturesAreLeftOut) {
     std::filesystem::remove_all(folder.path / "images" / "10");
     expect_input_error([&] { read(); }, {"intri.yml", "one camera"});
     std::filesystem::remove_all(folder.path / "images" / "01");
-    expect_input_error([&] { read(); }, {"no picture", "images/<camera>"});
+    expect_input_error([&] { read(); }, {"no image", "images/<camera>"});
 }
 
 TEST_F(EasyMocapTest, FramesOfForeignNamesAreRefused) {
@@ -142,7 +142,7 @@ TEST_F(EasyMocapTest, FramesOfForeignNamesAreRefused) {
         std::filesystem::remove_all(folder.path / "images" / name);
         test::write_grey_png(folder.path / "images" / name / ("clip_" + name + "_0.png"), 64, 48);
     }
-    expect_input_error([&] { read(); }, {"no picture of one camera is named as one of another"});
+    expect_input_error([&] { read(); }, {"no image of one camera is named as one of another"});
 }
 
 TEST_F(EasyMocapTest, DamageIsNamed) {

@@ -8,7 +8,7 @@
 namespace neuvv::test {
 namespace {
 
-// The sphere's pictures, each all of one colour: that of `colours` by frame.
+// The sphere's images, each all of one colour: that of `colours` by frame.
 training::Dataset painted(const SphereCapture& capture, const std::vector<std::array<uint8_t, 3>>& colours) {
     training::Dataset dataset = sphere_dataset(capture);
     for (training::View& view : dataset.views) {

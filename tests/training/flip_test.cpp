@@ -84,12 +84,10 @@ TEST(Flip, GrowsWithTheDifferenceAndFadesWithDistance) {
 }
 
 TEST(Flip, ThePictureGoesFromBlackToYellow) {
-    const media::Image picture = training::flip_picture({0, 0.5f, 1}, 3, 1);
-    EXPECT_EQ(std::vector<uint8_t>(picture.rgba.begin(), picture.rgba.begin() + 4),
-              (std::vector<uint8_t>{0, 0, 4, 255}));
-    EXPECT_EQ(std::vector<uint8_t>(picture.rgba.end() - 4, picture.rgba.end()),
-              (std::vector<uint8_t>{252, 253, 191, 255}));
-    EXPECT_EQ(picture.at(1, 0)[0], 182);  // between 159 and 205
+    const media::Image image = training::flip_image({0, 0.5f, 1}, 3, 1);
+    EXPECT_EQ(std::vector<uint8_t>(image.rgba.begin(), image.rgba.begin() + 4), (std::vector<uint8_t>{0, 0, 4, 255}));
+    EXPECT_EQ(std::vector<uint8_t>(image.rgba.end() - 4, image.rgba.end()), (std::vector<uint8_t>{252, 253, 191, 255}));
+    EXPECT_EQ(image.at(1, 0)[0], 182);  // between 159 and 205
 }
 
 }  // namespace

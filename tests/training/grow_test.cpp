@@ -20,7 +20,7 @@ voctree::VOctree first_tree() {
     return training::initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
 }
 
-glm::dvec3 middle_of(const voctree::LeafPlace& place) {
+glm::dvec3 middle_of(const voctree::LeafPosition& place) {
     return (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
 }
 
@@ -41,7 +41,7 @@ training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> reach)
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     for (uint32_t leaf = 0; leaf < places.size(); leaf++)
         ASSERT_EQ(voctree::find_leaf(tree, middle_of(places[leaf])), leaf);
 }
@@ -71,8 +71,8 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
     EXPECT_EQ(tree.frames, 3u);
     EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
     EXPECT_EQ(tree.fps, 25);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
-    for (const voctree::LeafPlace& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    for (const voctree::LeafPosition& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
     EXPECT_LT(places.size(), 512u);
     for (uint32_t frame = 0; frame < 3; frame++) {
         const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
@@ -87,7 +87,7 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
 
 TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
     const voctree::VOctree tree = first_tree();
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     size_t forbidden = 0;
     for (uint32_t leaf = 0; leaf < places.size(); leaf++) {
         const glm::dvec3 middle = world_of(tree, middle_of(places[leaf]));
@@ -114,7 +114,7 @@ TEST(Grow, PrunesWhatIsNotReached) {
         training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
         const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
         EXPECT_NE(before % 3, 0u);
@@ -140,7 +140,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
         training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
         const glm::dvec3 middle = middle_of(places[leaf]);
         const uint32_t parent = voctree::find_leaf(tree, middle);
@@ -173,12 +173,12 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
     const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, reach), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
-    for (const voctree::LeafPlace& place : places)  // the ten of most reach, which are the last
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    for (const voctree::LeafPosition& place : places)  // the ten of most reach, which are the last
         if (place.depth > 3) {
             EXPECT_GE(voctree::find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
         }
-    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const voctree::LeafPlace& p) { return p.depth == 4; }));
+    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
 }
 
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
@@ -189,7 +189,7 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
         training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
-    for (const voctree::LeafPlace& place : voctree::leaf_places(grown))
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown))
         EXPECT_LE(voctree::find_leaf(tree, middle_of(place)), 20u);
 }
 
@@ -202,7 +202,7 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
     expect_sound(grown);
     float least_divided = 1000, most_whole = 0;
     size_t whole = 0;
-    for (const voctree::LeafPlace& place : voctree::leaf_places(grown)) {
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) {
         const float pull = use.pull[voctree::find_leaf(tree, middle_of(place))];
         if (place.depth == 4)
             least_divided = std::min(least_divided, pull);
@@ -225,7 +225,7 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
     const training::GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
     const voctree::VOctree grown = training::grow(capture(), tree, use, large);
-    for (const voctree::LeafPlace& place : voctree::leaf_places(grown)) EXPECT_EQ(place.depth, 4u);
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) EXPECT_EQ(place.depth, 4u);
 }
 
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
@@ -234,7 +234,7 @@ TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
     const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
     ASSERT_EQ(grown.leaf_count, tree.leaf_count);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(grown);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
     size_t emptied = 0;
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
         const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));

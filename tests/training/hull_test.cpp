@@ -16,7 +16,7 @@ bool allowed(const std::vector<uint32_t>& bits, size_t words, size_t cell, uint3
     return bits[cell * words + frame / 32] >> frame % 32 & 1;
 }
 
-// Cells of a grid over [−1, 1]³ that lie in every picture whole.
+// Cells of a grid over [−1, 1]³ that lie in every image whole.
 std::vector<training::HullCell> grid(uint32_t side) {
     std::vector<training::HullCell> cells;
     const float edge = 2.0f / static_cast<float>(side);
@@ -52,7 +52,7 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
     }
 }
 
-// Balls of all sizes that reach little more than a pixel into the sphere: their picture's rectangle must not be too
+// Balls of all sizes that reach little more than a pixel into the sphere: their image's rectangle must not be too
 // small.
 TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
     const SphereCapture capture{
@@ -101,12 +101,12 @@ TEST(Hull, NeedsTwoCamerasThatSeeTheCell) {
     turned.cameras[1].world_from_camera[0] *= -1;
     turned.cameras[1].world_from_camera[2] *= -1;
     EXPECT_EQ(training::carve(turned, centre)[0], 0u);
-    dataset.views.pop_back();  // there is but one picture: it decides
+    dataset.views.pop_back();  // there is but one image: it decides
     EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
 }
 
-// Half a picture says nothing of the other half.
-TEST(Hull, ACellAtThePicturesEdgeIsNotCarvedByIt) {
+// Half an image says nothing of the other half.
+TEST(Hull, ACellAtTheImagesEdgeIsNotCarvedByIt) {
     const SphereCapture capture{.cameras = 3, .frames = 1};
     training::Dataset dataset = sphere_dataset(capture);
     const std::vector<training::HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
@@ -155,7 +155,7 @@ TEST(Hull, RefusesCamerasThatAllLookTheSameWay) {
     expect_input_error([&] { training::hull_box(dataset); }, {"sphere", "aabb"});
 }
 
-// One camera's picture is empty, but that is not to be believed: matter must stay. Believed, all would go.
+// One camera's image is empty, but that is not to be believed: matter must stay. Believed, all would go.
 TEST(Hull, IgnoredPixelsDoNotCarve) {
     const SphereCapture capture{.frames = 1};
     const training::Dataset truth = sphere_dataset(capture);

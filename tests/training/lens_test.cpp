@@ -1,4 +1,4 @@
-// Lenses against values of the calibration programs' own formulas, and pictures made straight again.
+// Lenses against values of the calibration programs' own formulas, and images made straight again.
 #include "training/lens.h"
 
 #include <gtest/gtest.h>
@@ -168,7 +168,7 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
 TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
     const training::Lens pincushion = make_lens(training::LensModel::kBrown, {0.4});
     const training::Undistortion map = training::make_undistortion(pincushion);
-    EXPECT_FALSE(map.sees(0)) << "the corner of the pinhole's picture lies outside the lens's";
+    EXPECT_FALSE(map.sees(0)) << "the corner of the pinhole's image lies outside the lens's";
     EXPECT_TRUE(map.sees(240 * 640 + 320));
     std::vector<bool> ignored = training::undistort_ignored({}, map);
     ASSERT_EQ(ignored.size(), 640u * 480);
@@ -180,7 +180,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
 
     const training::Undistortion folded = training::make_undistortion(make_lens(training::LensModel::kBrown, {-2}));
     EXPECT_NEAR(folded.fold_degrees, std::atan(std::sqrt(1.0 / 6)) * 180 / 3.14159265, 0.1);
-    EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the picture";
+    EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the image";
     EXPECT_LT(folded.seen, 0.8);
 }
 

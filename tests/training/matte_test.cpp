@@ -52,7 +52,7 @@ media::Image seen(const media::Image& performer, const media::Image& background,
 
 struct Agreement {
     double iou = 0;  // of what is more than half performer
-    double mae = 0;  // mean absolute error of alpha, over the picture
+    double mae = 0;  // mean absolute error of alpha, over the image
 };
 
 Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth) {
@@ -81,8 +81,8 @@ TEST(Matte, FindsThePerformerBeforeACleanPlate) {
             SCOPED_TRACE(sigma);
             const media::Image& performer = truth.views[view].image;
             const media::Image plate = seen(media::Image(96, 96), wall(96), sigma, 0, 100);
-            const media::Image picture = seen(performer, wall(96), sigma, 0, view);
-            const Agreement found = agreement(training::difference_matte(picture, plate, {}), performer);
+            const media::Image image = seen(performer, wall(96), sigma, 0, view);
+            const Agreement found = agreement(training::difference_matte(image, plate, {}), performer);
             EXPECT_GT(found.iou, sigma > 2 ? 0.93 : 0.97);
             EXPECT_LT(found.mae, sigma > 2 ? 0.006 : 0.003);
         }
@@ -91,9 +91,9 @@ TEST(Matte, FindsThePerformerBeforeACleanPlate) {
 TEST(Matte, ADriftOfTheExposureIsNoPerformer) {
     const training::Dataset truth = sphere_dataset(kCapture);
     const media::Image& performer = truth.views[3].image;
-    const media::Image picture = seen(performer, wall(96), 1, 15, 5),
+    const media::Image image = seen(performer, wall(96), 1, 15, 5),
                        plate = seen(media::Image(96, 96), wall(96), 1, 0, 6);
-    EXPECT_GT(agreement(training::difference_matte(picture, plate, {}), performer).iou, 0.95);
+    EXPECT_GT(agreement(training::difference_matte(image, plate, {}), performer).iou, 0.95);
 }
 
 TEST(Matte, NothingIsFoundWhereNothingIs) {
@@ -104,12 +104,12 @@ TEST(Matte, NothingIsFoundWhereNothingIs) {
 }
 
 TEST(Matte, EdgesAreSoft) {
-    media::Image plate(40, 40), picture(40, 40);  // black, with a white square whose left column is half covered
+    media::Image plate(40, 40), image(40, 40);  // black, with a white square whose left column is half covered
     for (uint32_t y = 10; y < 30; y++)
         for (uint32_t x = 10; x < 30; x++)
-            std::fill_n(picture.at(x, y), 3,
+            std::fill_n(image.at(x, y), 3,
                         static_cast<uint8_t>(x == 10 ? std::lround(255 * media::srgb_from_linear(0.5)) : 255));
-    const std::vector<uint8_t> matte = training::difference_matte(picture, plate, {});
+    const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
     EXPECT_NEAR(matte[20 * 40 + 10], 128, 2);
     EXPECT_EQ(matte[20 * 40 + 11], 255);
     EXPECT_EQ(matte[20 * 40 + 29], 255);
@@ -117,16 +117,16 @@ TEST(Matte, EdgesAreSoft) {
 }
 
 TEST(Matte, SpecksAreDroppedAndHolesClosed) {
-    media::Image plate(100, 100), picture(100, 100);
+    media::Image plate(100, 100), image(100, 100);
     const auto paint = [&](uint32_t left, uint32_t top, uint32_t side, uint8_t value) {
         for (uint32_t y = top; y < top + side; y++)
-            for (uint32_t x = left; x < left + side; x++) std::fill_n(picture.at(x, y), 3, value);
+            for (uint32_t x = left; x < left + side; x++) std::fill_n(image.at(x, y), 3, value);
     };
     paint(30, 30, 40, 200);
     paint(45, 45, 4, 0);   // a button like the background: 16 pixels of 10,000
     paint(55, 55, 10, 0);  // between arm and body one sees through
     paint(5, 5, 2, 200);   // a fly
-    const std::vector<uint8_t> matte = training::difference_matte(picture, plate, {});
+    const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
     EXPECT_EQ(matte[46 * 100 + 46], 255);
     EXPECT_EQ(matte[60 * 100 + 60], 0);
     EXPECT_EQ(matte[5 * 100 + 5], 0);
@@ -151,7 +151,7 @@ struct MatteFiles : ::testing::Test {
         write_capture(what.dataset, opaque_capture(truth, 1));
         std::filesystem::create_directories(what.output);
     }
-    // The worst agreement of all pictures as load_dataset sees them.
+    // The worst agreement of all images as load_dataset sees them.
     Agreement loaded_agreement() const {
         Agreement worst{1, 0};
         const training::Dataset loaded = training::load_dataset(what.dataset, training::Split::kTrain);
@@ -179,7 +179,7 @@ TEST_F(MatteFiles, AreWhatTrainingReads) {
         EXPECT_EQ(total, 18u);
         return true;
     });
-    EXPECT_EQ(made.pictures, 18u);
+    EXPECT_EQ(made.images, 18u);
     EXPECT_EQ(made.cameras, 2u);
     EXPECT_EQ(made.cameras_with_plate, 0u);
     EXPECT_NE(made.missing_split.find("transforms_test.json"), std::string::npos) << made.missing_split;
@@ -213,12 +213,12 @@ TEST_F(MatteFiles, TooFewPicturesAreRefused) {
     training::Dataset few = opaque_capture(truth, 1);
     few.views.resize(4);
     write_capture(what.dataset, few);
-    expect_input_error([&] { training::make_mattes(what, {}); }, {"clean plate", "4 pictures"});
+    expect_input_error([&] { training::make_mattes(what, {}); }, {"clean plate", "4 images"});
     expect_input_error([&] { training::make_mattes({.dataset = folder.path / "none"}, {}); }, {"none"});
 }
 
 TEST_F(MatteFiles, StopWhereTheyAreTold) {
-    EXPECT_EQ(training::make_mattes(what, [](uint64_t, uint64_t) { return false; }).pictures, 9u);
+    EXPECT_EQ(training::make_mattes(what, [](uint64_t, uint64_t) { return false; }).images, 9u);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ voctree::VOctree families_tree(uint32_t families) {
     tree.hh_degree = 1;
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, kFrames);
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t family = 0; family < families; family++)
         for (uint32_t i = 0; i < 8; i++) places.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
     places.pop_back();
@@ -51,7 +51,7 @@ training::LeafUse use_of(const voctree::VOctree& tree) {
     return use;
 }
 
-uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPlace place) {
+uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPosition place) {
     return voctree::find_leaf(tree, (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth));
 }
 
@@ -202,7 +202,7 @@ TEST(Merge, LeavesOfTheRootStay) {
     tree.bases = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
     voctree::build_topology(tree, places);
     training::LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};

@@ -25,7 +25,7 @@ media::Image random_image(uint32_t width, uint32_t height, uint32_t seed) {
     return image;
 }
 
-// The picture, blurred by its neighbours and with noise: a plausible render of it.
+// The image, blurred by its neighbours and with noise: a plausible render of it.
 media::Image degraded(const media::Image& image, uint32_t seed, int noise) {
     std::mt19937 random(seed);
     media::Image result = image;
@@ -140,9 +140,9 @@ TEST(Metrics, ErrorPictureIsWhiteFromAQuarter) {
     media::Image truth = filled(3, 1, 100), result = truth;
     result.at(1, 0)[0] = 110;
     result.at(2, 0)[2] = 0;
-    const media::Image error = training::error_picture(truth, result);
+    const media::Image error = training::error_image(truth, result);
     EXPECT_EQ(error.rgba, (std::pmr::vector<uint8_t>{0, 0, 0, 255, 40, 0, 0, 255, 0, 0, 255, 255}));
-    EXPECT_EQ(training::error_picture(result, truth).rgba, error.rgba);
+    EXPECT_EQ(training::error_image(result, truth).rgba, error.rgba);
 }
 
 TEST(Metrics, ContactSheetPlacesAndScales) {

@@ -130,7 +130,7 @@ TEST_F(N3vTest, RowsAreCamerasAndTheFirstIsHeldOut) {
 
 TEST_F(N3vTest, MattesAreNeededAndLieBeside) {
     expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); },
-                       {"no picture has a matte", "neuvv matte"});
+                       {"no image has a matte", "neuvv matte"});
     std::filesystem::create_directories(folder.path / "mattes");
     media::Image matte(32, 24);
     for (size_t i = 0; i < 32 * 24; ++i) std::fill_n(&matte.rgba[4 * i], 3, static_cast<uint8_t>(i % 32 < 9 ? 255 : 0));
@@ -166,7 +166,7 @@ TEST_F(N3vTest, WhatDoesNotFitIsNamed) {
     rows = good;
     rows[17 + 4] = 1e9;
     write_rows(3);
-    expect_bad({"row 1", "picture size"});
+    expect_bad({"row 1", "image size"});
     rows = good;
     rows.resize(34);
     write_rows(2);

@@ -17,8 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-// Ten pixels by eight, opaque on the left, its red telling pictures apart.
-media::Image picture(uint8_t red) {
+// Ten pixels by eight, opaque on the left, its red telling images apart.
+media::Image image(uint8_t red) {
     media::Image image(10, 8);
     for (uint32_t y = 0; y < 8; ++y)
         for (uint32_t x = 0; x < 10; ++x) {
@@ -58,13 +58,13 @@ void expect_level(const glm::dmat4& pose, double x) {
         for (int row = 0; row < 4; ++row) EXPECT_NEAR(pose[column][row], expected[column][row], 1e-12);
 }
 
-// One camera that moves, a picture an instant; file_path without ending, and a folder that bears a picture's name.
+// One camera that moves, an image a time; file_path without ending, and a folder that bears an image's name.
 TEST_F(NerfTest, DNerf) {
     for (const char* split : {"train", "val", "test"}) {
         json document = {{"camera_angle_x", 0.7}};
         for (int i = 0; i < 3; ++i) {
             const std::string path = std::string(split) + "/r_00" + std::to_string(i);
-            put(path + ".png", picture(static_cast<uint8_t>(split[0] + i)));
+            put(path + ".png", image(static_cast<uint8_t>(split[0] + i)));
             document["frames"].push_back(
                 {{"file_path", "./" + path}, {"rotation", 0.3}, {"time", i / 2.0}, {"transform_matrix", z_up_pose(i)}});
         }
@@ -109,7 +109,7 @@ struct Nerfstudio : NerfTest {
     void SetUp() override {
         for (int i = 0; i < 9; ++i) {
             const std::string name = "frame_" + std::to_string(i);
-            put("images/" + name + ".png", picture(static_cast<uint8_t>(10 * i)));
+            put("images/" + name + ".png", image(static_cast<uint8_t>(10 * i)));
             media::Image mask(10, 8);
             for (size_t k = 0; k < mask.rgba.size(); ++k)
                 mask.rgba[k] = k % 4 == 3 || k >= 40 ? 255 : 0;  // row 0 black
@@ -197,7 +197,7 @@ TEST_F(Nerfstudio, MasksAreOfAllFramesOrNone) {
 TEST_F(NerfTest, InstantNgp) {
     std::string frames;
     for (int i = 0; i < 4; ++i) {
-        put("images/" + std::to_string(i) + ".png", picture(static_cast<uint8_t>(10 * i)));
+        put("images/" + std::to_string(i) + ".png", image(static_cast<uint8_t>(10 * i)));
         frames += (i ? "," : "") + json{{"file_path", "./images/" + std::to_string(i) + ".png"},
                                         {"sharpness", 23.5},
                                         {"transform_matrix", z_up_pose(i)},

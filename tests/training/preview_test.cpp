@@ -1,4 +1,4 @@
-// What a run shows of itself: the preview picture and the log of its numbers.
+// What a run shows of itself: the preview image and the log of its numbers.
 #include "training/preview.h"
 
 #include <gtest/gtest.h>
@@ -25,18 +25,18 @@ TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
     const voctree::VOctree tree = random_tree({.leaves = 100, .frames = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const training::Quality quality = training::write_preview(device(), field, dataset, folder.path / "preview.png");
-    const media::Image picture = media::read_png(folder.path / "preview.png");
-    ASSERT_EQ(picture.width, 120u);
-    ASSERT_EQ(picture.height, 40u);
+    const media::Image image = media::read_png(folder.path / "preview.png");
+    ASSERT_EQ(image.width, 120u);
+    ASSERT_EQ(image.height, 40u);
     EXPECT_EQ(folder.entries(), 1u);
     const auto part = [&](uint32_t index) {
         media::Image image(40, 40);
-        for (uint32_t y = 0; y < 40; y++) std::copy_n(picture.at(40 * index, y), 160, image.at(0, y));
+        for (uint32_t y = 0; y < 40; y++) std::copy_n(image.at(40 * index, y), 160, image.at(0, y));
         return image;
     };
     const media::Image truth = training::truth_over_white(dataset, dataset.views[0]);
     EXPECT_EQ(part(0).rgba, truth.rgba);
-    EXPECT_EQ(part(2).rgba, training::error_picture(truth, part(1)).rgba);
+    EXPECT_EQ(part(2).rgba, training::error_image(truth, part(1)).rgba);
     EXPECT_EQ(training::compare(truth, part(1)).psnr, quality.psnr);
     const training::Evaluation evaluation =
         training::evaluate(device(), tree, dataset, 2);  // of the same view, weights in half precision

@@ -59,18 +59,19 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
     EXPECT_EQ(tree.sigma_basis, (std::vector<float>{0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f}));
     EXPECT_EQ(tree.gamma_basis, (std::vector<float>{0.25f, 0, 0, 0, 0.25f, 0, 0, 0, 0.25f}));
 
-    const std::vector<voctree::LeafPlace> before = voctree::leaf_places(hull()), after = voctree::leaf_places(tree);
-    const auto x_at = [&](const voctree::LeafPlace& place, double inside) {
+    const std::vector<voctree::LeafPosition> before = voctree::leaf_positions(hull()),
+                                             after = voctree::leaf_positions(tree);
+    const auto x_at = [&](const voctree::LeafPosition& place, double inside) {
         const double edge = static_cast<double>(tree.box_size.x) / std::exp2(place.depth);
         const double world = static_cast<double>(tree.box_min.x) + edge * (place.x + inside);
         return (world - static_cast<double>(network.centre().x)) * static_cast<double>(network.scale());
     };
     size_t kept = 0;
-    for (const voctree::LeafPlace& place : before) {
+    for (const voctree::LeafPosition& place : before) {
         const double x = x_at(place, 0.875);  // the centre of its last finest cell along x
         double sum = 0;
         for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
-        const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPlace& other) {
+        const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPosition& other) {
             return other.x == place.x && other.y == place.y && other.z == place.z && other.depth == place.depth;
         });
         EXPECT_EQ(found, sum >= 0.3) << place.x << ' ' << place.y << ' ' << place.z;

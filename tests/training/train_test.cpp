@@ -66,7 +66,7 @@ std::vector<media::Image> held_out_truths() {
     std::vector<media::Image> truths;
     for (const uint32_t camera : {1u, 6u})
         for (uint32_t frame = 0; frame < kCapture.frames; frame++)
-            truths.push_back(sphere_picture(kCapture, sphere_camera(between, camera), kCapture.time(frame)));
+            truths.push_back(sphere_image(kCapture, sphere_camera(between, camera), kCapture.time(frame)));
     return truths;
 }
 
@@ -154,7 +154,7 @@ TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     settings.adaptive = false;
     training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
     const voctree::VOctree tree = voctree::read_nvv(folder.path / "sphere.nvv");
-    for (const voctree::LeafPlace& place : voctree::leaf_places(tree)) ASSERT_EQ(place.depth, 6u);
+    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) ASSERT_EQ(place.depth, 6u);
 }
 
 TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
@@ -233,9 +233,9 @@ TEST_F(TrainTest, AnotherDataSetIsRefused) {
     settings.resume = true;
     try {
         training::train(device(), other, settings, nvv, go_on);
-        FAIL() << "resumed with other pictures";
+        FAIL() << "resumed with other images";
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("other pictures"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("other images"), std::string::npos) << error.what();
     }
 }
 
@@ -317,7 +317,7 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     expect_resumes();
 }
 
-// --preview and --metrics, over an interruption: the log has the steps of both parts in order, the picture is there.
+// --preview and --metrics, over an interruption: the log has the steps of both parts in order, the image is there.
 TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     const std::filesystem::path preview = out_.path / "live/preview.png", metrics = out_.path / "live/run.jsonl";
     const std::vector<std::string> live = {"--preview", preview.string(), "--metrics", metrics.string()};
@@ -338,9 +338,9 @@ TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     first.send(SIGINT);
     ASSERT_EQ(first.wait(), 0) << read_text(log_);
     const std::vector<uint64_t> before = steps_logged();
-    const media::Image picture = media::read_png(preview);
-    EXPECT_EQ(picture.width, 3 * 32u);
-    EXPECT_EQ(picture.height, 32u);
+    const media::Image image = media::read_png(preview);
+    EXPECT_EQ(image.width, 3 * 32u);
+    EXPECT_EQ(image.height, 32u);
 
     const uint64_t last = training::load_checkpoint(nvv_).run.step;
     write_text(metrics, read_text(metrics) + fmt::format("{{\"step\":{}}}\n{{\"step\":", last + 1000));

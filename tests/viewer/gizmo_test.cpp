@@ -72,7 +72,7 @@ TEST(Gizmo, IsAsLargeAtAnyDistance) {
         viewer::Gizmo gizmo{test::some_camera()};
         const Ray ray = editor::ray_through(gizmo.camera, {320, 240});
         gizmo.world_from_node = glm::translate(glm::dmat4(1), ray.origin + ray.direction * distance);
-        // The ring around all has this radius in the picture's plane.
+        // The ring around all has this radius in the image's plane.
         gizmo.mode = viewer::GizmoMode::kRotate;
         double widest = 0;
         for (const viewer::HandleShape& shape : viewer::gizmo_shapes(gizmo))
@@ -216,7 +216,7 @@ TEST(Gizmo, RotatesAsSeenByTheRingAroundAll) {
     viewer::Gizmo gizmo{test::some_camera()};
     gizmo.world_from_node[3] = glm::dvec4(test::some_eye().pivot, 1);
     gizmo.mode = viewer::GizmoMode::kRotate;
-    // A quarter turn to the left in the picture: the right side goes up.
+    // A quarter turn to the left in the image: the right side goes up.
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, {420, 240}, {320, 140}, false);
     const glm::dmat3 camera(gizmo.camera.world_from_camera);
     expect_near(glm::dmat3(after) * camera[0], camera[1]);
@@ -283,7 +283,7 @@ TEST(Gizmo, HandlesSeenEndOnAreNotThere) {
     EXPECT_EQ(viewer::dragged(gizmo, viewer::GizmoHandle::kZ, {320, 240}, {400, 300}, false), start);
 }
 
-// Over the whole picture and beyond, for every handle: finite, and two pointers near each other give nodes near each
+// Over the whole image and beyond, for every handle: finite, and two pointers near each other give nodes near each
 // other. From all sides, those along axes included.
 TEST(Gizmo, DragsHaveNoJumps) {
     for (const viewer::GizmoMode mode :

@@ -64,7 +64,7 @@ TEST(LightGizmo, HasTheHandlesOfItsKind) {
 }
 
 TEST(LightGizmo, IsMadeOfALightOfTheStage) {
-    stage::InstantLight light;
+    stage::EvaluatedLight light;
     light.kind = stage::GltfLightKind::kSpot;
     light.position = {1, 2, 3};
     light.direction = {0, -1, 0};

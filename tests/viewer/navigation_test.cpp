@@ -159,7 +159,7 @@ TEST(Navigation, FlightGoesWhereTheKeysSay) {
     expect_near(forward(viewer::flown(eye, {1, 1, 1}, 0.1, 10)), forward(eye));
 }
 
-TEST(Navigation, AFramedBoxFillsThePicture) {
+TEST(Navigation, AFramedBoxFillsTheImage) {
     const glm::dvec3 low(-1, 0.2, -0.5), high(0.7, 2, 3);
     for (const double yaw : {0.0, 0.7, 2.5, -1.0})
         for (const double pitch : {-kPi / 2, -0.4, 0.0, 1.2})

@@ -29,8 +29,8 @@ struct PreferencesFile : testing::Test {
 };
 
 void expect_defaults(const viewer::Preferences& read) {
-    EXPECT_EQ(read.window.width, ui::WindowPlace().width);
-    EXPECT_EQ(read.window.height, ui::WindowPlace().height);
+    EXPECT_EQ(read.window.width, ui::WindowGeometry().width);
+    EXPECT_EQ(read.window.height, ui::WindowGeometry().height);
     EXPECT_FALSE(read.window.at);
     EXPECT_FALSE(read.window.maximised);
     EXPECT_TRUE(read.recent.empty());

@@ -13,18 +13,18 @@ const Hands::Condition kNotModified = [](const json& now) { return now["modified
 
 struct Arranging : ViewerWindow {
     // Where anna is seen best: the pixel of what she adds to the empty stage that is nearest to its middle.
-    Spot of_anna(const Hands& hands, const media::Image& picture) const {
+    Spot of_anna(const Hands& hands, const media::Image& image) const {
         const std::string empty = file("empty.gltf");
         stage::StageFile nobody = edit::new_stage(empty);
         stage::save_stage_file(nobody, empty);
         done({"render", empty, "-o", file("empty.png"), "--size",
-              std::to_string(picture.width) + "x" + std::to_string(picture.height)});
+              std::to_string(image.width) + "x" + std::to_string(image.height)});
         const media::Image without = media::read_png(file("empty.png"));
         std::vector<glm::dvec2> hers;
         glm::dvec2 sum(0);
-        for (uint32_t y = 0; y < picture.height; y++)
-            for (uint32_t x = 0; x < picture.width; x++)
-                if (std::abs(picture.at(x, y)[0] - without.at(x, y)[0]) > 60) {
+        for (uint32_t y = 0; y < image.height; y++)
+            for (uint32_t x = 0; x < image.width; x++)
+                if (std::abs(image.at(x, y)[0] - without.at(x, y)[0]) > 60) {
                     hers.emplace_back(x + 0.5, y + 0.5);
                     sum += hers.back();
                 }
@@ -33,7 +33,7 @@ struct Arranging : ViewerWindow {
         const glm::dvec2 best = *std::min_element(hers.begin(), hers.end(), [&](glm::dvec2 a, glm::dvec2 b) {
             return glm::distance(a, middle) < glm::distance(b, middle);
         });
-        return hands.in_picture(best.x / picture.width, best.y / picture.height);
+        return hands.in_image(best.x / image.width, best.y / image.height);
     }
     void save(Hands& hands) const {
         hands.key("ctrl+s");
@@ -53,22 +53,22 @@ struct Arranging : ViewerWindow {
 TEST_F(Arranging, AClickSelectsWhoIsThere) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Spot anna = of_anna(*hands, hands->picture());
+    const Spot anna = of_anna(*hands, hands->image());
     hands->click(anna);
     hands->until("anna to be selected", selects(node(saved(), "anna")));
-    hands->click(hands->in_picture(0.9, 0.05));
+    hands->click(hands->in_image(0.9, 0.05));
     hands->until("nobody to be selected", selects(nullptr));
 }
 
 TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image before = hands->picture();
+    const media::Image before = hands->image();
     hands->click("stage/anna");
     const Spot arrow = hands->middle_of("gizmo/x");
     hands->drag(arrow, {arrow.x + 60, arrow.y});
     hands->until("an edit", kModified);
-    const media::Image after = hands->picture();
+    const media::Image after = hands->image();
     EXPECT_TRUE(other(before, after));
     save(*hands);
     const json there = place_of_anna();
@@ -77,19 +77,19 @@ TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     EXPECT_EQ(there[2].get<double>(), 0);
     hands->key("ctrl+z");
     hands->until("the move to be undone", kModified);
-    EXPECT_TRUE(same(before, hands->picture()));
+    EXPECT_TRUE(same(before, hands->image()));
 }
 
 TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image before = hands->picture();
+    const media::Image before = hands->image();
     const size_t nodes = saved()["nodes"].size();
     hands->click("stage/anna");
     hands->key("ctrl+d");
     hands->until("an edit", kModified);
     hands->middle_of("stage/anna 2");
-    EXPECT_TRUE(other(before, hands->picture()));
+    EXPECT_TRUE(other(before, hands->image()));
     save(*hands);
     EXPECT_EQ(saved()["nodes"].size(), nodes + 1);
     hands->click("stage/anna 2");
@@ -97,13 +97,13 @@ TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
     hands->until("an edit", kModified);
     save(*hands);
     EXPECT_EQ(saved()["nodes"].size(), nodes);
-    EXPECT_TRUE(same(before, hands->picture()));
+    EXPECT_TRUE(same(before, hands->image()));
 }
 
 TEST_F(Arranging, MoreLightIsSeenAndSaved) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image before = hands->picture();
+    const media::Image before = hands->image();
     const json dim = saved()["extensions"]["KHR_lights_punctual"]["lights"][0];
     hands->click("stage/key");
     hands->click("tab/light");
@@ -112,7 +112,7 @@ TEST_F(Arranging, MoreLightIsSeenAndSaved) {
     hands->type("400");
     hands->key("Return");
     hands->until("an edit", kModified);
-    EXPECT_TRUE(other(before, hands->picture()));
+    EXPECT_TRUE(other(before, hands->image()));
     save(*hands);
     EXPECT_EQ(saved()["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"].get<double>(), 400);
     EXPECT_NE(dim["intensity"].get<double>(), 400);

@@ -22,12 +22,12 @@ struct Editing : ViewerWindow {
 TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image forwards = hands->picture();
+    const media::Image forwards = hands->image();
     hands->click("timeline/anna/menu");
     hands->click("timeline/anna/reverse");
     hands->key("Escape");
     hands->until("an edit", [](const json& now) { return now["modified"] == true; });
-    const media::Image backwards = hands->picture();
+    const media::Image backwards = hands->image();
     EXPECT_TRUE(other(forwards, backwards));
     EXPECT_TRUE(time_of_anna().empty()) << "not saved yet";
     save(*hands);
@@ -36,12 +36,12 @@ TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
 
     hands->key("ctrl+z");
     hands->until("the edit to be undone", [](const json& now) { return now["modified"] == true; });
-    EXPECT_TRUE(same(forwards, hands->picture()));
+    EXPECT_TRUE(same(forwards, hands->image()));
     save(*hands);
     EXPECT_TRUE(time_of_anna().empty());
     hands->key("ctrl+shift+z");
     hands->until("the edit to be done again", [](const json& now) { return now["modified"] == true; });
-    EXPECT_TRUE(same(backwards, hands->picture()));
+    EXPECT_TRUE(same(backwards, hands->image()));
 }
 
 TEST_F(Editing, TheEndOfAClipIsTrimmedByItsGrip) {
@@ -67,7 +67,7 @@ TEST_F(Editing, TheRulerScrubs) {
     const std::vector<double> ruler = hands->seen()["items"]["timeline/ruler"];
     hands->click(Spot{std::round(ruler[0] + 0.4 * ruler[2]), std::round(ruler[1] + ruler[3] / 2)});
     const double time_s = hands->until("another time", [](const json& now) { return now["time_s"] > 0.1; })["time_s"];
-    const media::Image then = hands->picture();
+    const media::Image then = hands->image();
     EXPECT_TRUE(same(then, rendered(then, {"--time", std::to_string(time_s)}))) << time_s;
     EXPECT_EQ(hands->seen()["modified"], false);
 }
@@ -75,18 +75,18 @@ TEST_F(Editing, TheRulerScrubs) {
 TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image bare = hands->picture();
+    const media::Image bare = hands->image();
     hands->click("stage/anna");
     hands->click("tab/paint");
     hands->click("paint/colour");
-    const Spot chest = hands->in_picture(0.5, 0.5);
+    const Spot chest = hands->in_image(0.5, 0.5);
     hands->point(chest);
     for (int i = 0; i < 8; i++) hands->key("bracketright");  // a wider brush
     hands->drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->until_rest();
-    hands->point(hands->in_picture(0.02, 0.98));  // the brush's circle is away
-    const media::Image painted = hands->picture();
+    hands->point(hands->in_image(0.02, 0.98));  // the brush's circle is away
+    const media::Image painted = hands->image();
     EXPECT_TRUE(other(bare, painted));
     save(*hands);
     EXPECT_TRUE(same(painted, rendered(painted)));
@@ -100,35 +100,35 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
 
     hands->key("ctrl+z");
     hands->until("the stroke to be undone", [](const json& now) { return now["modified"] == true; });
-    EXPECT_TRUE(same(bare, hands->picture()));
+    EXPECT_TRUE(same(bare, hands->image()));
     hands->key("ctrl+shift+z");
-    EXPECT_TRUE(same(painted, hands->picture()));
+    EXPECT_TRUE(same(painted, hands->image()));
 }
 
-TEST_F(Editing, APictureIsProjectedOntoWhoIsUnderIt) {
+TEST_F(Editing, AImageIsProjectedOntoWhoIsUnderIt) {
     media::Image red(4, 4);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
     media::write_png(file("red.png"), red);
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const media::Image bare = hands->picture();
+    const media::Image bare = hands->image();
     hands->click("stage/anna");
     hands->click("tab/paint");
     hands->click("paint/stamp");
     hands->click("paint/File");
     hands->type(file("red.png"));
     hands->key("Return");
-    hands->point(hands->in_picture(0.5, 0.5));
+    hands->point(hands->in_image(0.5, 0.5));
     hands->middle_of("paint/stamp-area");
-    hands->click(hands->in_picture(0.5, 0.5));
+    hands->click(hands->in_image(0.5, 0.5));
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
-    hands->point(hands->in_picture(0.02, 0.98));
-    const media::Image stamped = hands->picture();
+    hands->point(hands->in_image(0.02, 0.98));
+    const media::Image stamped = hands->image();
     EXPECT_TRUE(other(bare, stamped));
     const uint8_t* middle = stamped.at(stamped.width / 2, stamped.height / 2);
     EXPECT_GT(middle[0], 2 * std::max(middle[1], middle[2])) << "red";
     hands->key("ctrl+z");
-    EXPECT_TRUE(same(bare, hands->picture()));
+    EXPECT_TRUE(same(bare, hands->image()));
 }
 
 TEST_F(Editing, PaintOnACopyOfTheStageLeavesTheFirstAlone) {
@@ -138,7 +138,7 @@ TEST_F(Editing, PaintOnACopyOfTheStageLeavesTheFirstAlone) {
     hands->click("tab/paint");
     hands->click("paint/colour");
     const auto stroke = [&](double y) {
-        const Spot chest = hands->in_picture(0.5, y);
+        const Spot chest = hands->in_image(0.5, y);
         hands->drag({chest.x - 6, chest.y}, {chest.x + 6, chest.y + 8});
         hands->until("paint", [](const json& now) { return now["modified"] == true; });
         hands->until_rest();
@@ -175,13 +175,13 @@ TEST_F(Editing, WhatIsSavedOpensAsItWas) {
         hands->key("Escape");
         hands->until("an edit", [](const json& now) { return now["modified"] == true; });
         save(*hands);
-        before = hands->picture();
+        before = hands->image();
         hands->key("ctrl+q");
         EXPECT_EQ(hands->wait_for_end(), 0);
     }
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    EXPECT_TRUE(same(before, hands->picture()));
+    EXPECT_TRUE(same(before, hands->image()));
 }
 
 }  // namespace

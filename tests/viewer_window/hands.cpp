@@ -31,7 +31,7 @@ bool is_installed(const std::string& program) {
 
 // False where it did not come about, or the process ended.
 bool wait_for(const ChildProcess& process, const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!condition()) {
         if (process.ended() || std::chrono::steady_clock::now() > end) return condition();
         std::this_thread::sleep_for(kLook);
@@ -78,18 +78,18 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) : framebuffer_
 
 // An X window dump: numbers of its header are big-endian, then colours of 12 bytes, then rows of B, G, R, and one
 // unused.
-media::Image VirtualScreen::picture() const {
+media::Image VirtualScreen::image() const {
     const std::vector<uint8_t> dump = read_file(framebuffer_);
     const auto number = [&](size_t which) {
         const uint8_t* at = dump.data() + 4 * which;
         return uint32_t{at[0]} << 24 | uint32_t{at[1]} << 16 | uint32_t{at[2]} << 8 | at[3];
     };
     constexpr size_t kHeader = 0, kWidth = 4, kHeight = 5, kRowBytes = 12, kColours = 19, kNumbers = 25;
-    if (dump.size() < 4 * kNumbers) throw std::runtime_error("Xvfb has no picture");
+    if (dump.size() < 4 * kNumbers) throw std::runtime_error("Xvfb has no image");
     const size_t first = number(kHeader) + size_t{12} * number(kColours);
     media::Image image(number(kWidth), number(kHeight));
     if (number(kRowBytes) < 4 * image.width || dump.size() < first + size_t{number(kRowBytes)} * image.height)
-        throw std::runtime_error("Xvfb's picture is cut off");
+        throw std::runtime_error("Xvfb's image is cut off");
     for (uint32_t y = 0; y < image.height; y++)
         for (uint32_t x = 0; x < image.width; x++) {
             const uint8_t* from = &dump[first + size_t{number(kRowBytes)} * y + size_t{4} * x];
@@ -157,7 +157,7 @@ json Hands::until(const std::string& what, const Condition& condition) const {
 }
 
 json Hands::until_rest() const {
-    return until("a finished picture", [](const json& report) {
+    return until("a finished image", [](const json& report) {
         return report["ready"] == true && report["finished"] == true && report["busy"].empty() &&
                report["handled"]["all"] == true;
     });
@@ -178,7 +178,7 @@ Spot Hands::middle_of(const std::string& item) const {
     return {std::round(place[0] + place[2] / 2), std::round(place[1] + place[3] / 2)};
 }
 
-Spot Hands::in_picture(double x, double y) const {
+Spot Hands::in_image(double x, double y) const {
     const std::vector<double> place = seen()["items"]["picture"];
     return {std::round(place[0] + x * place[2]), std::round(place[1] + y * place[3])};
 }
@@ -280,7 +280,7 @@ media::Image Hands::new_screenshot(const std::string& keys) {
     return media::read_png(file);
 }
 
-media::Image Hands::picture() {
+media::Image Hands::image() {
     until_rest();
     return new_screenshot("F12");
 }

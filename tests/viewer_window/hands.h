@@ -1,7 +1,7 @@
 // A person at the viewer: the built program on a screen without a monitor (Xvfb), real events of mouse and keys
 // (xdotool), and eyes, which are the report that the program keeps of what it shows and where.
 //
-// Every verb returns when the program has taken its events. What does not come about in kPatience throws, with the
+// Every verb returns when the program has taken its events. What does not come about in kTimeout throws, with the
 // report and what the program printed.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace neuvv::test {
 
-constexpr std::chrono::minutes kPatience{4};  // a busy machine compiles shaders for long
+constexpr std::chrono::minutes kTimeout{4};  // a busy machine compiles shaders for long
 
 // What is missing to have hands here, in a line; empty: nothing.
 std::string why_no_hands();
@@ -27,8 +27,8 @@ class VirtualScreen {
   public:
     explicit VirtualScreen(const std::filesystem::path& folder);
     const std::string& display() const { return display_; }
-    // What a monitor would show now. Throws where the server has no picture yet.
-    media::Image picture() const;
+    // What a monitor would show now. Throws where the server has no image yet.
+    media::Image image() const;
 
   private:
     std::filesystem::path framebuffer_;
@@ -57,13 +57,13 @@ class Hands {
     using Condition = std::function<bool(const nlohmann::json& seen)>;
     // Waits for it; the report that fulfils it.
     nlohmann::json until(const std::string& what, const Condition& condition) const;
-    // The picture of the document as it is, sharp; nothing is under way.
+    // The image of the document as it is, sharp; nothing is under way.
     nlohmann::json until_rest() const;
     nlohmann::json until_notice(const std::string& part) const;
 
     Spot middle_of(const std::string& item) const;  // waits for the item
-    // Of the picture: 0, 0 is its upper left, 1, 1 its lower right.
-    Spot in_picture(double x, double y) const;
+    // Of the image: 0, 0 is its upper left, 1, 1 its lower right.
+    Spot in_image(double x, double y) const;
 
     void point(Spot at);
     void press(int button = 1);
@@ -83,7 +83,7 @@ class Hands {
     void show_again();
 
     // F12 and Shift-F12: the file that appears.
-    media::Image picture();
+    media::Image image();
     media::Image window();
 
     // The exit code, once the program has ended by itself.

@@ -55,10 +55,10 @@ struct Measure {
 };
 
 void measure(const Measure& measure) {
-    fmt::print("{:<34}{:>18}{:>19}\n", "worst of", "input to picture", "window's frame");
+    fmt::print("{:<34}{:>18}{:>19}\n", "worst of", "input to image", "window's frame");
     measure("opening", [](Hands&) {});
     measure("orbiting", [](Hands& hands) {
-        for (int i = 0; i < 3; i++) hands.drag(hands.in_picture(0.2, 0.8), hands.in_picture(0.8, 0.7));
+        for (int i = 0; i < 3; i++) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
     });
     measure("moving a performer", [](Hands& hands) {
         hands.click("stage/" + first_performer(hands));
@@ -107,7 +107,7 @@ void measure(const Measure& measure) {
         hands.click("export/start");
         hands.click("question/Save");
         hands.middle_of("export/progress");
-        for (int i = 0; i < 3; i++) hands.drag(hands.in_picture(0.2, 0.8), hands.in_picture(0.8, 0.7));
+        for (int i = 0; i < 3; i++) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
         hands.click("export/cancel");
         hands.until_notice("export");
     });

@@ -1,4 +1,4 @@
-// What tests of the window share: a small stage, a screen, pictures that are compared.
+// What tests of the window share: a small stage, a screen, images that are compared.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,16 +28,16 @@ inline double share_that_differs(const media::Image& a, const media::Image& b, i
 
 // The same rays from the same place: what is left is the rounding of cameras that are cut into blocks, which moves an
 // edge of a leaf or of a shadow over the middle of a few pixels.
-constexpr double kSamePicture = 0.002;
+constexpr double kSameImage = 0.002;
 // What moves, is added or lit otherwise is seen by more.
-constexpr double kOtherPicture = 0.005;
+constexpr double kOtherImage = 0.005;
 constexpr int kSteps = 8;
 
 inline bool same(const media::Image& a, const media::Image& b) {
-    return share_that_differs(a, b, kSteps) <= kSamePicture;
+    return share_that_differs(a, b, kSteps) <= kSameImage;
 }
 inline bool other(const media::Image& a, const media::Image& b) {
-    return a.width == b.width && a.height == b.height && share_that_differs(a, b, kSteps) > kOtherPicture;
+    return a.width == b.width && a.height == b.height && share_that_differs(a, b, kSteps) > kOtherImage;
 }
 
 // A stage with a person of two seconds, `anna`, and what `neuvv stage new` puts on it.
@@ -60,7 +60,7 @@ struct ViewerWindow : testing::Test {
     std::unique_ptr<Hands> open(const std::string& what, const std::string& size = "640x400") const {
         return std::make_unique<Hands>(*screen, folder.path, std::vector<std::string>{what, "--size", size});
     }
-    // What `neuvv render` makes of the stage through its camera, as large as the picture.
+    // What `neuvv render` makes of the stage through its camera, as large as the image.
     media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
         std::vector<std::string> words{"render", stage,
                                        "-o",     file("rendered.png"),

@@ -10,7 +10,7 @@ using nlohmann::json;
 using Watching = ViewerWindow;
 constexpr double kFps = 4;  // of the waver
 
-TEST(ViewerWindowComparison, TellsPicturesApart) {
+TEST(ViewerWindowComparison, TellsImagesApart) {
     media::Image plain(40, 30), marked = plain;
     std::fill(plain.rgba.begin(), plain.rgba.end(), uint8_t{100});
     marked = plain;
@@ -25,7 +25,7 @@ TEST(ViewerWindowComparison, TellsPicturesApart) {
 TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     const auto hands = open(stage);
     hands->until_rest();
-    const media::Image shown = hands->picture();
+    const media::Image shown = hands->image();
     hands->until_notice("saved " + folder.path.string());
     EXPECT_TRUE(same(shown, rendered(shown)));
     EXPECT_TRUE(other(shown, rendered(shown, {"--time", "1.5"}))) << "another instant would be seen";
@@ -51,7 +51,7 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
     const json report = hands->until_rest();
     EXPECT_EQ(report["open"], file("waver.gltf"));
     EXPECT_EQ(report["modified"], false);
-    const media::Image person = hands->picture();
+    const media::Image person = hands->image();
     const uint8_t* corner = person.at(2, 2);
     size_t seen = 0;
     for (size_t i = 0; i < person.rgba.size(); i += 4) seen += std::abs(person.rgba[i] - corner[0]) > kSteps;
@@ -61,12 +61,12 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
 TEST_F(Watching, PlaysAndPauses) {
     const auto hands = open(stage);
     hands->until_rest();
-    const media::Image first = hands->picture();
+    const media::Image first = hands->image();
     hands->key("space");
     hands->until("time to go on", [](const json& now) { return now["playing"] == true && now["time_s"] > 0.3; });
     hands->key("space");
     const double paused_s = hands->until_rest()["time_s"];
-    const media::Image later = hands->picture();
+    const media::Image later = hands->image();
     const json still = hands->until_rest();
     EXPECT_EQ(still["playing"], false);
     EXPECT_EQ(still["time_s"], paused_s);
@@ -75,33 +75,33 @@ TEST_F(Watching, PlaysAndPauses) {
 
     hands->key("period");
     const double stepped_s = hands->until_rest()["time_s"];
-    EXPECT_NEAR(stepped_s * kFps, std::round(stepped_s * kFps), 1e-6) << "on a picture";
+    EXPECT_NEAR(stepped_s * kFps, std::round(stepped_s * kFps), 1e-6) << "on an image";
     EXPECT_NE(stepped_s, paused_s);
 }
 
 TEST_F(Watching, LooksAroundAndComesToRest) {
     const auto hands = open(stage);
     hands->until_rest();
-    media::Image before = hands->picture();
+    media::Image before = hands->image();
     const auto changes_by = [&](const char* what, const std::function<void()>& act) {
         const uint64_t view = hands->seen()["view"];
         act();
         EXPECT_GT(hands->until_rest()["view"], view) << what;
-        media::Image after = hands->picture();
+        media::Image after = hands->image();
         EXPECT_TRUE(other(before, after)) << what;
         before = std::move(after);
     };
-    changes_by("orbit", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.8, 0.25)); });
-    changes_by("pan", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.6, 0.3), 2); });
-    changes_by("turn", [&] { hands->drag(hands->in_picture(0.5, 0.2), hands->in_picture(0.55, 0.2), 3); });
-    changes_by("closer", [&] { hands->wheel(hands->in_picture(0.5, 0.2), 3); });
+    changes_by("orbit", [&] { hands->drag(hands->in_image(0.5, 0.2), hands->in_image(0.8, 0.25)); });
+    changes_by("pan", [&] { hands->drag(hands->in_image(0.5, 0.2), hands->in_image(0.6, 0.3), 2); });
+    changes_by("turn", [&] { hands->drag(hands->in_image(0.5, 0.2), hands->in_image(0.55, 0.2), 3); });
+    changes_by("closer", [&] { hands->wheel(hands->in_image(0.5, 0.2), 3); });
     changes_by("fly", [&] {
         for (int i = 0; i < 3; i++) hands->key("d");
     });
     EXPECT_EQ(hands->seen()["modified"], false) << "nothing of it is an edit";
 }
 
-// A person's clicks are short, and pictures may take long: none is lost.
+// A person's clicks are short, and images may take long: none is lost.
 TEST_F(Watching, ShortPressesAreNotLost) {
     const auto hands = open(stage);
     hands->until_rest();
@@ -114,12 +114,12 @@ TEST_F(Watching, ShortPressesAreNotLost) {
 TEST_F(Watching, TheWindowTakesAnySize) {
     const auto hands = open(stage);
     hands->until_rest();
-    const auto picture_width = [&](const json& now) { return now["items"]["picture"][2].get<double>(); };
-    const double width = picture_width(hands->seen());
+    const auto image_width = [&](const json& now) { return now["items"]["picture"][2].get<double>(); };
+    const double width = image_width(hands->seen());
     hands->resize(840, 460);
-    hands->until("a wider picture", [&](const json& now) { return picture_width(now) == width + 200; });
+    hands->until("a wider image", [&](const json& now) { return image_width(now) == width + 200; });
     hands->until_rest();
-    const media::Image large = hands->picture();
+    const media::Image large = hands->image();
     EXPECT_EQ(large.width, std::lround(width + 200));
     EXPECT_TRUE(same(large, rendered(large)));
 
@@ -127,23 +127,23 @@ TEST_F(Watching, TheWindowTakesAnySize) {
         hands->resize(w, h);
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
-    hands->until("the first size", [&](const json& now) { return picture_width(now) == width; });
+    hands->until("the first size", [&](const json& now) { return image_width(now) == width; });
     hands->until_rest();
-    const media::Image again = hands->picture();
+    const media::Image again = hands->image();
     EXPECT_TRUE(same(again, rendered(again)));
 }
 
 TEST_F(Watching, AWindowThatIsAwayComesBack) {
     const auto hands = open(stage);
     hands->until_rest();
-    const media::Image before = hands->picture();
+    const media::Image before = hands->image();
     hands->minimise();
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     hands->show_again();
     hands->key("period");
     hands->key("comma");
     hands->until_rest();
-    EXPECT_TRUE(same(before, hands->picture()));
+    EXPECT_TRUE(same(before, hands->image()));
 
     hands->key("F11");
     const json full = hands->until("the whole screen", [](const json& now) {
@@ -157,7 +157,7 @@ TEST_F(Watching, AWindowThatIsAwayComesBack) {
         return at[2] == before.width && at[3] == before.height;
     });
     hands->until_rest();
-    EXPECT_TRUE(same(before, hands->picture()));
+    EXPECT_TRUE(same(before, hands->image()));
 }
 
 TEST_F(Watching, PanelsGoAwayAndHelpComes) {
@@ -166,7 +166,7 @@ TEST_F(Watching, PanelsGoAwayAndHelpComes) {
     const double width = hands->seen()["items"]["picture"][2];
     hands->key("Tab");
     hands->until("no panels", [&](const json& now) { return now["items"]["picture"][2] == 640.0; });
-    const media::Image wide = hands->picture();
+    const media::Image wide = hands->image();
     EXPECT_TRUE(same(wide, rendered(wide)));
     hands->key("Tab");
     hands->until("panels", [&](const json& now) { return now["items"]["picture"][2] == width; });
@@ -199,11 +199,11 @@ TEST_F(Watching, ShadersThatChangeAreSeen) {
     };
     Hands hands(*screen, folder.path, {stage, "--size", "640x400", "--shaders", shaders.string()});
     hands.until_rest();
-    const media::Image before = hands.picture();
+    const media::Image before = hands.image();
     write(std::string(text).replace(at, stored.size(), "packUnorm4x8(shown.bgra)"));
     hands.until_notice("shaders made anew");
     hands.until_rest();
-    const media::Image swapped = hands.picture();
+    const media::Image swapped = hands.image();
     media::Image expected = before;
     for (size_t i = 0; i < expected.rgba.size(); i += 4) std::swap(expected.rgba[i], expected.rgba[i + 2]);
     EXPECT_TRUE(same(swapped, expected));
@@ -211,12 +211,12 @@ TEST_F(Watching, ShadersThatChangeAreSeen) {
 
     write(std::string(text).replace(at, stored.size(), "nonsense"));
     hands.until_notice("'nonsense' : undeclared identifier");
-    EXPECT_TRUE(same(swapped, hands.picture())) << "the last ones stay";
+    EXPECT_TRUE(same(swapped, hands.image())) << "the last ones stay";
     hands.until("no notices", [](const json& now) { return now["notices"].empty(); });
     write(text);
     hands.until_notice("shaders made anew");
     hands.until_rest();
-    EXPECT_TRUE(same(before, hands.picture()));
+    EXPECT_TRUE(same(before, hands.image()));
 }
 
 TEST_F(Watching, QuitsWithCodeZero) {

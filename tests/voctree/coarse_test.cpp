@@ -17,7 +17,7 @@ namespace {
 
 // ∫ σ(t) over the box, in units of its volume.
 double mass(const voctree::VOctree& tree, uint32_t frame) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const auto entries = voctree::basis_entries(tree.sigma_basis, tree.bases);
     std::vector<float> sigma(tree.frames);
     double sum = 0;
@@ -47,7 +47,7 @@ TEST(Coarse, OpticalDepthIsKept) {
         const voctree::VOctree cut = voctree::cut_tree(tree, depth);
         EXPECT_EQ(voctree::defect_of(cut), "");
         EXPECT_LT(cut.leaf_count, tree.leaf_count);
-        for (const voctree::LeafPlace& place : voctree::leaf_places(cut)) EXPECT_LE(place.depth, depth);
+        for (const voctree::LeafPosition& place : voctree::leaf_positions(cut)) EXPECT_LE(place.depth, depth);
         for (uint32_t frame = 0; frame < tree.frames; frame++)
             EXPECT_NEAR(mass(cut, frame) / mass(tree, frame), 1, 1e-4) << depth;
     }
@@ -71,7 +71,7 @@ TEST(Coarse, WhatShowsGivesTheColour) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 2, .hh_degree = 0, .frames = 2});
     give_own_bases(tree);
     tree.node_levels = 1;
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
     voctree::build_topology(tree, places);
     for (uint32_t i = 0; i < 8; i++) {
@@ -91,7 +91,7 @@ TEST(Coarse, WhatShowsGivesTheColour) {
 TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
     EXPECT_FALSE(voctree::coarse_tree(tree));
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < voctree::kCoarseFrom; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
     voctree::build_topology(tree, places);

@@ -323,7 +323,7 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
         try {
             const voctree::VOctree tree = voctree::read_nvv(path_);
             ASSERT_EQ("", voctree::defect_of(tree)) << round;
-            ASSERT_EQ(tree.leaf_count, voctree::leaf_places(tree).size());
+            ASSERT_EQ(tree.leaf_count, voctree::leaf_positions(tree).size());
             for (int i = 0; i < 20; ++i) {
                 const uint32_t leaf = voctree::find_leaf(tree, {random.uniform(), random.uniform(), random.uniform()});
                 ASSERT_TRUE(leaf == UINT32_MAX || leaf < tree.leaf_count) << round;
@@ -392,7 +392,7 @@ TEST_F(Nvv, HostileCounts) {
 // Weights that take no bytes in the file take memory all the same.
 TEST_F(Nvv, EmptyLeavesMayNotAskForMemoryWithoutEnd) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0});
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < 64 * 64 * 64; ++i) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
     voctree::build_topology(tree, places);

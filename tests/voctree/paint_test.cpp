@@ -1,4 +1,4 @@
-// Layers of paint: the invariant of their edits against a plain table of instants, and their file, damaged ones
+// Layers of paint: the invariant of their edits against a plain table of times, and their file, damaged ones
 // included.
 #include "voctree/paint.h"
 
@@ -20,7 +20,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kLeaves = 3, kFrames = 5, kSteps = 33;  // instants an eighth of a frame apart
+constexpr uint32_t kLeaves = 3, kFrames = 5, kSteps = 33;  // times an eighth of a frame apart
 
 struct Look {
     glm::dvec3 premultiplied{0};

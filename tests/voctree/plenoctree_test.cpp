@@ -178,10 +178,10 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     const N3Tree truth = random_n3tree(9, true, 5);
     const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored);
     const auto slices = reference::slice_tree(tree, 0);
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(tree);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        const voctree::LeafPlace& place = places[leaf];
+        const voctree::LeafPosition& place = places[leaf];
         const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * std::ldexp(1.0, -int(place.depth));
         const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
         for (size_t c = 0; c < 3; c++)

@@ -19,7 +19,7 @@ struct Difference {
 };
 
 Difference difference(const voctree::VOctree& before, const voctree::VOctree& after) {
-    const std::vector<voctree::LeafPlace> places = voctree::leaf_places(before);
+    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(before);
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     Difference largest;
     for (uint32_t frame = 0; frame < before.frames; frame++) {

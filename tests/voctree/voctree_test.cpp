@@ -16,13 +16,13 @@ using test::random_places;
 using test::random_tree;
 using test::RandomTreeOptions;
 
-bool same_place(const voctree::LeafPlace& a, const voctree::LeafPlace& b) {
+bool same_place(const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
     return a.x == b.x && a.y == b.y && a.z == b.z && a.depth == b.depth;
 }
 
-uint32_t find_leaf_by_search(const std::vector<voctree::LeafPlace>& places, glm::dvec3 position) {
+uint32_t find_leaf_by_search(const std::vector<voctree::LeafPosition>& places, glm::dvec3 position) {
     for (uint32_t i = 0; i < places.size(); ++i) {
-        const voctree::LeafPlace& place = places[i];
+        const voctree::LeafPosition& place = places[i];
         const double cells = std::ldexp(1.0, static_cast<int>(place.depth));
         if (std::floor(position.x * cells) == place.x && std::floor(position.y * cells) == place.y &&
             std::floor(position.z * cells) == place.z)
@@ -31,7 +31,7 @@ uint32_t find_leaf_by_search(const std::vector<voctree::LeafPlace>& places, glm:
     return UINT32_MAX;
 }
 
-voctree::VOctree tree_of(uint32_t node_levels, const std::vector<voctree::LeafPlace>& places) {
+voctree::VOctree tree_of(uint32_t node_levels, const std::vector<voctree::LeafPosition>& places) {
     voctree::VOctree tree;
     tree.node_levels = node_levels;
     tree.bases = 2;
@@ -60,7 +60,7 @@ TEST(Topology, EmptyTreeIsOneRoot) {
     ASSERT_EQ(1u, tree.nodes.size());
     EXPECT_EQ(0u, tree.nodes[0].mask_lo | tree.nodes[0].mask_hi);
     EXPECT_TRUE(tree.children.empty());
-    EXPECT_TRUE(voctree::leaf_places(tree).empty());
+    EXPECT_TRUE(voctree::leaf_positions(tree).empty());
     EXPECT_EQ(UINT32_MAX, voctree::find_leaf(tree, {0.5, 0.5, 0.5}));
     EXPECT_EQ("", voctree::defect_of(tree));
 }
@@ -69,10 +69,10 @@ TEST(Topology, LeafPlacesInvertsBuildTopology) {
     for (uint64_t seed = 0; seed < 60; ++seed) {
         Random random(seed);
         const uint32_t levels = 1 + static_cast<uint32_t>(seed) % 3;
-        const std::vector<voctree::LeafPlace> places = random_places(random, levels, 1 + random.below(600));
+        const std::vector<voctree::LeafPosition> places = random_places(random, levels, 1 + random.below(600));
         const voctree::VOctree tree = tree_of(levels, places);
         ASSERT_EQ("", voctree::defect_of(tree)) << seed;
-        const std::vector<voctree::LeafPlace> found = voctree::leaf_places(tree);
+        const std::vector<voctree::LeafPosition> found = voctree::leaf_positions(tree);
         ASSERT_EQ(places.size(), found.size());
         for (size_t i = 0; i < places.size(); ++i) ASSERT_TRUE(same_place(places[i], found[i])) << seed << " " << i;
     }
@@ -81,10 +81,10 @@ TEST(Topology, LeafPlacesInvertsBuildTopology) {
 TEST(Topology, GeneratorMixesAllDepths) {
     Random random(5);
     std::set<uint32_t> depths;
-    for (const voctree::LeafPlace& place : random_places(random, 3, 500)) depths.insert(place.depth);
+    for (const voctree::LeafPosition& place : random_places(random, 3, 500)) depths.insert(place.depth);
     EXPECT_TRUE(depths.contains(3) && depths.contains(4) && depths.contains(5) && depths.contains(6));
     std::set<uint32_t> shallow;
-    for (const voctree::LeafPlace& place : random_places(random, 1, 12)) shallow.insert(place.depth);
+    for (const voctree::LeafPosition& place : random_places(random, 1, 12)) shallow.insert(place.depth);
     EXPECT_EQ((std::set<uint32_t>{1, 2}), shallow);
 }
 
@@ -119,7 +119,7 @@ TEST(FindLeaf, AgreesWithASearchOverPlaces) {
     for (uint64_t seed = 0; seed < 30; ++seed) {
         Random random(100 + seed);
         const uint32_t levels = 1 + static_cast<uint32_t>(seed) % 3;
-        const std::vector<voctree::LeafPlace> places = random_places(random, levels, 300);
+        const std::vector<voctree::LeafPosition> places = random_places(random, levels, 300);
         const voctree::VOctree tree = tree_of(levels, places);
         size_t hits = 0;
         const double grid = std::ldexp(1.0, 2 * static_cast<int>(levels));
@@ -231,7 +231,7 @@ TEST(Defect, ARepeatedLeafMustFillOneWholeOctant) {
     mixed.children[7] = mixed.children[8];
     EXPECT_NE("", voctree::defect_of(mixed));
     // Eight cells of an octant with eight leaves of their own are fine.
-    std::vector<voctree::LeafPlace> places;
+    std::vector<voctree::LeafPosition> places;
     for (uint32_t i = 0; i < 8; ++i) places.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
     EXPECT_EQ("", voctree::defect_of(tree_of(1, places)));
 }

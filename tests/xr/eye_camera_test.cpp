@@ -1,4 +1,4 @@
-// Eyes as cameras, against OpenXR's own words: a picture spans the angles of its fov, as tangents, from its left and
+// Eyes as cameras, against OpenXR's own words: an image spans the angles of its fov, as tangents, from its left and
 // upper edge on.
 #include "xr/eye_camera.h"
 
@@ -43,14 +43,14 @@ TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
 }
 
 TEST(EyeCamera, AnglesThatSpanNothingAreNoPicture) {
-    EXPECT_TRUE(xr::spans_picture({-0.8f, 0.7f, 0.8f, -0.8f}));
-    EXPECT_TRUE(xr::spans_picture({0.1f, 0.7f, 0.8f, 0.2f})) << "the axis may lie beside the picture";
+    EXPECT_TRUE(xr::spans_image({-0.8f, 0.7f, 0.8f, -0.8f}));
+    EXPECT_TRUE(xr::spans_image({0.1f, 0.7f, 0.8f, 0.2f})) << "the axis may lie beside the image";
     const auto nan = static_cast<float>(kNan), infinite = static_cast<float>(kInfinite);
     for (const XrFovf& fov :
          {XrFovf{}, XrFovf{0.7f, -0.8f, 0.8f, -0.8f}, XrFovf{-0.8f, 0.7f, -0.8f, 0.8f},
           XrFovf{-1.6f, 0.7f, 0.8f, -0.8f}, XrFovf{-0.8f, 0.7f, 2, -0.8f}, XrFovf{nan, 0.7f, 0.8f, -0.8f},
           XrFovf{-0.8f, 0.7f, 0.8f, nan}, XrFovf{-infinite, infinite, 0.8f, -0.8f}, XrFovf{0.5f, 0.5f, 0.8f, -0.8f}})
-        EXPECT_FALSE(xr::spans_picture(fov)) << fov.angleLeft << " " << fov.angleRight << " " << fov.angleUp;
+        EXPECT_FALSE(xr::spans_image(fov)) << fov.angleLeft << " " << fov.angleRight << " " << fov.angleUp;
 }
 
 TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
@@ -60,7 +60,7 @@ TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
     for (int i = 0; i < 6; i++)
         vertices.push_back({static_cast<float>(some.number(-2, 2)), static_cast<float>(some.number(-2, 2))});
     const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two that are left over
-    const std::vector<glm::vec2> corners = xr::corners_in_picture(vertices, indices, eye.fov);
+    const std::vector<glm::vec2> corners = xr::corners_in_image(vertices, indices, eye.fov);
     ASSERT_EQ(corners.size(), 6u);
     for (size_t i = 0; i < corners.size(); i++) {
         const XrVector2f& vertex = vertices[indices[i]];
@@ -72,10 +72,10 @@ TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
 
 TEST(EyeCamera, AMeshWhoseIndicesLieBesideItHidesNothing) {
     const std::vector<XrVector2f> vertices(3);
-    EXPECT_TRUE(xr::corners_in_picture(vertices, std::vector<uint32_t>{0, 1, 3}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(xr::corners_in_picture(vertices, std::vector<uint32_t>{0, 1, UINT32_MAX}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(xr::corners_in_picture({}, std::vector<uint32_t>{0, 0, 0}, {-1, 1, 1, -1}).empty());
-    EXPECT_TRUE(xr::corners_in_picture(vertices, {}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_image(vertices, std::vector<uint32_t>{0, 1, 3}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_image(vertices, std::vector<uint32_t>{0, 1, UINT32_MAX}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_image({}, std::vector<uint32_t>{0, 0, 0}, {-1, 1, 1, -1}).empty());
+    EXPECT_TRUE(xr::corners_in_image(vertices, {}, {-1, 1, 1, -1}).empty());
 }
 
 TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideThePicture) {

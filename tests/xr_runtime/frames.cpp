@@ -2,8 +2,8 @@
 #include <chrono>
 
 #include "call.h"
+#include "images.h"
 #include "layers.h"
-#include "pictures.h"
 #include "session.h"
 
 namespace neuvv::xr_runtime {
@@ -12,7 +12,7 @@ namespace {
 
 constexpr XrTime kFirstDisplayTime = 1'000'000'000;
 constexpr int64_t kFramesWithoutPoll = 100;
-constexpr std::chrono::seconds kPatience(20);  // with an application that waits twice and does not begin
+constexpr std::chrono::seconds kTimeout(20);  // with an application that waits twice and does not begin
 
 XrTime clock_now() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -39,7 +39,7 @@ void wait_until_begun(const std::shared_ptr<Session>& session) {
     const auto self = std::this_thread::get_id();
     const bool is_alone = session->waiter == self && session->beginner == self;
     auto is_begun = [&] { return !session->waited || session->is_lost; };
-    if (is_alone || !runtime().frame_begun.wait_for(current_call()->lock, kPatience, is_begun))
+    if (is_alone || !runtime().frame_begun.wait_for(current_call()->lock, kTimeout, is_begun))
         refuse(XR_ERROR_RUNTIME_FAILURE, "frame-order",
                "xrWaitFrame twice without xrBeginFrame between: on other runtimes this blocks for ever");
     refuse_if_lost(*session);
@@ -132,14 +132,14 @@ bool is_saved(int64_t frame) {
            (state.script.save_every > 0 && frame % state.script.save_every == 0);
 }
 
-void keep_pictures(const Session& session, const Frame& frame, const std::vector<Layer>& layers) {
+void keep_images(const Session& session, const Frame& frame, const std::vector<Layer>& layers) {
     SavedLayers saved = {frame.index, {}, false, frame.display_time};
     for (const Layer& layer : layers) {
         saved.types.push_back(layer.is_quad ? "quad" : "projection");
         saved.has_depth = saved.has_depth || layer.has_depth();
     }
     runtime().report.layers.push_back(saved);
-    save_pictures(session.vulkan, frame, layers);
+    save_images(session.vulkan, frame, layers);
     runtime().report.write();
 }
 
@@ -171,7 +171,7 @@ XrResult end_frame(XrSession handle, const XrFrameEndInfo* end_info) {
     const std::vector<Layer> layers = checked_layers(info, frame);
     mark_shown(layers);
     if (!layers.empty()) ++runtime().report.frames_with_layers;
-    if (is_saved(frame.index)) keep_pictures(session, frame, layers);
+    if (is_saved(frame.index)) keep_images(session, frame, layers);
     session.begun.reset();
     ++session.ended_frames;
     approach_target(session);

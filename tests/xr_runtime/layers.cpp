@@ -62,7 +62,7 @@ SubImage checked_depth(const XrCompositionLayerDepthInfoKHR& info, const std::st
 }
 
 void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
-    const float limit = 1.57079633f;  // exclusive; left beyond right, and down beyond up, mean a flipped picture
+    const float limit = 1.57079633f;  // exclusive; left beyond right, and down beyond up, mean a flipped image
     for (const float angle : {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown})
         require(std::abs(angle) < limit, XR_ERROR_VALIDATION_FAILURE, "fov",
                 fmt::format("{}: the angle {} of the fov must be between -pi/2 and pi/2", what, angle));
@@ -76,7 +76,7 @@ void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
         }
 }
 
-// The picture is seen from where the runtime will believe that it was made.
+// The image is seen from where the runtime will believe that it was made.
 void check_view_pose(const XrPosef& pose, const Space& space, uint32_t view, const Frame& frame,
                      const std::string& what) {
     check_pose(pose, (what + " pose").c_str());

@@ -25,7 +25,7 @@ void check_locate_time(Session& session, XrTime time) {
     } else if (session.begun || session.waited) {
         violate("display-time",
                 "xrLocateViews with another time than the frame's predictedDisplayTime: its poses "
-                "would belong to another moment than the picture");
+                "would belong to another moment than the image");
     }
 }
 

@@ -50,7 +50,7 @@ void submit_and_wait(const VulkanDevice& vulkan) {
     check(vulkan.vkResetFences(vulkan.device, 1, &vulkan.fence), "vkResetFences");
 }
 
-// Everything before, whatever it was, ends before everything after starts: pictures are worth more than speed here.
+// Everything before, whatever it was, ends before everything after starts: images are worth more than speed here.
 void move_image(const VulkanDevice& vulkan, VkImage image, bool is_depth, VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier barrier = {VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;

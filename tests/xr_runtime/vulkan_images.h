@@ -1,4 +1,4 @@
-// Images on the application's VkDevice: swapchains, and copies of them for pictures. Every function that submits work
+// Images on the application's VkDevice: swapchains, and copies of them for images. Every function that submits work
 // waits for it, and must be called only where the application has left its queue to the runtime.
 #pragma once
 

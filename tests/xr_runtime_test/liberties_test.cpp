@@ -131,13 +131,13 @@ void use_a_static_image(Application& app) {
     info.mipCount = 3;
     check(xrDestroySwapchain(app.colour), "xrDestroySwapchain");
     info.arraySize = 2;
-    XrSwapchain picture = XR_NULL_HANDLE;
-    check(xrCreateSwapchain(app.session, &info, &picture), "xrCreateSwapchain");
-    Application::draw_to(picture);
+    XrSwapchain image = XR_NULL_HANDLE;
+    check(xrCreateSwapchain(app.session, &info, &image), "xrCreateSwapchain");
+    Application::draw_to(image);
     const XrSwapchainCreateInfo colour = app.swapchain_info(VK_FORMAT_R16G16B16A16_SFLOAT, 2);
     check(xrCreateSwapchain(app.session, &colour, &app.colour), "xrCreateSwapchain");
     app.prepare_visible_frame();
-    app.frame.quad.subImage.swapchain = picture;
+    app.frame.quad.subImage.swapchain = image;
     app.frame.quad.subImage.imageArrayIndex = 1;
     check(app.end_frame(), "xrEndFrame");
 }

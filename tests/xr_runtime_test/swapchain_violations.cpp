@@ -84,11 +84,11 @@ XrResult acquire_static_again(Application& app) {
     app.make_session();
     XrSwapchainCreateInfo info = app.swapchain_info(VK_FORMAT_R8G8B8A8_SRGB);
     info.createFlags = XR_SWAPCHAIN_CREATE_STATIC_IMAGE_BIT;
-    XrSwapchain picture = XR_NULL_HANDLE;
-    check(xrCreateSwapchain(app.session, &info, &picture), "xrCreateSwapchain");
-    Application::draw_to(picture);
+    XrSwapchain image = XR_NULL_HANDLE;
+    check(xrCreateSwapchain(app.session, &info, &image), "xrCreateSwapchain");
+    Application::draw_to(image);
     uint32_t index = 0;
-    return xrAcquireSwapchainImage(picture, nullptr, &index);
+    return xrAcquireSwapchainImage(image, nullptr, &index);
 }
 
 XrResult wait_without_acquiring(Application& app) {

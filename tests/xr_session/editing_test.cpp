@@ -55,7 +55,7 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
     const glm::dvec3 was(-0.8, 0, -2.8);
     EXPECT_LT(glm::distance(place(node(saved(), "anna")), was + moved), 1e-3) << run.log;
     EXPECT_EQ(run.seen["modified"], false);
-    EXPECT_EQ(check_golden("xr_grab", run.picture(22, "left")), "");
+    EXPECT_EQ(check_golden("xr_grab", run.image(22, "left")), "");
     EXPECT_FALSE(run.report["haptics"].empty()) << "hands feel what they take";
 }
 
@@ -94,7 +94,7 @@ TEST_F(Editing, TwoHandsScale) {
     const json& matrix = node(document, "anna")["matrix"];
     EXPECT_NEAR(matrix[0].get<double>(), 1.6 * 1.5, 0.01) << "from 0.6 m apart to 0.9 m";
     EXPECT_NEAR(matrix[5].get<double>(), 1.6 * 1.5, 0.01);
-    EXPECT_EQ(check_golden("xr_scale", run.picture(22, "right")), "");
+    EXPECT_EQ(check_golden("xr_scale", run.image(22, "right")), "");
 }
 
 TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
@@ -106,7 +106,7 @@ TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
     show_and_save(script, 18, items);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_EQ(check_golden("xr_copy", run.picture(16, "left")), "");
+    EXPECT_EQ(check_golden("xr_copy", run.image(16, "left")), "");
     EXPECT_EQ(saved()["nodes"].size(), before + 1);
 
     XrScript undone = selecting();
@@ -137,7 +137,7 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     const json& settings = document["scenes"][0]["extensions"]["NEUVV_stage"];
     EXPECT_EQ(settings["shadows"], false);
     EXPECT_EQ(settings["falloff"], false);
-    EXPECT_EQ(check_golden("xr_panel", run.picture(frame, "left_seen")), "");
+    EXPECT_EQ(check_golden("xr_panel", run.image(frame, "left_seen")), "");
 }
 
 TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
@@ -163,7 +163,7 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     const json layers = node(document, "anna")["extensions"]["NEUVV_performer"].value("paint", json::array());
     ASSERT_EQ(layers.size(), 1u) << run.log << run.seen;
     EXPECT_TRUE(std::filesystem::exists(folder.path / layers[0]["uri"].get<std::string>()));
-    EXPECT_EQ(check_golden("xr_paint", run.picture(99, "left")), "");
+    EXPECT_EQ(check_golden("xr_paint", run.image(99, "left")), "");
 }
 
 TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
@@ -189,8 +189,8 @@ TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
     script.end(132);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_EQ(check_golden("xr_region", run.picture(76, "left")), "");
-    EXPECT_EQ(check_golden("xr_erased", run.picture(128, "left")), "");
+    EXPECT_EQ(check_golden("xr_region", run.image(76, "left")), "");
+    EXPECT_EQ(check_golden("xr_erased", run.image(128, "left")), "");
     EXPECT_EQ(run.seen["modified"], true);
 }
 
@@ -204,7 +204,7 @@ TEST_F(Editing, WhatWasDeletedComesBack) {
     script.end(38);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_FALSE(same_pixels(run.picture(25, "left"), run.picture(34, "left"))) << "gone, and back";
+    EXPECT_FALSE(same_pixels(run.image(25, "left"), run.image(34, "left"))) << "gone, and back";
     EXPECT_EQ(run.seen["modified"], false);
 }
 
@@ -265,7 +265,7 @@ TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_NE(run.log.find("right hand: Bare hands"), std::string::npos) << run.log;
-    EXPECT_EQ(check_golden("xr_bare_hand", run.picture(kReady + 6, "left")), "");
+    EXPECT_EQ(check_golden("xr_bare_hand", run.image(kReady + 6, "left")), "");
     const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
     const json document = edit::restore(kept[0]).file.json.whole();
@@ -303,7 +303,7 @@ TEST_F(Editing, AGripMovesThePanel) {
     script.end(30);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_EQ(check_golden("xr_panel_moved", run.picture(28, "left_seen")), "");
+    EXPECT_EQ(check_golden("xr_panel_moved", run.image(28, "left_seen")), "");
     EXPECT_LT(glm::distance(place_of(run.seen["panel"]["play"]), on_panel + aside), 1e-4);
     EXPECT_EQ(run.seen["modified"], false) << "the performer behind it stays";
 }

@@ -46,7 +46,7 @@ TEST_F(Faults, ALostSessionIsBegunAnew) {
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
     EXPECT_EQ(count(run.log, "another one begins"), 1u) << run.log;
-    EXPECT_TRUE(same_pixels(run.picture(24, "left"), calm.picture(24, "left"))) << "it is shown again";
+    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
     expect_copy_is_kept(2);
 }
 
@@ -60,7 +60,7 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
     EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
-    EXPECT_TRUE(same_pixels(run.picture(24, "left"), calm.picture(24, "left"))) << "it is shown again";
+    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
     expect_copy_is_kept(2);
 }
 
@@ -115,7 +115,7 @@ TEST_F(Faults, ARefusedFormatIsReplaced) {
     script.json["refuse"] = {{"formats", {"R8G8B8A8_SRGB"}}};
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_TRUE(same_pixels(run.picture(12, "left"), usual.picture(12, "left")));
+    EXPECT_TRUE(same_pixels(run.image(12, "left"), usual.image(12, "left")));
     script.json["refuse"]["formats"].push_back("B8G8R8A8_SRGB");
     const XrRun none = this->run(script);
     EXPECT_EQ(none.code, 1);
@@ -154,7 +154,7 @@ TEST_F(Faults, AGrabOutlivesALostPose) {
 
 TEST_F(Faults, ALostHeadIsShownWhereItWas) {
     XrScript script;
-    script.json["profile"] = "";  // no hands in the picture
+    script.json["profile"] = "";  // no hands in the image
     script.event(6, "no_tracking", {{"frames", 4}});
     script.save(5);
     script.save(8);
@@ -162,7 +162,7 @@ TEST_F(Faults, ALostHeadIsShownWhereItWas) {
     const XrRun run = this->run(script);
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
-    EXPECT_TRUE(same_pixels(run.picture(5, "left"), run.picture(8, "left")));
+    EXPECT_TRUE(same_pixels(run.image(5, "left"), run.image(8, "left")));
 }
 
 TEST_F(Faults, ASlowCompositorAndARecentreAreFollowed) {
@@ -186,7 +186,7 @@ TEST_F(Faults, AStopIsFollowedByAnotherStart) {
     script.event(14, "stop", {{"restart", true}});
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_TRUE(same_pixels(run.picture(20, "left"), calm.picture(20, "left")));
+    EXPECT_TRUE(same_pixels(run.image(20, "left"), calm.image(20, "left")));
 }
 
 // What is held when a session is lost is put down where it is.

@@ -5,7 +5,7 @@
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
-#include "tools/ui/window_place.h"
+#include "tools/ui/window_geometry.h"
 #include "viewer_window/hands.h"
 #include "xr/eye_camera.h"
 #include "xr_session/xr_session.h"
@@ -23,8 +23,8 @@ TEST_F(Watching, BothEyesSeeTheStage) {
     script.end(6);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_EQ(check_golden("xr_left", run.picture(4, "left")), "");
-    EXPECT_EQ(check_golden("xr_right", run.picture(4, "right")), "");
+    EXPECT_EQ(check_golden("xr_left", run.image(4, "left")), "");
+    EXPECT_EQ(check_golden("xr_right", run.image(4, "right")), "");
 }
 
 // As the script has it: the head in the middle between them, 64 mm apart.
@@ -40,7 +40,7 @@ xr::EyeView eye_of(const XrScript& script, int eye) {
 
 TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
     XrScript script;
-    script.json["profile"] = "";  // no hands in the picture
+    script.json["profile"] = "";  // no hands in the image
     script.save(4);
     script.end(6);
     const XrRun run = this->run(script, {"--no-mask"});
@@ -49,15 +49,15 @@ TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
     const gpu::Device device;
     const stage::Stage on_stage = stage::load_stage(stage);
     render::StageRenderer renderer(device, on_stage, render::StageLoader(device).load(on_stage), {192, 192});
-    const stage::StageInstant instant = stage::stage_at(on_stage, 0);
-    renderer.show(instant);
-    render::FrameSettings settings = renderer.settings_at(instant);
+    const stage::EvaluatedStage evaluated = stage::stage_at(on_stage, 0);
+    renderer.show(evaluated);
+    render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.width = settings.height = 192;
     settings.mode = render::TraceMode::kPlay;
     for (const int eye : {0, 1}) {
         const media::Image truth =
             renderer.frames().render(xr::eye_camera(eye_of(script, eye), {}, {192, 192}), settings);
-        const media::Image seen = run.picture(4, eye == 0 ? "left" : "right");
+        const media::Image seen = run.image(4, eye == 0 ? "left" : "right");
         EXPECT_TRUE(same_pixels(truth, seen)) << eye;
         const media::Image other =
             renderer.frames().render(xr::eye_camera(eye_of(script, 1 - eye), {}, {192, 192}), settings);
@@ -75,7 +75,7 @@ TEST_F(Watching, OtherFormatsShowTheSame) {
         const XrRun other = run(script);
         expect_clean(other);
         // Half floats blend what is clear without rounding in between.
-        EXPECT_TRUE(same_pixels(plain.picture(4, "left_seen"), other.picture(4, "left_seen"), 2)) << format;
+        EXPECT_TRUE(same_pixels(plain.image(4, "left_seen"), other.image(4, "left_seen"), 2)) << format;
     }
 }
 
@@ -114,7 +114,7 @@ TEST_F(Watching, AStickTeleportsAndTurns) {
     expect_clean(run);
     EXPECT_NEAR(run.seen["turned_deg"].get<double>(), -30, 1e-6);
     EXPECT_LT(run.seen["stands"][2].get<double>(), -0.5) << "before where it stood";
-    EXPECT_EQ(check_golden("xr_teleport", run.picture(8, "left")), "");
+    EXPECT_EQ(check_golden("xr_teleport", run.image(8, "left")), "");
 }
 
 TEST_F(Watching, WhereTheRoomIsSeenTheStageHasNoBackground) {
@@ -132,9 +132,9 @@ TEST_F(Watching, WhereTheRoomIsSeenTheStageHasNoBackground) {
     const XrRun mixed = run(script, {"--no-mask"});
     expect_clean(mixed);
     const size_t above = 4 * 96, floor = 4 * (170 * 192 + 96);
-    EXPECT_EQ(opaque.picture(6, "left").rgba[above + 3], 255);
-    EXPECT_EQ(mixed.picture(6, "left").rgba[above + 3], 0);
-    EXPECT_EQ(mixed.picture(6, "left").rgba[floor + 3], 255);
+    EXPECT_EQ(opaque.image(6, "left").rgba[above + 3], 255);
+    EXPECT_EQ(mixed.image(6, "left").rgba[above + 3], 0);
+    EXPECT_EQ(mixed.image(6, "left").rgba[floor + 3], 255);
 }
 
 TEST_F(Watching, BareHandsAreSeen) {
@@ -147,7 +147,7 @@ TEST_F(Watching, BareHandsAreSeen) {
     script.end(8);
     const XrRun run = this->run(script);
     expect_clean(run);
-    EXPECT_EQ(check_golden("xr_fingers", run.picture(6, "left")), "");
+    EXPECT_EQ(check_golden("xr_fingers", run.image(6, "left")), "");
 }
 
 TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
@@ -157,7 +157,7 @@ TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
     script.end(8);
     const XrRun whole = run(script), inset = run(script, {"--inset", "0.5"});
     expect_clean(inset);
-    const media::Image a = whole.picture(6, "left"), b = inset.picture(6, "left");
+    const media::Image a = whole.image(6, "left"), b = inset.image(6, "left");
     // About the eye's axis; beside it there are half as many rays a side.
     uint32_t inside = 0, beside = 0;
     for (uint32_t y = 0; y < a.height; y++)
@@ -186,7 +186,7 @@ TEST_F(Watching, WalkingSmoothlyDarkensTheEdges) {
     const XrRun run = this->run(script, {"--no-mask"});
     expect_clean(run);
     EXPECT_NEAR(run.seen["stands"][0].get<double>(), 1.6 * 20 / 90, 0.05) << "to the right at 1.6 m/s";
-    EXPECT_EQ(check_golden("xr_vignette", run.picture(40, "left")), "");
+    EXPECT_EQ(check_golden("xr_vignette", run.image(40, "left")), "");
 }
 
 TEST_F(Watching, ItPlaysByTheDisplaysTime) {
@@ -209,19 +209,19 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
         << "four frames took three displays each";
 }
 
-// A picture in the middle of a window, as large as it fits: pixels for one of it, and its corner.
+// An image in the middle of a window, as large as it fits: pixels for one of it, and its corner.
 struct Fitted {
     double fits, left, top;
 };
-Fitted fitted(const media::Image& eye, const ui::WindowPlace& window) {
+Fitted fitted(const media::Image& eye, const ui::WindowGeometry& window) {
     const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
     return {fits, (window.width - fits * eye.width) / 2, (window.height - fits * eye.height) / 2};
 }
 
-// Whether a picture of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
+// Whether an image of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
 // screen does not reach are left out. The middle of an eye's pixel lies within half a pixel of the screen's, so its
 // neighbour may have a share in that.
-bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowPlace& window) {
+bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowGeometry& window) {
     const auto [fits, left, top] = fitted(eye, window);
     int most = 0;
     for (uint32_t y = 4; y < eye.height; y += 8)
@@ -235,7 +235,7 @@ bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::
 }
 
 // A window that shows it.
-media::Image enlarged_into(const ui::WindowPlace& window, const media::Image& eye) {
+media::Image enlarged_into(const ui::WindowGeometry& window, const media::Image& eye) {
     media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
     const auto [fits, left, top] = fitted(eye, window);
     for (uint32_t y = 0; y < shown.height; y++)
@@ -255,19 +255,19 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     script.save(10);
     script.end(14);
     const XrRun plain = run(script);
-    const media::Image eye = plain.picture(10, "left");
-    EXPECT_FALSE(is_mirrored(eye, screen.picture(), {})) << "nothing is shown yet";
+    const media::Image eye = plain.image(10, "left");
+    EXPECT_FALSE(is_mirrored(eye, screen.image(), {})) << "nothing is shown yet";
     EXPECT_TRUE(is_mirrored(eye, enlarged_into({}, eye), {}));
-    EXPECT_FALSE(is_mirrored(eye, enlarged_into({}, plain.picture(10, "right")), {})) << "the other eye is told apart";
+    EXPECT_FALSE(is_mirrored(eye, enlarged_into({}, plain.image(10, "right")), {})) << "the other eye is told apart";
     script.json["time"] = "real";
     script.end(80);
     auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--mirror"}); });
     bool shown = false;
     while (mirrored.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-        shown = shown || is_mirrored(eye, screen.picture(), {});
+        shown = shown || is_mirrored(eye, screen.image(), {});
     const XrRun run = mirrored.get();
     expect_clean(run);
-    EXPECT_TRUE(same_pixels(eye, run.picture(10, "left"))) << "the headset is shown the same";
+    EXPECT_TRUE(same_pixels(eye, run.image(10, "left"))) << "the headset is shown the same";
     EXPECT_TRUE(shown) << "the window does not show the left eye";
 }
 

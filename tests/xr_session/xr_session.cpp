@@ -13,7 +13,7 @@ namespace neuvv::test {
 namespace {
 
 using nlohmann::json;
-constexpr auto kPatience = std::chrono::minutes(4);
+constexpr auto kTimeout = std::chrono::minutes(4);
 
 std::string read_text(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -95,7 +95,7 @@ void XrScript::save(int frame) {
     json["save_frames"].push_back(frame);
 }
 
-media::Image XrRun::picture(int frame, const std::string& which) const {
+media::Image XrRun::image(int frame, const std::string& which) const {
     char name[64];
     std::snprintf(name, sizeof(name), "frame_%04d_%s.png", frame, which.c_str());
     return media::read_png(out / name);
@@ -141,7 +141,7 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
                                    "1"};
     words.insert(words.end(), more.begin(), more.end());
     ChildProcess program(words, log);
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!program.ended()) {
         if (std::chrono::steady_clock::now() > end) throw std::runtime_error("the program hangs: " + read_text(log));
         std::this_thread::sleep_for(std::chrono::milliseconds(5));

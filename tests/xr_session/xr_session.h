@@ -50,7 +50,7 @@ struct XrRun {
     nlohmann::json seen;    // its own report
     nlohmann::json report;  // the runtime's
     // Of a saved frame: "left", "right", "left_seen", "quad0".
-    media::Image picture(int frame, const std::string& which) const;
+    media::Image image(int frame, const std::string& which) const;
     std::filesystem::path out;
 };
 
@@ -82,7 +82,7 @@ class XrSession : public testing::Test {
     int runs_ = 0;
 };
 
-// Whether two pictures are the same but for one step of 255.
+// Whether two images are the same but for one step of 255.
 bool same_pixels(const media::Image& a, const media::Image& b, int step = 1);
 
 }  // namespace neuvv::test

@@ -25,7 +25,7 @@ struct InstancesOptions : BenchOptions {
 };
 
 struct Shown {
-    media::Image picture;  // the last
+    media::Image image;  // the last
     std::vector<PassSum> passes;
     std::vector<double> ms;     // with slices resident
     uint64_t buffer_bytes = 0;  // of renderer and performer on the device
@@ -51,7 +51,7 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
 }
 
 // Sees a square of `count` copies from +Z.
-stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, tools::PictureSize size) {
+stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, tools::media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
     stage::Camera camera;
@@ -81,9 +81,9 @@ Shown show(const gpu::Device& device, const render::Field& field, const Instance
         settings.instances = instances;
         renderer.render(camera, settings);  // slices, compiles
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
-            shown.picture = renderer.render(camera, settings);
+            shown.image = renderer.render(camera, settings);
             shown.ms.push_back(milliseconds(renderer.pass_times()));
-            add_picture(shown.passes, renderer.pass_times());
+            add_image(shown.passes, renderer.pass_times());
         }
         for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
         if (const render::SliceCache* slices = renderer.performer()->slices())
@@ -163,12 +163,12 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
 
 void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
+    if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (!options.picture.empty()) media::write_png(options.picture, result.all.picture);
+    if (!options.image.empty()) media::write_png(options.image, result.all.image);
     if (options.json)
         fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
@@ -192,8 +192,8 @@ void add_instances(CLI::App& app, const tools::CommonOptions& common) {
         ->capture_default_str();
     tools::add_slice_budget_option(*verb, options->slice_budget_mb);
     add_size_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Pictures of each that the means are over");
-    add_picture_option(*verb, *options);
+    add_repeats_option(*verb, *options, "Images of each that the means are over");
+    add_image_option(*verb, *options);
     add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }

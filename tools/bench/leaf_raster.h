@@ -26,12 +26,12 @@ struct LeafRasterizer {
     gpu::BindingSet project_set, tiles_set, composite_set;
 };
 
-// All rays of a picture through one of the slices, shaded from the camera's eye. `camera` is that of the batch's tiles,
-// which are those of its picture row by row (tiles_of_picture).
+// All rays of an image through one of the slices, shaded from the camera's eye. `camera` is that of the batch's tiles,
+// which are those of its image row by row (tiles_of_image).
 void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& rasterizer, uint32_t slice,
                         const ShaderCamera& camera, float stop = render::kStopTransmittance);
 
-// The pairs of the last picture. Where they are more than there was room for, it lacks some: make a larger rasterizer.
+// The pairs of the last image. Where they are more than there was room for, it lacks some: make a larger rasterizer.
 uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterizer);
 
 }  // namespace neuvv::bench

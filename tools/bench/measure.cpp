@@ -34,8 +34,8 @@ void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help)
     verb.add_option("--repeats", options.repeats, help)->check(CLI::Range(1, 10000))->capture_default_str();
 }
 
-void add_picture_option(CLI::App& verb, BenchOptions& options) {
-    verb.add_option("--picture", options.picture, "Write what was drawn to this PNG");
+void add_image_option(CLI::App& verb, BenchOptions& options) {
+    verb.add_option("--picture", options.image, "Write what was drawn to this PNG");
 }
 
 void add_json_flag(CLI::App& verb, BenchOptions& options) {
@@ -84,7 +84,7 @@ double milliseconds(const std::vector<gpu::PassTime>& passes) {
     return sum;
 }
 
-void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes) {
+void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes) {
     for (const gpu::PassTime& pass : passes) {
         auto found = std::find_if(sums.begin(), sums.end(), [&](const PassSum& sum) { return sum.name == pass.name; });
         if (found == sums.end()) found = sums.insert(sums.end(), {pass.name, {}});

@@ -11,7 +11,7 @@ namespace neuvv::bench {
 
 // What a measurement may be asked for. Each verb has those of the options that it adds.
 struct BenchOptions {
-    std::string scene, size = "1280x720", picture;
+    std::string scene, size = "1280x720", image;
     uint32_t views = 4, repeats = 5;
     double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
     bool json = false;
@@ -29,7 +29,7 @@ CLI::App* add_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options);
 void add_size_option(CLI::App& verb, BenchOptions& options, const char* help = "WIDTHxHEIGHT");
 void add_views_option(CLI::App& verb, BenchOptions& options);
 void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help);
-void add_picture_option(CLI::App& verb, BenchOptions& options);
+void add_image_option(CLI::App& verb, BenchOptions& options);
 void add_json_flag(CLI::App& verb, BenchOptions& options);
 
 // The value that a share `p` of the values does not exceed; 0 of none.
@@ -47,12 +47,12 @@ inline double median(std::vector<double> values) {
     return quantile(std::move(values), 0.5);
 }
 
-// What each pass took in every picture, by name in the order of the first.
+// What each pass took in every image, by name in the order of the first.
 struct PassSum {
     std::string name;
-    std::vector<double> ms;  // one a picture, however often the pass ran in it
+    std::vector<double> ms;  // one an image, however often the pass ran in it
 };
-void add_picture(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes);
+void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes);
 // "shade 1.2 trace 3.4": medians.
 std::string passes_text(const std::vector<PassSum>& sums);
 

@@ -1,4 +1,4 @@
-// neuvv-bench open: how long until a scene's first picture, of the coarse tree, and until that of the whole.
+// neuvv-bench open: how long until a scene's first image, of the coarse tree, and until that of the whole.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -25,15 +25,15 @@ namespace neuvv::bench {
 namespace {
 
 struct OpenOptions : BenchOptions {
-    std::string pictures;
+    std::string images;
     double synthetic_megabytes = 0;
 };
 
-// Seconds of what stands between a path and a picture.
+// Seconds of what stands between a path and an image.
 struct Opening {
     uint32_t leaves = 0;
     double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`
-    media::Image picture;
+    media::Image image;
     double total() const { return read + upload + prepare + render; }
 };
 
@@ -42,9 +42,9 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
     return std::chrono::duration<double>(mark - before).count();
 }
 
-// `view`: that of both pictures, found with the first tree; finding it takes no part in the times.
+// `view`: that of both images, found with the first tree; finding it takes no part in the times.
 Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read,
-             std::optional<tools::ViewStep>& view, tools::PictureSize size) {
+             std::optional<tools::ViewStep>& view, tools::media::ImageSize size) {
     Opening result;
     auto mark = std::chrono::steady_clock::now();
     const voctree::VOctree tree = read();
@@ -66,7 +66,7 @@ Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>&
     settings.height = size.height;
     settings.resolve.background = {1, 1, 1, 1};
     settings.mode = render::TraceMode::kPlay;
-    result.picture = renderer.render(view->camera, settings);
+    result.image = renderer.render(view->camera, settings);
     result.render = seconds_since(mark);
     return result;
 }
@@ -85,7 +85,7 @@ void print(const char* name, const Opening& opening) {
 void report(const OpenOptions& options, const gpu::Device& device, uint64_t bytes, const std::optional<Opening>& first,
             const Opening& whole) {
     const double share = first ? first->total() / whole.total() : 1;
-    const double psnr = first ? training::compare(whole.picture, first->picture).psnr : 99;
+    const double psnr = first ? training::compare(whole.image, first->image).psnr : 99;
     if (options.json) {
         fmt::print("{}", tools::json_text({{"device", device.summary().name},
                                            {"scene", options.scene},
@@ -97,14 +97,14 @@ void report(const OpenOptions& options, const gpu::Device& device, uint64_t byte
                                            {"psnr_db", psnr}}));
         return;
     }
-    fmt::print("{}: {}, {}, pictures of {}\n", device.summary().name, options.scene, tools::size_text(bytes),
+    fmt::print("{}: {}, {}, images of {}\n", device.summary().name, options.scene, tools::size_text(bytes),
                options.size);
     fmt::print("{:<12} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "seconds", "leaves", "total", "read", "checks",
                "upload", "prepare", "render");
     if (first) print("coarse tree", *first);
     print("whole tree", whole);
     if (first)
-        fmt::print("the first picture takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
+        fmt::print("the first image takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
                    100 * share, psnr);
     else
         fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
@@ -119,8 +119,8 @@ void write_synthetic(const OpenOptions& options) {
 }
 
 void run(const OpenOptions& options, const tools::CommonOptions& common) {
-    const tools::PictureSize size = tools::parse_size(options.size);
-    if (!options.pictures.empty()) tools::prepare_output_folder("--pictures", options.pictures);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
+    if (!options.images.empty()) tools::prepare_output_folder("--pictures", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
@@ -132,9 +132,9 @@ void run(const OpenOptions& options, const tools::CommonOptions& common) {
             device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
     const Opening whole = open(
         device, [&] { return voctree::read_nvv(options.scene); }, view, size);
-    if (!options.pictures.empty()) {
-        if (first) media::write_png(std::filesystem::path(options.pictures) / "coarse.png", first->picture);
-        media::write_png(std::filesystem::path(options.pictures) / "whole.png", whole.picture);
+    if (!options.images.empty()) {
+        if (first) media::write_png(std::filesystem::path(options.images) / "coarse.png", first->image);
+        media::write_png(std::filesystem::path(options.images) / "whole.png", whole.image);
     }
     report(options, device, summary.file_bytes, first, whole);
 }
@@ -146,10 +146,10 @@ void add_open(CLI::App& app, const tools::CommonOptions& common) {
     CLI::App* verb =
         add_verb(app,
                  {"open",
-                  "From a scene's path to its first picture, and to the whole",
+                  "From a scene's path to its first image, and to the whole",
                   "Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
                   "(unpacked and checked;\nhow long the checks of the tree take of it is measured once more, apart), "
-                  "upload, prepare (the renderer and its\npipelines), render (the first picture, its slice "
+                  "upload, prepare (the renderer and its\npipelines), render (the first image, its slice "
                   "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
                   "the coarse opening, which is first, also compiles the pipelines. ",
                   {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
@@ -160,7 +160,7 @@ void add_open(CLI::App& app, const tools::CommonOptions& common) {
                      "buffer")
         ->check(tools::number_between(1, 1000));
     add_size_option(*verb, *options);
-    verb->add_option("--pictures", options->pictures, "A folder for the two pictures: coarse.png and whole.png");
+    verb->add_option("--pictures", options->images, "A folder for the two images: coarse.png and whole.png");
     add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }

@@ -1,4 +1,4 @@
-// neuvv-bench render: pictures of a scene the paper's way and ours, in one run, with what the pictures differ by.
+// neuvv-bench render: images of a scene the paper's way and ours, in one run, with what the images differ by.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -30,15 +30,15 @@ struct RenderOptions : BenchOptions {
     std::string rival;  // raster, or none
 };
 
-// A clip of 25 pictures a second on a display of 90 Hz for two eyes: so many views share a slice.
+// A clip of 25 images a second on a display of 90 Hz for two eyes: so many views share a slice.
 constexpr double kViewsPerSlice = 2 * 90 / 25.0;
 
-// A way to make a picture, and how long its frames took.
+// A way to make an image, and how long its frames took.
 struct Way {
     const char* name;
     const char* key;  // in JSON
     std::variant<render::TraceMode, render::ReferencePath> path;
-    std::vector<double> slice_ms, rest_ms;  // of each picture; a picture's slice is made once
+    std::vector<double> slice_ms, rest_ms;  // of each image; an image's slice is made once
     double seconds(double slices) const { return (slices * median(slice_ms) + median(rest_ms)) / 1000; }
     double p99(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
 };
@@ -54,7 +54,7 @@ struct HostTimes {
     std::vector<double> ms;       // the rays alone
     double worst_difference = 0;  // from the device's rays, of alpha and colour
     MarchCounts counts;
-    uint32_t pictures = 0;  // that were counted
+    uint32_t images = 0;  // that were counted
 };
 
 struct Result {
@@ -64,7 +64,7 @@ struct Result {
     RivalTimes rival;
     std::vector<double> trace_ms;                       // the device's rays, as the host's
     double copy_gb_s = 0;                               // read and written
-    double covered = 0, mean_difference = 0, psnr = 0;  // pictures: shaded against the paper's
+    double covered = 0, mean_difference = 0, psnr = 0;  // images: shaded against the paper's
     uint64_t rays = 0;
 };
 
@@ -104,7 +104,7 @@ HostTileRanges host_ranges(const gpu::Device& device, const render::TileRanges& 
     return ranges;
 }
 
-// The rays of the picture that the renderer has just shaded, by the host.
+// The rays of the image that the renderer has just shaded, by the host.
 void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
                   const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
     const HostSlice slice = host_slice(device, field, *renderer.performer());
@@ -114,7 +114,7 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
     for (uint32_t i = 0; i < repeats; i++) {
         const auto start = std::chrono::steady_clock::now();
         rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
-        host.pictures++;
+        host.images++;
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         host.ms.push_back(took.count());
     }
@@ -125,14 +125,14 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
 }
 
 struct Renderers {
-    Renderers(const gpu::Device& device, const render::Field& field, tools::PictureSize size)
+    Renderers(const gpu::Device& device, const render::Field& field, tools::media::ImageSize size)
         : frames(device, field, {size.width, size.height}), references(device, field, size.width, size.height) {}
     render::FrameRenderer frames;
     render::ReferenceRenderer references;
 };
 
 struct Drawn {
-    media::Image picture;
+    media::Image image;
     std::vector<gpu::PassTime> passes;
 };
 
@@ -143,8 +143,8 @@ Drawn draw(Renderers& renderers, const Way& way, const tools::ViewStep& view) {
     const auto frame = static_cast<float>(view.frame);
     if (const auto* path = std::get_if<render::ReferencePath>(&way.path)) {
         const render::ReferenceSettings settings{.path = *path, .frame = frame, .resolve = resolve};
-        media::Image picture = renderers.references.render(view.camera, settings);
-        return {std::move(picture), renderers.references.pass_times()};
+        media::Image image = renderers.references.render(view.camera, settings);
+        return {std::move(image), renderers.references.pass_times()};
     }
     render::FrameSettings settings;
     settings.instances[0].frame = frame;
@@ -153,11 +153,11 @@ Drawn draw(Renderers& renderers, const Way& way, const tools::ViewStep& view) {
     settings.mode = std::get<render::TraceMode>(way.path);
     settings.resolve = resolve;
     renderers.frames.forget_slices();
-    media::Image picture = renderers.frames.render(view.camera, settings);
-    return {std::move(picture), renderers.frames.pass_times()};
+    media::Image image = renderers.frames.render(view.camera, settings);
+    return {std::move(image), renderers.frames.pass_times()};
 }
 
-// Adds to a way's times; returns the last picture.
+// Adds to a way's times; returns the last image.
 media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view, uint32_t repeats, Result& result) {
     Drawn drawn = draw(renderers, way, view);  // warms caches, compiles
     const auto* mode = std::get_if<render::TraceMode>(&way.path);
@@ -166,11 +166,11 @@ media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view
         way.slice_ms.push_back(milliseconds(drawn.passes, true));
         way.rest_ms.push_back(milliseconds(drawn.passes, false));
         if (!mode || *mode != render::TraceMode::kShaded) continue;
-        add_picture(result.passes, drawn.passes);
+        add_image(result.passes, drawn.passes);
         for (const gpu::PassTime& pass : drawn.passes)
             if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
     }
-    return std::move(drawn.picture);
+    return std::move(drawn.image);
 }
 
 double covered_share(const std::vector<glm::vec4>& rays) {
@@ -180,7 +180,7 @@ double covered_share(const std::vector<glm::vec4>& rays) {
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     std::vector<tools::ViewStep> path =
         tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     Result result;
@@ -199,14 +199,14 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         media::Image truth;
         for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
             const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
-            const media::Image picture = measure(renderers, result.ways[w], view, repeats, result);
-            if (w == 0) truth = picture;
+            const media::Image image = measure(renderers, result.ways[w], view, repeats, result);
+            if (w == 0) truth = image;
             if (w + 1 == result.ways.size()) {
-                const training::Quality quality = training::compare(truth, picture);
+                const training::Quality quality = training::compare(truth, image);
                 result.mean_difference += quality.mae / options.views;
                 squares += std::pow(10, -quality.psnr / 10) / options.views;
                 if (!options.rival.empty())
-                    measure_rival(device, field, renderer, view.camera, picture, options.repeats, result.rival);
+                    measure_rival(device, field, renderer, view.camera, image, options.repeats, result.rival);
             }
             progress.update(i * result.ways.size() + w + 1);
         }
@@ -229,9 +229,9 @@ RayWork work_of(const Result& result) {
     const MarchCounts& counts = result.host.counts;
     const auto rays = static_cast<double>(std::max<uint64_t>(counts.rays, 1));
     const auto of = [rays](uint64_t count) { return static_cast<double>(count) / rays; };
-    const double rays_a_picture = rays / std::max(result.host.pictures, 1u);
+    const double rays_per_image = rays / std::max(result.host.images, 1u);
     return {of(counts.nodes), of(counts.descents), of(counts.entries), of(counts.bytes()),
-            of(counts.bytes()) * rays_a_picture / (1e6 * median(result.trace_ms))};
+            of(counts.bytes()) * rays_per_image / (1e6 * median(result.trace_ms))};
 }
 
 // What the rival stands in for.
@@ -257,7 +257,7 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
     for (const Way& way : result.ways) line(way.name, way.seconds(1), way.p99(1));
     const Way& shaded = result.ways.back();
     line("playing at 25 fps on 2 x 90 Hz", shaded.seconds(1 / kViewsPerSlice), shaded.p99(1 / kViewsPerSlice));
-    fmt::print("passes of the shaded picture: {} ms\n", passes_text(result.passes));
+    fmt::print("passes of the shaded image: {} ms\n", passes_text(result.passes));
     fmt::print(
         "the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
         std::thread::hardware_concurrency(), median(result.host.ms), median(result.host.ms) / median(result.trace_ms),
@@ -326,15 +326,15 @@ void add_render(CLI::App& app, const tools::CommonOptions& common) {
     CLI::App* verb =
         add_verb(app,
                  {"render",
-                  "Pictures of a scene, the paper's way and ours",
+                  "Images of a scene, the paper's way and ours",
                   "Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
-                  "time of a picture,\nits slice included, its ratio to the paper's path and what the "
-                  "pictures differ by. ",
+                  "time of an image,\nits slice included, its ratio to the paper's path and what the "
+                  "images differ by. ",
                   {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
                  *options);
     add_size_option(*verb, *options);
     add_views_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Pictures of each view that the medians are over");
+    add_repeats_option(*verb, *options, "Images of each view that the medians are over");
     verb->add_option("--rival", options->rival,
                      "Also by another way: `raster` projects leaves, sorts and composites them")
         ->check(CLI::IsMember({"raster"}));

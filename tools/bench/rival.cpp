@@ -18,12 +18,12 @@ double psnr(const RivalTimes& times) {
     return -10 * std::log10(std::max(mean(times.squares), 1e-10));
 }
 
-double picture_ms(const RivalTimes& times) {
+double image_ms(const RivalTimes& times) {
     return median(times.project_ms) + median(times.sort_ms) + median(times.composite_ms);
 }
 
 render::RayBatch rays_of(const gpu::Device& device, const stage::Camera& camera) {
-    const std::vector<Tile> tiles = render::tiles_of_picture(0, camera.width, camera.height);
+    const std::vector<Tile> tiles = render::tiles_of_image(0, camera.width, camera.height);
     render::RayBatch rays(device, 1, static_cast<uint32_t>(tiles.size()));
     *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
     std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
@@ -48,17 +48,17 @@ void add_times(RivalTimes& times, const std::vector<gpu::PassTime>& passes) {
 }
 
 // The rays over white.
-media::Image picture_of(const gpu::Device& device, const render::RayBatch& rays, uint32_t width, uint32_t height) {
-    const gpu::Buffer picture(device, "rival's picture", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
-                              VK_FORMAT_R32_UINT);
-    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, rays, picture);
+media::Image image_of(const gpu::Device& device, const render::RayBatch& rays, uint32_t width, uint32_t height) {
+    const gpu::Buffer image(device, "rival's image", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
+                            VK_FORMAT_R32_UINT);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, rays, image);
     render::ResolveSettings settings;
     settings.background = {1, 1, 1, 1};
     gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
         render::record_resolve(commands, resolver, {width, height}, settings);
     });
     media::Image image(width, height);
-    gpu::download(device, picture, image.rgba.data(), image.rgba.size());
+    gpu::download(device, image, image.rgba.data(), image.rgba.size());
     return image;
 }
 
@@ -79,7 +79,7 @@ void measure_rival(const gpu::Device& device, const render::Field& field, const 
         commands.wait();
         if (i > 0) add_times(times, commands.pass_times());  // the first warms caches
     }
-    const training::Quality quality = training::compare(shaded, picture_of(device, rays, camera.width, camera.height));
+    const training::Quality quality = training::compare(shaded, image_of(device, rays, camera.width, camera.height));
     times.pairs.push_back(pairs);
     times.differences.push_back(quality.mae);
     times.squares.push_back(std::pow(10, -quality.psnr / 10));
@@ -89,9 +89,9 @@ std::string rival_text(const RivalTimes& times, double trace_ms) {
     return fmt::format(
         "rival: sparse voxels rasterised: project {:.1f} sort {:.1f} composite {:.1f} ms; {:.1f} ms together, {:.2f} "
         "times the {:.1f} ms of tile ranges and trace\n"
-        "  {:.0f} pairs of a tile and a leaf; its picture and the shaded one are {:.3f}/255 apart, PSNR {:.1f} dB",
-        median(times.project_ms), median(times.sort_ms), median(times.composite_ms), picture_ms(times),
-        picture_ms(times) / trace_ms, trace_ms, mean(times.pairs), 255 * mean(times.differences), psnr(times));
+        "  {:.0f} pairs of a tile and a leaf; its image and the shaded one are {:.3f}/255 apart, PSNR {:.1f} dB",
+        median(times.project_ms), median(times.sort_ms), median(times.composite_ms), image_ms(times),
+        image_ms(times) / trace_ms, trace_ms, mean(times.pairs), 255 * mean(times.differences), psnr(times));
 }
 
 nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms) {
@@ -100,9 +100,9 @@ nlohmann::ordered_json rival_json(const RivalTimes& times, double trace_ms) {
              {{"project", median(times.project_ms)},
               {"sort", median(times.sort_ms)},
               {"composite", median(times.composite_ms)}}},
-            {"ms", picture_ms(times)},
+            {"ms", image_ms(times)},
             {"ranges_and_trace_ms", trace_ms},
-            {"times_ranges_and_trace", picture_ms(times) / trace_ms},
+            {"times_ranges_and_trace", image_ms(times) / trace_ms},
             {"pairs", mean(times.pairs)},
             {"mean_difference_of_255", 255 * mean(times.differences)},
             {"psnr_db", psnr(times)}};

@@ -10,12 +10,12 @@
 namespace neuvv::bench {
 
 struct RivalTimes {
-    std::vector<double> project_ms, sort_ms, composite_ms;  // of each picture
+    std::vector<double> project_ms, sort_ms, composite_ms;  // of each image
     std::vector<double> pairs;                              // of a tile and a leaf, of each view
-    std::vector<double> differences, squares;               // from the shaded picture, of each view: mean, mean square
+    std::vector<double> differences, squares;               // from the shaded image, of each view: mean, mean square
 };
 
-// Draws the picture that the renderer has just shaded, from the first of the slices that it keeps, so many times.
+// Draws the image that the renderer has just shaded, from the first of the slices that it keeps, so many times.
 void measure_rival(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
                    const stage::Camera& camera, const media::Image& shaded, uint32_t repeats, RivalTimes& times);
 

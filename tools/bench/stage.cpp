@@ -26,7 +26,7 @@ struct StageOptions : BenchOptions {
     bool together = false;
 };
 
-// What one picture of it takes, in one way of drawing it.
+// What one image of it takes, in one way of drawing it.
 struct Way {
     std::string name;
     bool shadows = true, falloff = true;
@@ -53,35 +53,35 @@ stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) 
     return stage::make_stage(std::move(file));
 }
 
-stage::Camera camera_of_bench(const stage::Stage& stage, tools::PictureSize size, double distance_m) {
+stage::Camera camera_of_bench(const stage::Stage& stage, tools::media::ImageSize size, double distance_m) {
     stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
 }
 
-// Milliseconds of one picture by the host's clock (Commands::milliseconds); slices are there already where the budget
+// Milliseconds of one image by the host's clock (Commands::milliseconds); slices are there already where the budget
 // holds them.
 double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Way& way,
-            media::Image& picture) {
+            media::Image& image) {
     stage.settings.shadows = way.shadows;
     stage.settings.falloff = way.falloff;
     stage.settings.blend = way.blend;
-    const stage::StageInstant instant = stage::stage_at(stage, 0);
-    renderer.show(instant);
-    picture = renderer.frames().render(camera, renderer.settings_at(instant));
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+    renderer.show(evaluated);
+    image = renderer.frames().render(camera, renderer.settings_at(evaluated));
     return renderer.frames().milliseconds();
 }
 
 struct Result {
     std::vector<Way> ways;
     uint64_t one_bytes = 0, all_bytes = 0;  // of a stage with one performer, and with all copies
-    media::Image picture;
+    media::Image image;
 };
 
 // Ways take turns, so that what else the machine does hits all alike.
-std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& picture) {
+std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
@@ -96,7 +96,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& opt
         for (Way& way : ways) {
             media::Image shown;
             const double ms = draw(renderer, stage, camera, way, shown);
-            if (way.shadows && way.falloff && way.blend == stage::StageBlend::kExact) picture = shown;
+            if (way.shadows && way.falloff && way.blend == stage::StageBlend::kExact) image = shown;
             if (i == 0) continue;  // slices, pipelines, caches
             way.ms.push_back(ms);
         }
@@ -105,17 +105,17 @@ std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& opt
     return ways;
 }
 
-// Buffers of a stage with so many copies, at as many times, after a picture of it.
+// Buffers of a stage with so many copies, at as many times, after an image of it.
 uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
     Way way;
-    media::Image picture;
-    draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, picture);
+    media::Image image;
+    draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, image);
     return device.buffer_bytes() - before;
 }
 
@@ -148,15 +148,15 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
 
 void run(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.picture.empty()) tools::prepare_output_file("--picture", options.picture);
+    if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
     const gpu::Device device(common.device);
     Result result;
-    result.ways = measure_ways(device, options, result.picture);
+    result.ways = measure_ways(device, options, result.image);
     expect_not_stopped();
     result.one_bytes = bytes_with(device, options, 1);
     result.all_bytes = bytes_with(device, options, options.copies);
     expect_not_stopped();
-    if (!options.picture.empty()) media::write_png(options.picture, result.picture);
+    if (!options.image.empty()) media::write_png(options.image, result.image);
     if (options.json)
         fmt::print("{}", tools::json_text(json_of(result, device, options)));
     else
@@ -172,7 +172,7 @@ void add_stage(CLI::App& app, const tools::CommonOptions& common) {
         {"stage",
          "Lights, shadows, blending and copies on a stage",
          "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
-         "there already, and prints the time of a picture; then device memory of copies.\n",
+         "there already, and prints the time of an image; then device memory of copies.\n",
          {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
         *options);
     add_size_option(*verb, *options);
@@ -181,8 +181,8 @@ void add_stage(CLI::App& app, const tools::CommonOptions& common) {
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
     tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    add_repeats_option(*verb, *options, "Pictures of each way that the medians are over");
-    add_picture_option(*verb, *options);
+    add_repeats_option(*verb, *options, "Images of each way that the medians are over");
+    add_image_option(*verb, *options);
     add_json_flag(*verb, *options);
     verb->callback([options, &common] { run(*options, common); });
 }

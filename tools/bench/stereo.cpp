@@ -30,13 +30,13 @@ struct Way {
     bool one_by_one = false;  // an eye a frame
     std::vector<double> ms;
     double rays = 0;
-    double psnr = 0;  // of the pictures, against those of the first way
+    double psnr = 0;  // of the images, against those of the first way
 };
 
 constexpr double kEyeDistance_m = 0.063;
 
 // Seen by a person who stands one height away, upright, with 90° from side to side.
-std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, tools::PictureSize size,
+std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, tools::media::ImageSize size,
                                        double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
@@ -56,7 +56,7 @@ std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& 
 }
 
 struct Drawn {
-    std::vector<media::Image> pictures;
+    std::vector<media::Image> images;
     double ms = 0;
 };
 
@@ -69,13 +69,13 @@ Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& ey
     }
     Drawn drawn;
     for (const stage::Camera& eye : eyes) {
-        drawn.pictures.push_back(renderer.render(eye, settings));
+        drawn.images.push_back(renderer.render(eye, settings));
         drawn.ms += milliseconds(renderer.pass_times());
     }
     return drawn;
 }
 
-// A clip at 25 pictures a second on a display of 90 Hz, every slice new.
+// A clip at 25 images a second on a display of 90 Hz, every slice new.
 struct Playing {
     std::vector<double> needed_ms, ahead_ms;  // of each display frame: slices built when needed, or ahead
 };
@@ -110,17 +110,17 @@ void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage:
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         drawn = draw(renderer, eyes, settings, way.one_by_one);
         way.ms.push_back(drawn.ms);
-        if (truth.empty()) add_picture(result.passes, renderer.pass_times());
+        if (truth.empty()) add_image(result.passes, renderer.pass_times());
     }
     way.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
-        truth = drawn.pictures;
+        truth = drawn.images;
         const std::vector<glm::vec4> rays = renderer.radiance();
         const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
         result.covered = static_cast<double>(seen) / static_cast<double>(rays.size());
     }
-    way.psnr = std::min(training::compare(truth[0], drawn.pictures[0]).psnr,
-                        training::compare(truth[1], drawn.pictures[1]).psnr);
+    way.psnr =
+        std::min(training::compare(truth[0], drawn.images[0]).psnr, training::compare(truth[1], drawn.images[1]).psnr);
 }
 
 std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes, uint32_t clip_frames,
@@ -146,7 +146,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
@@ -230,7 +230,7 @@ void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
                  {"stereo",
                   "Both eyes of a headset",
                   "Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
-                  "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far pictures of "
+                  "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far images of "
                   "fewer rays are from those of all.\n",
                   {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
                  *options);

@@ -30,8 +30,8 @@ float any_half(uint64_t bits) {
 }
 
 // Cells between two spheres, of 2^depth a side.
-std::vector<voctree::LeafPlace> shell(uint32_t depth, double radius) {
-    std::vector<voctree::LeafPlace> places;
+std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
+    std::vector<voctree::LeafPosition> places;
     const double middle = std::ldexp(0.5, static_cast<int>(depth));
     const uint32_t side = 1u << depth;
     for (uint32_t z = 0; z < side; z++)
@@ -64,8 +64,8 @@ voctree::VOctree synthetic_scene(double megabytes) {
     tree.sigma_basis.assign(size_t{kFrames} * kFrames, 0.0f);
     for (size_t t = 0; t < kFrames; t++) tree.sigma_basis[t * kFrames + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
-    std::vector<voctree::LeafPlace> places = shell(depth, radius);
-    const auto before = [&](const voctree::LeafPlace& a, const voctree::LeafPlace& b) {
+    std::vector<voctree::LeafPosition> places = shell(depth, radius);
+    const auto before = [&](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
         return voctree::first_cell(a, depth) < voctree::first_cell(b, depth);
     };
     std::sort(places.begin(), places.end(), before);

@@ -51,18 +51,18 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
 // One slice of the field, shaded, and what walks need to trace it.
 class WalkBench {
   public:
-    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, tools::PictureSize size)
+    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, tools::media::ImageSize size)
         : device_(device),
           field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
           live_(device, field_, field_.leaf_count),
           trees_(device, field_, render::most_entries(field_), 1),
           shaded_(render::shaded_entries(device, trees_.capacity)),
-          target_(device, 2, layout_.ray_tiles(), layout_.picture_tiles()),
+          target_(device, 2, layout_.ray_tiles(), layout_.image_tiles()),
           slicer_(device, field_, live_, trees_),
           shader_(device, field_, trees_, shaded_),
           ranger_(device, field_, &trees_, target_.rays, target_.ranges) {
-        const std::vector<Tile> tiles = render::tiles_of_picture(0, size.width, size.height);
+        const std::vector<Tile> tiles = render::tiles_of_image(0, size.width, size.height);
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
             tracers_.push_back(std::make_unique<render::TreeTracer>(device, field_, trees_, shaded_, target_,
@@ -147,7 +147,7 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     const std::vector<tools::ViewStep> path =
         tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     WalkBench bench(device, tree, size);

@@ -60,7 +60,7 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
 }
 
 struct EyeTargets {
-    EyeTargets(const gpu::Device& device, tools::PictureSize size)
+    EyeTargets(const gpu::Device& device, tools::media::ImageSize size)
         : colour(device, "eyes",
                  {size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                   VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes}),
@@ -84,7 +84,7 @@ double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer
 }
 
 Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
-    const tools::PictureSize size = tools::parse_size(options.size);
+    const tools::media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
@@ -96,9 +96,9 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
     for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
         const double time_s = i / options.hz;
         const double shown_s = std::floor(time_s * stage.fps) / stage.fps;
-        const stage::StageInstant instant = stage::stage_at(stage, shown_s);
-        renderer.show(instant);
-        render::FrameSettings settings = renderer.settings_at(instant);
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, shown_s);
+        renderer.show(evaluated);
+        render::FrameSettings settings = renderer.settings_at(evaluated);
         settings.width = size.width;
         settings.height = size.height;
         settings.mode = render::TraceMode::kPlay;
@@ -110,10 +110,10 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         std::array<stage::Camera, xr::kEyes> cameras;
         for (uint32_t eye = 0; eye < xr::kEyes; eye++)
             cameras[eye] = xr::eye_camera(eyes.eye[eye], {}, {size.width, size.height});
-        const gpu::Buffer& pictures = renderer.frames().draw(cameras, settings);
+        const gpu::Buffer& images = renderer.frames().draw(cameras, settings);
         const double both = frame_milliseconds(device, renderer.frames());
         const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
-        pass.draw(renderer, pictures, cameras, {}, 0, images.target);
+        pass.draw(renderer, images, cameras, {}, 0, images.target);
         const double eye_pass = milliseconds(pass.pass_times());
         // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
         renderer.frames().draw(cameras, settings);
@@ -124,7 +124,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         result.both_ms.push_back(both + eye_pass);
         result.eye_pass_ms.push_back(eye_pass);
         result.left_ms.push_back(left / again);
-        add_picture(result.passes, passes);
+        add_image(result.passes, passes);
         progress.update(i - kWarm + 1);
     }
     return result;

@@ -114,7 +114,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
             return [this, &on, id, node = ready->node, problem = std::string(error.what())] {
                 reading_ = false;
                 failed_ = {id, node, problem};
-                on.editor.tell(problem, true);
+                on.editor.notify(problem, true);
                 lay(on);
             };
         }
@@ -163,7 +163,7 @@ std::shared_ptr<BrushHand::Stroke> BrushHand::begin(const OnStage& on, uint32_t 
     stroke->brush = on.brush;
     stroke->what = fmt::format("{} {} in the air", performer.name,
                                on.brush.does == HandBrush::Does::kErase ? "erased" : "painted");
-    for (const stage::InstantPerformer& at : on.instant.performers)
+    for (const stage::EvaluatedPerformer& at : on.evaluated.performers)
         if (at.performer == index) stroke->frame = at.frame;
     return stroke;
 }
@@ -173,7 +173,7 @@ void BrushHand::draw(OnStage& on, const Hand& hand) {
     Stroke& stroke = *strokes_.back();
     const glm::dvec3 tip = tip_of(*hand.aim);
     if (stroke.last && glm::distance(*stroke.last, tip) < 0.25 * stroke.brush.radius_m) return;
-    for (const stage::InstantPerformer& performer : on.instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers) {
         if (on.stage->performers[performer.performer].node != stroke.node) continue;
         stroke.waiting.push_back(
             {performer.world_from_performer, stroke.last.value_or(tip), tip, stroke.brush.radius_m, stroke.brush.tip});
@@ -224,7 +224,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
             if (stroke->session->add_region(touched)) layer = stroke->session->layer();
         } catch (const std::exception& error) {
             return [this, &on, stroke, problem = std::string(error.what())] {
-                on.editor.tell(problem, true);
+                on.editor.notify(problem, true);
                 stroke->failed = true;
                 finish(on);
             };
@@ -245,7 +245,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
 void BrushHand::finish(OnStage& on) {
     on.editor.end_drag();
     const Stroke& stroke = *strokes_.front();
-    if (stroke.region_laid && !stroke.met && !stroke.failed) on.editor.tell("there is nothing in the box", true);
+    if (stroke.region_laid && !stroke.met && !stroke.failed) on.editor.notify("there is nothing in the box", true);
     strokes_.pop_front();
 }
 
@@ -257,7 +257,7 @@ void BrushHand::end_stroke(OnStage& on) {
 
 void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
     if (!hand.aim) return;
-    for (const stage::InstantPerformer& performer : on.instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers) {
         if (performer.performer != index) continue;
         const glm::dvec3 tip = glm::inverse(performer.world_from_performer) * glm::dvec4(tip_of(*hand.aim), 1);
         if (hand.takes_press() && hand.at.what != PointedAt::What::kPanel) {
@@ -274,7 +274,7 @@ void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
 void BrushHand::do_region(OnStage& on) {
     const auto performer = target(on);
     if (!region_ || !performer || on.stage->performers[*performer].node != region_->node)
-        return on.editor.tell("pull up a box with the trigger first", true);
+        return on.editor.notify("pull up a box with the trigger first", true);
     auto stroke = begin(on, *performer);
     stroke->region = region_;
     stroke->released = true;

@@ -47,7 +47,7 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
       session_(session),
       quality_(quality),
       colour_(std::make_unique<xr::XrImages>(session, device, "eyes",
-                                             colour_shape(session.runtime().eye_size(), quality.keep_pictures))),
+                                             colour_shape(session.runtime().eye_size(), quality.keep_images))),
       depth_(quality.depth ? depth_images(device, session, colour_->size()) : nullptr),
       pass_(device, colour_->format(), depth_ ? depth_->format() : VK_FORMAT_D32_SFLOAT),
       dynamic_(8),
@@ -58,7 +58,7 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
             gpu::DeviceImage(device, "depth of eyes",
                              {size.width, size.height, VK_FORMAT_D32_SFLOAT,
                               VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes});
-    if (!quality.keep_pictures) return;
+    if (!quality.keep_images) return;
     left_.emplace(device, "left eye",
                   gpu::ImageShape{
                       size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
@@ -82,7 +82,7 @@ const char* EyeImages::format_name() const {
     }
 }
 
-// The mesh stands in the eye's own plane, so other angles place it elsewhere in the picture.
+// The mesh stands in the eye's own plane, so other angles place it elsewhere in the image.
 void EyeImages::hide(render::StageRenderer& renderer, const xr::EyeViews& eyes) {
     if (!quality_.mask) return;
     bool changed = false;
@@ -96,9 +96,10 @@ void EyeImages::hide(render::StageRenderer& renderer, const xr::EyeViews& eyes) 
     if (changed) renderer.hide(hidden_);
 }
 
-render::FrameSettings EyeImages::settings_of(const render::StageRenderer& renderer, const stage::StageInstant& instant,
+render::FrameSettings EyeImages::settings_of(const render::StageRenderer& renderer,
+                                             const stage::EvaluatedStage& evaluated,
                                              std::span<const render::NextSlice> next) const {
-    render::FrameSettings settings = renderer.settings_at(instant);
+    render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.width = size().width;
     settings.height = size().height;
     settings.mode = render::TraceMode::kPlay;
@@ -112,7 +113,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     return settings;
 }
 
-void EyeImages::draw(render::StageRenderer& renderer, const stage::StageInstant& instant, const xr::EyeViews& eyes,
+void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated, const xr::EyeViews& eyes,
                      const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     const auto begin = std::chrono::steady_clock::now();
@@ -120,15 +121,15 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::StageInstant&
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
     dynamic_.set_target(budget_ms);
-    const render::FrameSettings settings = settings_of(renderer, instant, next);
-    const gpu::Buffer& pictures = renderer.frames().draw(cameras_, settings);
+    const render::FrameSettings settings = settings_of(renderer, evaluated, next);
+    const gpu::Buffer& images = renderer.frames().draw(cameras_, settings);
     const auto drawn = std::chrono::steady_clock::now();
 
     const uint32_t index = colour_->acquire(), depth = depth_ ? depth_->acquire() : 0;
     xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : own_depth_.image, colour_->view(index),
                          depth_ ? depth_->view(depth) : own_depth_.view, size()};
     const auto acquired = std::chrono::steady_clock::now();  // the compositor's time is not ours
-    pass_.draw(renderer, pictures, cameras_, shapes, vignette, target);
+    pass_.draw(renderer, images, cameras_, shapes, vignette, target);
     const auto ended = std::chrono::steady_clock::now();
     if (left_) keep_left(target.colour);
     colour_->release();

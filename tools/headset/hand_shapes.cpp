@@ -33,7 +33,7 @@ void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> hel
 
 void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
     const auto selected = on.selected_performer();
-    for (const stage::InstantPerformer& performer : on.instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers) {
         if (!performer.visible) continue;
         bool pointed_at = false;
         for (const Hand& hand : interaction.hands)
@@ -48,7 +48,7 @@ void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& int
     }
     const auto& region = interaction.brush.region();
     if (on.tool != HandTool::kRegion || !region) return;
-    for (const stage::InstantPerformer& performer : on.instant.performers)
+    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers)
         if (on.stage->performers[performer.performer].node == region->node)
             shapes.box_edges(performer.world_from_performer, region->low, region->high, 0.004, kGreen);
 }

@@ -24,7 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kNotice_s = 6, kMostStep_s = 0.25, kFinish_s = 60;
 constexpr double kShare = 0.85;  // of a period of the display that drawing may take
-constexpr int32_t kAhead = 2;    // pictures of the clip whose slices are made ahead
+constexpr int32_t kAhead = 2;    // images of the clip whose slices are made ahead
 
 double seconds_since(Clock::time_point from) {
     return std::chrono::duration<double>(Clock::now() - from).count();
@@ -37,7 +37,7 @@ void say(const std::string& line) {
 // What outlives sessions and runtimes.
 struct Program {
     explicit Program(const HeadsetOptions& wanted)
-        : options(wanted), jobs([this](const std::string& problem) { on.editor.tell(problem, true); }, [] {}) {}
+        : options(wanted), jobs([this](const std::string& problem) { on.editor.notify(problem, true); }, [] {}) {}
 
     const HeadsetOptions& options;
     OnStage on;
@@ -59,7 +59,7 @@ struct Program {
     double now_s() const { return seconds_since(began); }
     void leave();
     void open();
-    void tell();
+    void notify();
     void finish();
 };
 
@@ -72,14 +72,14 @@ void Program::open() {
         say(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
         lost.reset();
     }
-    if (lost) on.editor.tell("unsaved edits of an earlier run are taken: save keeps them");
+    if (lost) on.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
     if (lost && edit::has_anothers_file(*lost))
-        on.editor.tell("the stage's file has changed since: saving keeps that beside it");
+        on.editor.notify("the stage's file has changed since: saving keeps that beside it");
     on.editor.open(lost ? edit::restore(*lost) : editor::open_document(options.file), lost.has_value());
     on.follow_document();
     settings.load(on, interaction.holding.settings);
     on.clock.playing = options.play;
-    on.look_at_instant();
+    on.look_at_evaluated();
     saver.emplace(on.editor, jobs);
     saver->autosave.opened(std::move(lost));
 }
@@ -95,7 +95,7 @@ void Program::finish() {
         on.follow_document();
         interaction.brush.lay(on);
     } while ((!jobs.idle() || jobs.has_posted() || interaction.brush.busy()) && seconds_since(from) < kFinish_s);
-    tell();
+    notify();
 }
 
 // Unsaved edits are not lost, but whoever leaves should know of them.
@@ -103,11 +103,11 @@ void Program::leave() {
     leaves = !on.editor.modified() || saver->saving() || now_s() < asked_until_s;
     if (leaves) return;
     asked_until_s = now_s() + kNotice_s;
-    on.editor.tell("not saved: Leave once more keeps the edits for --recover", true);
+    on.editor.notify("not saved: Leave once more keeps the edits for --recover", true);
 }
 
 // Notices are shown for a while, and said on the terminal.
-void Program::tell() {
+void Program::notify() {
     for (editor::Notice& notice : on.editor.take_notices()) {
         say(notice.text);
         notice.until_s = now_s() + kNotice_s;
@@ -185,7 +185,7 @@ struct InSession {
     std::unique_ptr<Mirror> mirror;
     xr::EyeShapes shapes;
     XrTime last_display = 0;
-    double pictures_a_second = 0;
+    double images_per_second = 0;
 };
 
 void make_renderer(Program& program, OnRuntime& at, const EyeImages& eyes) {
@@ -200,7 +200,7 @@ void make_renderer(Program& program, OnRuntime& at, const EyeImages& eyes) {
     at.renderer =
         std::make_unique<render::StageRenderer>(at.device, *at.drawn, at.loader->load(*at.drawn), eyes.capacity());
     know_clips(program.on, at);
-    program.on.look_at_instant();
+    program.on.look_at_evaluated();
     if (!program.placed) program.on.floor_m = editor::floor_of(program.on);  // later it stays, with who stands on it
 }
 
@@ -226,7 +226,7 @@ std::vector<render::NextSlice> slices_ahead(const Program& program, const render
     return next;
 }
 
-// Hands, time and edits up to the instant at which this frame is seen.
+// Hands, time and edits up to the time at which this frame is seen.
 void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::FrameTime& time, double dt_s) {
     OnStage& on = program.on;
     xr::HandInputs inputs = in.actions.sample(time.display);
@@ -241,19 +241,19 @@ void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::Fram
     program.jobs.run_posted();
     at.follow(program);  // what is edited from here on is seen in the next frame
     on.clock.tick(dt_s);
-    on.look_at_instant();
+    on.look_at_evaluated();
     if (program.head) program.interaction.update(on, inputs, *program.head, dt_s);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = program.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
     program.saver->autosave.tick(program.now_s());
-    program.tell();
+    program.notify();
 }
 
 void draw_panel_of(Program& program, InSession& in, double dt_s) {
     if (!program.interaction.panel) return;
     PanelAsks asks;
-    const PanelFacts facts{program.notices, in.pictures_a_second, in.eyes.scale(), program.saver->saving()};
-    if (program.on.is_behind() && in.panel.has_picture()) return;  // hands have edited what it shows: as it was
+    const PanelFacts facts{program.notices, in.images_per_second, in.eyes.scale(), program.saver->saving()};
+    if (program.on.is_behind() && in.panel.has_image()) return;  // hands have edited what it shows: as it was
     const PanelPointer pointer = program.interaction.panel_pointer();
     in.panel.draw(pointer, dt_s, [&] { asks = draw_panel(program.on, program.interaction, facts); });
     program.panel_items = asks.items;
@@ -265,7 +265,7 @@ void draw_panel_of(Program& program, InSession& in, double dt_s) {
 bool draw_eyes(Program& program, OnRuntime& at, InSession& in, const xr::FrameTime& time) {
     OnStage& on = program.on;
     const bool hides_room = at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-    at.renderer->show(on.instant, hides_room);
+    at.renderer->show(on.evaluated, hides_room);
     const xr::Pose world = xr::world_from_tracking(on.rig);
     const auto head = in.session.locate(in.session.head_space(), time.display);
     in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
@@ -277,7 +277,7 @@ bool draw_eyes(Program& program, OnRuntime& at, InSession& in, const xr::FrameTi
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
     if (!eyes) return false;
-    in.eyes.draw(*at.renderer, on.instant, *eyes, world, next, in.shapes, program.interaction.walking.vignette(),
+    in.eyes.draw(*at.renderer, on.evaluated, *eyes, world, next, in.shapes, program.interaction.walking.vignette(),
                  kShare * static_cast<double>(time.period) / 1e6);
     return true;
 }
@@ -288,7 +288,7 @@ void frame(Program& program, OnRuntime& at, InSession& in) {
                             ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMostStep_s)
                             : 0;
     in.last_display = time.display;
-    if (dt_s > 0) in.pictures_a_second += 0.1 * (1 / dt_s - in.pictures_a_second);
+    if (dt_s > 0) in.images_per_second += 0.1 * (1 / dt_s - in.images_per_second);
     in.session.begin();
     update_stage(program, at, in, time, dt_s);
     std::vector<const XrCompositionLayerBaseHeader*> layers;
@@ -336,7 +336,7 @@ xr::SessionDoes run_session(Program& program, OnRuntime& at) {
         if (does == xr::SessionDoes::kWait) {
             program.jobs.run_posted();
             program.saver->autosave.tick(program.now_s());
-            program.tell();
+            program.notify();
             if (in.mirror && !in.mirror->show(in.eyes.left())) program.leaves = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
             continue;
@@ -392,8 +392,8 @@ void run_sessions(Program& program, OnRuntime& at) {
         }
         tell_validation(at.device);
         if (stop_requested() || program.leaves) return;
-        program.on.editor.tell("the headset's session was lost; another one begins");
-        program.tell();
+        program.on.editor.notify("the headset's session was lost; another one begins");
+        program.notify();
         retries.wait(why);
     }
 }
@@ -443,7 +443,7 @@ void watch_in_headset(const HeadsetOptions& options) {
     catch_stop_signals();
     Program program(options);
     program.open();
-    if (options.mirror) program.window = std::make_unique<ui::Window>("NeuVV in a headset", ui::WindowPlace{});
+    if (options.mirror) program.window = std::make_unique<ui::Window>("NeuVV in a headset", ui::WindowGeometry{});
     const auto keep = [&] {
         program.finish();
         program.jobs.stop();

@@ -25,10 +25,10 @@ bool lets_go(const Hand& hand) {
 void Holding::take(OnStage& on, Hand& hand, int which) {
     if (!hand.aim || hand.at.what != PointedAt::What::kPerformer) return;
     const uint32_t node = on.stage->performers[hand.at.performer].node;
-    if (edit::is_locked(on.editor.file(), node)) return on.editor.tell("it is locked: unlock it to move it", true);
+    if (edit::is_locked(on.editor.file(), node)) return on.editor.notify("it is locked: unlock it to move it", true);
     if (grab_ && node != node_) return;  // the other hand holds another one
     if (!grab_) {
-        taken_from_ = on.instant.pose.world_from_node[node];
+        taken_from_ = on.evaluated.pose.world_from_node[node];
         const Ray ray = xr::ray_of(*hand.aim);
         taken_at_ = ray.origin + hand.at.metres * ray.direction;
         grab_.emplace(taken_from_, xr::GrabSettings{settings.upright});
@@ -60,8 +60,8 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
         const double stick = hands[which].input.stick.y;
         if (std::abs(stick) > kDeadZone) grab_->reach(which, stick * kReach_m_per_s * dt_s);
     }
-    if (node_ < on.instant.pose.world_from_node.size())
-        editor::carry(on.instant, *on.stage, node_, grab_->world_from_node());
+    if (node_ < on.evaluated.pose.world_from_node.size())
+        editor::carry(on.evaluated, *on.stage, node_, grab_->world_from_node());
 }
 
 // What is larger or smaller than it was hangs from where it is held, not from its feet: whether it was lifted is told
@@ -86,14 +86,14 @@ void Holding::put_down(OnStage& on) {
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
     world_from_node = snapped(on, world_from_node);
-    editor::carry(on.instant, *on.stage, node_, world_from_node);  // until the edit is shown
+    editor::carry(on.evaluated, *on.stage, node_, world_from_node);  // until the edit is shown
     stand_at(on, node_, world_from_node);
 }
 
 void stand_at(OnStage& on, uint32_t node, const glm::dmat4& world_from_node) {
     const int32_t parent = on.stage->scene.nodes[node].parent;
     const glm::dmat4 world_from_parent =
-        parent < 0 ? glm::dmat4(1) : on.instant.pose.world_from_node[static_cast<size_t>(parent)];
+        parent < 0 ? glm::dmat4(1) : on.evaluated.pose.world_from_node[static_cast<size_t>(parent)];
     edit::Placement placement;
     placement.to = glm::inverse(world_from_parent) * world_from_node;
     on.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });

@@ -22,7 +22,7 @@ class Holding {
   public:
     HoldSettings settings;
 
-    // Takes, moves, lets go, by what the hands press this frame. Before the instant is shown: it changes it.
+    // Takes, moves, lets go, by what the hands press this frame. Before the time is shown: it changes it.
     void update(OnStage& on, Hands& hands, double dt_s);
     // What is held is put down where it is, as an edit; before others edit, and before a session ends.
     void put_down(OnStage& on);

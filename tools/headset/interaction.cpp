@@ -32,7 +32,7 @@ size_t node_count(const OnStage& on) {
 }  // namespace
 
 void duplicate_selected(OnStage& on) {
-    if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
+    if (!on.editor.selected()) return on.editor.notify("point at a performer and select it first", true);
     const size_t before = node_count(on);
     edit::CopySettings copies;
     copies.distance_m = 0.8;
@@ -42,9 +42,9 @@ void duplicate_selected(OnStage& on) {
 }
 
 void delete_selected(OnStage& on) {
-    if (!on.editor.selected()) return on.editor.tell("point at a performer and select it first", true);
+    if (!on.editor.selected()) return on.editor.notify("point at a performer and select it first", true);
     if (edit::is_locked(on.editor.file(), *on.editor.selected()))
-        return on.editor.tell("it is locked: unlock it to delete it", true);
+        return on.editor.notify("it is locked: unlock it to delete it", true);
     if (on.editor.edit(
             [&](edit::Document& document) { return edit::remove_node(document.file, *on.editor.selected()); }))
         on.editor.select({});
@@ -137,7 +137,7 @@ void Interaction::point(const OnStage& on) {
                 continue;
             }
         double nearest = kFarthest_m;
-        for (const stage::InstantPerformer& performer : on.instant.performers) {
+        for (const stage::EvaluatedPerformer& performer : on.evaluated.performers) {
             if (!performer.visible) continue;
             const auto [low, high] = editor::box_of(on, performer.performer);
             const auto metres = box_hit(ray, performer.world_from_performer, low, high);
@@ -173,7 +173,7 @@ void Interaction::press_buttons(OnStage& on) {
         holding.put_down(on);
         brush.end_stroke(on);
         if (brush.busy()) {
-            on.editor.tell("the stroke is still being laid", true);
+            on.editor.notify("the stroke is still being laid", true);
             continue;
         }
         if (hand.input.undo) on.editor.undo();
@@ -195,7 +195,7 @@ void Interaction::change_speed(OnStage& on, Hand& hand) {
     hand.feel(0.15);
 }
 
-// The left stick to the sides: a picture forwards or backwards; a second while it plays.
+// The left stick to the sides: an image forwards or backwards; a second while it plays.
 void Interaction::step_through(OnStage& on, Hand& hand) {
     const int steps = hand.flick.went_right() - hand.flick.went_left();
     if (steps == 0 || hand.at.what == PointedAt::What::kPanel || on.comfort.smooth_walk) return;

@@ -37,7 +37,7 @@ class Interaction {
     BrushHand brush;
     std::optional<PanelStand> panel;  // while it is shown
 
-    // A frame: `on.instant` is of its time, and is changed where hands hold something. `head` in the tracking space.
+    // A frame: `on.time` is of its time, and is changed where hands hold something. `head` in the tracking space.
     void update(OnStage& on, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s);
     PanelPointer panel_pointer() const;
 

@@ -15,13 +15,13 @@ Mirror::Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye)
     swapchain_.resize(window.framebuffer());
 }
 
-bool Mirror::show(const gpu::DeviceImage* picture) {
+bool Mirror::show(const gpu::DeviceImage* image) {
     window_.poll();
     if (window_.asked_to_close()) return false;
-    if (!picture) return true;
+    if (!image) return true;
     const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
-    if (!commands_.is_done()) return true;  // the monitor is slower: this picture is left out
+    if (!commands_.is_done()) return true;  // the monitor is slower: this image is left out
     commands_.wait();
     if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);
@@ -29,18 +29,18 @@ bool Mirror::show(const gpu::DeviceImage* picture) {
     const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);
     if (!target) return true;
     commands_.begin();
-    record(*picture, *target);
+    record(*image, *target);
     commands_.submit(semaphores);
     swapchain_.present(*target);
     return true;
 }
 
-void Mirror::record(const gpu::DeviceImage& picture, const gpu::PresentTarget& target) {
+void Mirror::record(const gpu::DeviceImage& image, const gpu::PresentTarget& target) {
     gpu::move_layout(commands_, values_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageCopy part{};
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.extent = {values_.shape.width, values_.shape.height, 1};
-    vkCmdCopyImage(commands_.handle(), picture.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, values_.image,
+    vkCmdCopyImage(commands_.handle(), image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, values_.image,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
     gpu::move_layout(commands_, values_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 

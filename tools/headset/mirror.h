@@ -12,16 +12,16 @@ class Mirror {
     // `eye`: pixels of what is shown. The window outlives it, and was made before the device.
     Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye);
 
-    // The picture (R8G8B8A8 sRGB, layout TRANSFER_SRC) in the middle of the window, as large as it fits. False: the
+    // The image (R8G8B8A8 sRGB, layout TRANSFER_SRC) in the middle of the window, as large as it fits. False: the
     // window was closed.
-    bool show(const gpu::DeviceImage* picture);
+    bool show(const gpu::DeviceImage* image);
 
   private:
-    void record(const gpu::DeviceImage& picture, const gpu::PresentTarget& target);
+    void record(const gpu::DeviceImage& image, const gpu::PresentTarget& target);
     const gpu::Device& device_;
     ui::Window& window_;
     gpu::Swapchain swapchain_;
-    gpu::DeviceImage values_;  // the picture's sRGB values as they are
+    gpu::DeviceImage values_;  // the image's sRGB values as they are
     gpu::Commands commands_;
 };
 

@@ -6,11 +6,11 @@ namespace neuvv::headset {
 
 xr::XrRig first_rig(const OnStage& on, const xr::Pose& head) {
     constexpr double kAway_m = 2.2;
-    const auto [low, high] = stage::performers_box(*on.stage, on.instant);
+    const auto [low, high] = stage::performers_box(*on.stage, on.evaluated);
     const glm::dvec3 middle = 0.5 * (low + high);
     glm::dvec3 stands(middle.x, on.floor_m, high.z + kAway_m);
     double yaw = 0;
-    for (const stage::InstantCamera& camera : on.instant.cameras) {
+    for (const stage::EvaluatedCamera& camera : on.evaluated.cameras) {
         if (camera.orthographic) continue;
         const glm::dvec3 at(camera.world_from_camera[3]), ahead = -glm::dvec3(camera.world_from_camera[2]);
         stands = {at.x, on.floor_m, at.z};

@@ -23,7 +23,7 @@ struct HandBrush {
     double radius_m = 0.06;               // world; half of a box's edge
     glm::vec3 colour{0.9f, 0.25f, 0.1f};  // sRGB, as wheels show it
     double opacity = 1;
-    bool whole_clip = true;  // else as it is at this instant, while the surface stays
+    bool whole_clip = true;  // else as it is at this time, while the surface stays
 };
 
 // The state of the stage, and the user who stands in it.

@@ -63,12 +63,12 @@ void time_rows(Rows& rows) {
     const float one = width_of(6);
     if (rows.sign("start", ICON_START, "To the start", one)) clock.scrub(clock.in_s());
     ImGui::SameLine();
-    if (rows.sign("back", ICON_STEP_BACK, "A picture back", one)) clock.step(-1);
+    if (rows.sign("back", ICON_STEP_BACK, "An image back", one)) clock.step(-1);
     ImGui::SameLine();
     if (rows.sign("play", clock.playing ? ICON_PAUSE : ICON_PLAY, "Play, pause", one, clock.playing))
         clock.play_or_pause();
     ImGui::SameLine();
-    if (rows.sign("step", ICON_STEP, "A picture on", one)) clock.step(1);
+    if (rows.sign("step", ICON_STEP, "An image on", one)) clock.step(1);
     ImGui::SameLine();
     if (rows.sign("backwards", ICON_REVERSE, "The stage backwards", one, clock.speed < 0)) clock.speed = -clock.speed;
     ImGui::SameLine();
@@ -114,7 +114,7 @@ void snap_to_floor(OnStage& on) {
     if (!performer) return;
     const uint32_t node = on.stage->performers[*performer].node;
     const auto [low, high] = editor::box_of(on, *performer);
-    stand_at(on, node, on_floor(on.instant.pose.world_from_node[node], low, high, on.floor_m));
+    stand_at(on, node, on_floor(on.evaluated.pose.world_from_node[node], low, high, on.floor_m));
 }
 
 // Each edit of a map may find that the map cannot have it: that is told, as an operation's failure is.
@@ -152,9 +152,9 @@ void retime_row(Rows& rows, const stage::StagePerformer& performer) {
                [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::moved(map, clip, kLater_s); });
 }
 
-// Of the performer's own clip, at this instant.
+// Of the performer's own clip, at this time.
 double seconds_shown(const OnStage& on, const stage::StagePerformer& performer) {
-    for (const stage::InstantPerformer& at : on.instant.performers)
+    for (const stage::EvaluatedPerformer& at : on.evaluated.performers)
         if (&on.stage->performers[at.performer] == &performer) return at.frame / on.stage->clips[performer.clip].fps;
     return 0;
 }
@@ -277,7 +277,7 @@ void notice_rows(const Rows& rows) {
     if (const std::string& waits = rows.interaction.brush.says(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
     if (facts.notices.empty()) {
-        ImGui::TextDisabled("%s", fmt::format("{:.0f} pictures a second, {:.0f} % of the rays", facts.pictures_a_second,
+        ImGui::TextDisabled("%s", fmt::format("{:.0f} images a second, {:.0f} % of the rays", facts.images_per_second,
                                               100 * facts.scale * facts.scale)
                                       .c_str());
         return;

@@ -17,7 +17,7 @@ struct PanelAsks {
 
 struct PanelFacts {
     std::vector<editor::Notice> notices;  // the latest last
-    double pictures_a_second = 0, scale = 1;
+    double images_per_second = 0, scale = 1;
     bool saving = false;
 };
 

@@ -61,7 +61,7 @@ void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::fun
     commands_.submit();
     commands_.wait();
     images_.release();
-    has_picture_ = true;
+    has_image_ = true;
 }
 
 void PanelSurface::record(VkImage to) {

@@ -21,7 +21,7 @@ class PanelSurface {
     // What was drawn last, where the panel stands in tracking space.
     const XrCompositionLayerBaseHeader* layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                               glm::dvec2 size_m);
-    bool has_picture() const { return has_picture_; }
+    bool has_image() const { return has_image_; }
 
   private:
     void feed(const PanelPointer& pointer, double dt_s);
@@ -30,7 +30,7 @@ class PanelSurface {
     xr::XrImages images_;
     gpu::DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
     ui::PanelDrawing drawing_;
-    bool has_picture_ = false;
+    bool has_image_ = false;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
     gpu::Commands commands_;
     XrCompositionLayerQuad quad_{XR_TYPE_COMPOSITION_LAYER_QUAD};

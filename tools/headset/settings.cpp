@@ -89,7 +89,7 @@ void HeadsetSettings::load(OnStage& on, HoldSettings& hold) {
     reader.boolean(held, "hold.", "upright", hold.upright);
     reader.boolean(held, "hold.", "snapsToFloor", hold.snaps_to_floor);
     const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
-    if (!problem.empty()) on.editor.tell(problem, true);
+    if (!problem.empty()) on.editor.notify(problem, true);
     before_ = written(on, hold, file.document);
     document_ = std::move(file.document);
 }

@@ -10,7 +10,7 @@ namespace neuvv::ui {
 // Sets ImGui's style and loads its fonts, `scale` times as large as at 96 dots an inch.
 void apply_theme(float scale);
 
-// What lies under panels and pictures.
+// What lies under panels and images.
 VkClearColorValue ground_colour();
 
 constexpr float kFontPixels = 15;  // at scale 1

@@ -33,7 +33,7 @@ int printed_key(int key, int scancode) {
 }
 
 // A place from another day may lie on a monitor that is gone.
-bool is_on_a_monitor(const WindowPlace& place) {
+bool is_on_a_monitor(const WindowGeometry& place) {
     int count = 0;
     GLFWmonitor** monitors = glfwGetMonitors(&count);
     for (int i = 0; i < count && place.at; i++) {
@@ -47,10 +47,10 @@ bool is_on_a_monitor(const WindowPlace& place) {
 
 }  // namespace
 
-Window::Window(const std::string& title, const WindowPlace& place) : windowed_(place) {
+Window::Window(const std::string& title, const WindowGeometry& place) : windowed_(place) {
     if (!glfwInit())
         throw RuntimeFailure(
-            fmt::format("no window can be opened here ({}); `neuvv render` makes pictures without one, `neuvv xr` "
+            fmt::format("no window can be opened here ({}); `neuvv render` makes images without one, `neuvv xr` "
                         "needs none without --mirror",
                         glfw_error()));
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
@@ -110,7 +110,7 @@ gpu::DeviceExtensions Window::extensions() const {
     const char** names = glfwGetRequiredInstanceExtensions(&count);
     if (!names)
         throw RuntimeFailure(
-            "Vulkan cannot draw into windows here; `neuvv render` makes pictures without one, `neuvv xr` needs none "
+            "Vulkan cannot draw into windows here; `neuvv render` makes images without one, `neuvv xr` needs none "
             "without --mirror");
     return {std::vector<const char*>(names, names + count), gpu::kPresentExtensions};
 }
@@ -135,9 +135,9 @@ float Window::content_scale() const {
     return std::clamp(x, 0.5f, 4.0f);
 }
 
-WindowPlace Window::place() const {
+WindowGeometry Window::place() const {
     if (glfwGetWindowMonitor(window_)) return windowed_;
-    WindowPlace place;
+    WindowGeometry place;
     int x = 0, y = 0;
     glfwGetWindowPos(window_, &x, &y);
     place.at = {x, y};

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gpu/swapchain.h"
-#include "tools/ui/window_place.h"
+#include "tools/ui/window_geometry.h"
 
 struct GLFWwindow;
 
@@ -32,7 +32,7 @@ struct HandledInput {
 class Window {
   public:
     // Throws RuntimeFailure in one line where there is no display.
-    Window(const std::string& title, const WindowPlace& place);
+    Window(const std::string& title, const WindowGeometry& place);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
@@ -43,7 +43,7 @@ class Window {
     GLFWwindow* handle() const { return window_; }
     VkExtent2D framebuffer() const;  // pixels; 0 while minimised
     float content_scale() const;     // of its monitor: 2 where letters shall be twice as large
-    WindowPlace place() const;       // to be remembered
+    WindowGeometry place() const;    // to be remembered
     void set_title(const std::string& title);
     void toggle_full_screen();
 
@@ -92,7 +92,7 @@ class Window {
     uint64_t releases_ = 0, scrolls_ = 0;
     std::chrono::steady_clock::time_point came_;
     std::vector<int> changed_;  // of this portion: keys, then kKeys + buttons
-    WindowPlace windowed_;      // where it was before it filled the screen
+    WindowGeometry windowed_;   // where it was before it filled the screen
 };
 
 }  // namespace neuvv::ui

@@ -20,13 +20,13 @@ void draw_line(const Viewer& viewer, glm::dvec3 a, glm::dvec3 b, unsigned colour
     const auto seen = editor::pixels_of(viewer.camera, a, b);
     if (!seen) return;
     const auto at = [&](glm::dvec2 pixel) {
-        return ImVec2(viewer.picture_area.left + static_cast<float>(pixel.x),
-                      viewer.picture_area.top + static_cast<float>(pixel.y));
+        return ImVec2(viewer.image_area.left + static_cast<float>(pixel.x),
+                      viewer.image_area.top + static_cast<float>(pixel.y));
     };
     ImGui::GetBackgroundDrawList()->AddLine(at(seen->first), at(seen->second), colour, viewer.ui(width));
 }
 
-// From the camera's place to the corners of what it sees, as large in the picture wherever it stands.
+// From the camera's place to the corners of what it sees, as large in the image wherever it stands.
 void draw_sight(const Viewer& viewer, const stage::Camera& seen, unsigned colour, float width) {
     const glm::dvec3 from(seen.world_from_camera[3]);
     if (editor::depth_of(viewer.camera, from) < editor::kNearest_m) return;
@@ -49,7 +49,7 @@ void draw_sight(const Viewer& viewer, const stage::Camera& seen, unsigned colour
 Eye eye_at(const stage::CameraPath& path, double time_s, const Viewer& viewer) {
     const glm::dmat4 world_from_camera = stage::camera_at(path, time_s, 2, 2).world_from_camera;
     if (!viewer.stage) return eye_on(path, time_s, viewer.eye.distance);
-    const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+    const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
     return eye_on(path, time_s, distance_to(world_from_camera, low, high));
 }
 
@@ -59,19 +59,19 @@ void add_key_here(Viewer& viewer) {
     if (viewer.editor.edit([key, frame_s = 1 / viewer.clock.fps()](edit::Document& d) {
             return edit::add_path_key(d.file, key, frame_s);
         }))
-        viewer.editor.tell(fmt::format("a key of the camera path at {:.2f} s", key.time_s));
+        viewer.editor.notify(fmt::format("a key of the camera path at {:.2f} s", key.time_s));
 }
 
 void remove_key_near(Viewer& viewer) {
     if (!viewer.editor.is_open()) return;
     const std::optional<stage::CameraPath> path = edit::camera_path_of(viewer.editor.file());
-    if (!path) return viewer.editor.tell("there is no camera path");
+    if (!path) return viewer.editor.notify("there is no camera path");
     const size_t key = nearest_key(*path, viewer.clock.shown_s());
     viewer.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
 }
 
 void draw_camera_path(const Viewer& viewer, const stage::CameraPath& path, const std::vector<glm::dvec3>& line) {
-    const Area& area = viewer.picture_area;
+    const Area& area = viewer.image_area;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
     for (size_t i = 0; i + 1 < line.size(); i++) draw_line(viewer, line[i], line[i + 1], kWay, 2);

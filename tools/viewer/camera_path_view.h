@@ -1,4 +1,4 @@
-// The camera path as the viewer has it: at hand by keys, in the picture, to look along.
+// The camera path as the viewer has it: at hand by keys, in the image, to look along.
 #pragma once
 
 #include "tools/viewer/camera_keys.h"
@@ -11,7 +11,7 @@ Eye eye_at(const stage::CameraPath& path, double time_s, const Viewer& viewer);
 // Enter and Shift+Enter: the present view becomes a key at the present time; the nearest key goes.
 void add_key_here(Viewer& viewer);
 void remove_key_near(Viewer& viewer);
-// In the picture: the path, its keys as pyramids of sight, and where its camera is now.
+// In the image: the path, its keys as pyramids of sight, and where its camera is now.
 void draw_camera_path(const Viewer& viewer, const stage::CameraPath& path, const std::vector<glm::dvec3>& line);
 
 }  // namespace neuvv::viewer

@@ -17,13 +17,13 @@ constexpr uint32_t kBlockPixels = 512;
 }  // namespace
 
 Export::Export(ExportSettings settings)
-    : settings_(std::move(settings)), picture_(settings_.size.width, settings_.size.height) {
+    : settings_(std::move(settings)), image_(settings_.size.width, settings_.size.height) {
     tools::prepare_output_file("export", settings_.output.path);
     if (settings_.output.exr)
-        throw InputError("export", settings_.output.path.string(), "the viewer writes no linear pictures",
+        throw InputError("export", settings_.output.path.string(), "the viewer writes no linear images",
                          "choose .png or .mp4, or `neuvv render`");
-    if (settings_.output.kind == tools::PictureOutput::Kind::kPicture && settings_.pictures > 1)
-        throw InputError("export", settings_.output.path.string(), "is one picture",
+    if (settings_.output.kind == tools::ImageOutput::Kind::kImage && settings_.images > 1)
+        throw InputError("export", settings_.output.path.string(), "is one image",
                          "choose an .mp4, or a number as in out_%04d.png");
 }
 
@@ -40,16 +40,16 @@ bool Export::stop(std::string text, bool error) {
 }
 
 bool Export::step(editor::OnDevice& on_device) {
-    if (cancelled_) return stop(fmt::format("export cancelled after {} pictures", finished_pictures()), false);
+    if (cancelled_) return stop(fmt::format("export cancelled after {} images", finished_images()), false);
     try {
         if (!sink_)
-            sink_ = std::make_unique<tools::PictureSink>(settings_.output, settings_.size, settings_.fps,
-                                                         tools::RenderFacts{}, false);
+            sink_ = std::make_unique<tools::ImageSink>(settings_.output, settings_.size, settings_.fps,
+                                                       tools::RenderFacts{}, false);
         draw_block(on_device);
         if (block_ < side_ * side_) return true;
-        finish_picture();
-        if (finished_ < settings_.pictures) return true;
-        sink_->finish(settings_.pictures);
+        finish_image();
+        if (finished_ < settings_.images) return true;
+        sink_->finish(settings_.images);
     } catch (const InputError& problem) {
         return stop(problem.what(), true);
     } catch (const RuntimeFailure& problem) {
@@ -59,10 +59,11 @@ bool Export::step(editor::OnDevice& on_device) {
 }
 
 void Export::draw_block(editor::OnDevice& on_device) {
-    const stage::StageInstant instant = stage::stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
-    const stage::Camera camera = settings_.camera(on_device.stage, instant);
-    on_device.renderer.show(instant, settings_.with_background);
-    render::FrameSettings settings = on_device.renderer.settings_at(instant);
+    const stage::EvaluatedStage evaluated =
+        stage::stage_at(on_device.stage, settings_.first_s + finished_ / settings_.fps);
+    const stage::Camera camera = settings_.camera(on_device.stage, evaluated);
+    on_device.renderer.show(evaluated, settings_.with_background);
+    render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
     if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
         side_ = editor::blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
                                       std::min(settings.height, kBlockPixels) / settings_.samples);
@@ -74,11 +75,11 @@ void Export::draw_block(editor::OnDevice& on_device) {
     if (!settings_.with_background) settings.resolve.background = glm::vec4(0);
     const media::Image drawn = on_device.renderer.frames().render(block.camera, settings);
     for (uint32_t y = 0; y < drawn.height; y++)
-        std::memcpy(picture_.at(block.left, block.top + y), drawn.at(0, y), size_t{4} * drawn.width);
+        std::memcpy(image_.at(block.left, block.top + y), drawn.at(0, y), size_t{4} * drawn.width);
 }
 
-void Export::finish_picture() {
-    sink_->add(finished_, picture_);
+void Export::finish_image() {
+    sink_->add(finished_, image_);
     block_ = 0;
     finished_++;
 }

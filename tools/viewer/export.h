@@ -1,4 +1,4 @@
-// Pictures and videos of the stage, drawn between the pictures of the window and written as they come.
+// Images and videos of the stage, drawn between the images of the window and written as they come.
 #pragma once
 
 #include <atomic>
@@ -8,18 +8,18 @@
 #include <string>
 
 #include "editor/render_thread.h"
-#include "tools/picture_sink.h"
+#include "tools/image_sink.h"
 
 namespace neuvv::viewer {
 
 struct ExportSettings {
-    tools::PictureOutput output;  // no .exr
-    tools::PictureSize size{1920, 1080};
+    tools::ImageOutput output;  // no .exr
+    tools::media::ImageSize size{1920, 1080};
     double fps = 25, first_s = 0;
-    uint32_t pictures = 1, samples = 2;
-    // At an instant of the stage, of the export's size.
-    std::function<stage::Camera(const stage::Stage& stage, const stage::StageInstant& instant)> camera;
-    bool with_background = true;  // else pictures keep their alpha
+    uint32_t images = 1, samples = 2;
+    // At a time of the stage, of the export's size.
+    std::function<stage::Camera(const stage::Stage& stage, const stage::EvaluatedStage& evaluated)> camera;
+    bool with_background = true;  // else images keep their alpha
 };
 
 // One export. The window's thread makes it, asks it and cancels it; the drawer's does its steps.
@@ -28,11 +28,11 @@ class Export {
     // Throws InputError where the settings do not fit together, or the file cannot be written.
     explicit Export(ExportSettings settings);
 
-    // A step: a block of a picture, in about the time of a moving picture. False: it is over.
+    // A step: a block of an image, in about the time of a moving image. False: it is over.
     bool step(editor::OnDevice& on_device);
 
     void cancel() { cancelled_ = true; }
-    uint32_t finished_pictures() const { return finished_; }
+    uint32_t finished_images() const { return finished_; }
     const ExportSettings& settings() const { return settings_; }
     // What there is to say when it is over, and whether that is an error.
     struct End {
@@ -43,7 +43,7 @@ class Export {
 
   private:
     void draw_block(editor::OnDevice& on_device);
-    void finish_picture();
+    void finish_image();
     bool stop(std::string text, bool error);
 
     ExportSettings settings_;
@@ -52,9 +52,9 @@ class Export {
     mutable std::mutex mutex_;
     std::optional<End> end_;
     // The drawer's.
-    std::unique_ptr<tools::PictureSink> sink_;
-    uint32_t block_ = 0, side_ = 1;  // of side × side in the picture that is drawn
-    media::Image picture_;
+    std::unique_ptr<tools::ImageSink> sink_;
+    uint32_t block_ = 0, side_ = 1;  // of side × side in the image that is drawn
+    media::Image image_;
 };
 
 }  // namespace neuvv::viewer

@@ -29,7 +29,7 @@ bool button(Viewer& viewer, const char* name, bool enabled = true) {
     return pressed;
 }
 
-// Of numbered pictures the first, else the file itself.
+// Of numbered images the first, else the file itself.
 std::filesystem::path first_of(const std::filesystem::path& path) {
     try {
         return tools::parse_output(path.string()).file(0);

@@ -26,10 +26,10 @@ bool is_one_of(const std::filesystem::path& path, std::initializer_list<const ch
 
 Files::Files(Viewer& viewer) : viewer_(viewer), saver_(viewer.editor, viewer.jobs) {}
 
-// An export's pictures are all of one stage.
+// An export's images are all of one stage.
 bool Files::refused_by_export() {
     if (!viewer_.exporting) return false;
-    viewer_.editor.tell("an export goes on: cancel it first", true);
+    viewer_.editor.notify("an export goes on: cancel it first", true);
     return true;
 }
 
@@ -85,7 +85,7 @@ void Files::recover(const edit::RecoveryEntry& entry) {
         auto document = std::make_shared<edit::Document>(edit::restore(entry));
         return [this, document, entry] {
             opened(std::move(*document), true, entry);
-            viewer_.editor.tell("recovered unsaved edits; save to keep them");
+            viewer_.editor.notify("recovered unsaved edits; save to keep them");
         };
     });
 }
@@ -145,16 +145,16 @@ void Files::take(const std::filesystem::path& dropped) {
         editor.edit(
             [&](edit::Document& d) { return edit::add_performer(d.file, dropped.stem().string(), performer, {}); });
     } else if (is_one_of(dropped, {".nvpaint"})) {
-        if (!editor.selected()) return editor.tell("select the performer that shall wear this paint first", true);
+        if (!editor.selected()) return editor.notify("select the performer that shall wear this paint first", true);
         editor.edit([&](edit::Document& d) { return edit::add_paint_layer(d.file, *editor.selected(), dropped, {}); });
     } else if (is_one_of(dropped, {".png"})) {
         edit::StageEdit stage;
         stage.environment = dropped;
         editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, stage); });
     } else {
-        editor.tell(fmt::format("{}: is no stage, clip, paint or picture (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
-                                dropped.filename().string()),
-                    true);
+        editor.notify(fmt::format("{}: is no stage, clip, paint or image (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
+                                  dropped.filename().string()),
+                      true);
     }
 }
 

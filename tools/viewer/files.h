@@ -46,7 +46,7 @@ class Files {
     // Where it has a file, else asks for one.
     void save();
     void save_as();
-    // Dropped on the window: a stage is opened; clips, paint and pictures go onto the stage that is open.
+    // Dropped on the window: a stage is opened; clips, paint and images go onto the stage that is open.
     void take(const std::filesystem::path& dropped);
 
     // Asks for a path, then calls `then` on the window's thread. `to_save`: it need not exist; where it does,

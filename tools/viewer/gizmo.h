@@ -1,8 +1,8 @@
-// The gizmo of a node: handles in the picture by which it is moved, turned and scaled. Pure geometry: who draws takes
+// The gizmo of a node: handles in the image by which it is moved, turned and scaled. Pure geometry: who draws takes
 // gizmo_shapes, who has a pointer asks handle_at (handle_shape.h) and dragged.
 //
-//   move    three arrows, three squares in the planes between them, and a square in the picture's plane
-//   rotate  three rings, of which the half towards the eye is there, and one around all in the picture's plane
+//   move    three arrows, three squares in the planes between them, and a square in the image's plane
+//   rotate  three rings, of which the half towards the eye is there, and one around all in the image's plane
 //   scale   three lines with squares at their ends, and a ring for all three together
 //
 // Handles that would be seen end on or edge on are not there. Nothing is, where the node is not in front of the camera.
@@ -15,7 +15,7 @@ namespace neuvv::viewer {
 enum class GizmoMode { kMove, kRotate, kScale };
 enum class GizmoAxes { kWorld, kLocal };
 
-// kCentre: the picture's plane, the ring around all, all three together. As HandleShape::handle.
+// kCentre: the image's plane, the ring around all, all three together. As HandleShape::handle.
 enum class GizmoHandle : int { kNone, kX, kY, kZ, kYZ, kZX, kXY, kCentre };
 
 struct Gizmo {
@@ -23,7 +23,7 @@ struct Gizmo {
     glm::dmat4 world_from_node{1};  // affine, as it is now
     GizmoMode mode = GizmoMode::kMove;
     GizmoAxes axes = GizmoAxes::kWorld;  // of kScale: always the node's own, for others would shear it
-    double size_px = 90;                 // an axis's length where it lies in the picture's plane
+    double size_px = 90;                 // an axis's length where it lies in the image's plane
 };
 
 // The farthest first. X red, Y green, Z blue; a square has the colour of the axis that it stands across.

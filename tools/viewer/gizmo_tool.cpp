@@ -1,7 +1,7 @@
 #include <imgui.h>
 
 #include "edit/operations.h"
-#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/image_tools.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -19,7 +19,7 @@ std::optional<Gizmo> gizmo_of_selected(const Viewer& viewer) {
     if (!stage || !node || viewer.tool == Tool::kPaint || edit::is_locked(viewer.editor.file(), *node))
         return std::nullopt;
     if (*node >= stage->scene.nodes.size() || !stage->scene.nodes[*node].in_scene) return std::nullopt;
-    return Gizmo{viewer.camera, viewer.instant.pose.world_from_node[*node], mode_of(viewer.tool),
+    return Gizmo{viewer.camera, viewer.evaluated.pose.world_from_node[*node], mode_of(viewer.tool),
                  viewer.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, viewer.ui(90)};
 }
 
@@ -54,8 +54,8 @@ void report_handles(Viewer& viewer, std::span<const HandleShape> shapes) {
             high = glm::max(high, glm::dvec2(shape.points[i]));
         }
         const glm::vec2 at(low), size(high - low);
-        viewer.report.place(std::string("gizmo/") + kNames[shape.handle], viewer.picture_area.left + at.x,
-                            viewer.picture_area.top + at.y, size.x, size.y);
+        viewer.report.place(std::string("gizmo/") + kNames[shape.handle], viewer.image_area.left + at.x,
+                            viewer.image_area.top + at.y, size.x, size.y);
     }
 }
 
@@ -71,7 +71,7 @@ bool gizmo_tool(Viewer& viewer, bool taken) {
     }
     const std::optional<Gizmo> gizmo = gizmo_of_selected(viewer);
     if (!gizmo) return false;
-    const bool free = viewer.pointer_in_picture && !taken;
+    const bool free = viewer.pointer_in_image && !taken;
     const GizmoHandle handle = free ? gizmo_handle_at(*gizmo, pointer_of(viewer)) : GizmoHandle::kNone;
     const std::vector<HandleShape> shapes = gizmo_shapes(*gizmo);
     report_handles(viewer, shapes);

@@ -1,4 +1,4 @@
-// What can be grabbed in the picture, as lines and polygons in pixels: common to all gizmos.
+// What can be grabbed in the image, as lines and polygons in pixels: common to all gizmos.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct HandleShape {
     bool filled = false;  // a convex polygon; else an open line: a closed one ends with its first point
     uint32_t count = 0;
     // x, y in pixels; z says how far behind the gizmo's middle it is, in sizes of the gizmo. May lie out of the
-    // picture.
+    // image.
     std::array<glm::dvec3, kMaxShapePoints> points{};
 };
 
-// The handle within kGrab_px of the pointer, the nearest one in the picture. Being a gizmo's size nearer to the eye
+// The handle within kGrab_px of the pointer, the nearest one in the image. Being a gizmo's size nearer to the eye
 // counts as much as kFront_px; the inside of a polygon as kInside_px away, so that lines before it can be grabbed. 0:
 // none.
 constexpr double kFront_px = 2, kInside_px = 3;

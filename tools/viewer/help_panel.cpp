@@ -27,12 +27,12 @@ constexpr KeyLine kKeys[] = {
     {"H, F2, Del, Ctrl+D", "hide, rename, delete, duplicate"},
     {"[ ], Alt + click, Ctrl", "smaller, larger brush; take a colour; erase"},
     {"Space", "play, pause"},
-    {", . Home End", "the picture before, the next; first, last"},
+    {", . Home End", "the image before, the next; first, last"},
     {"Enter, Shift+Enter", "add a key of the camera path, remove it"},
     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
     {"Ctrl+N O S, Ctrl+Shift+S", "new, open, save, save as"},
     {"G, Tab, F11", "lines on the floor, panels, full screen"},
-    {"F12, Shift+F12", "the picture, the window as a PNG"},
+    {"F12, Shift+F12", "the image, the window as a PNG"},
     {"?", "this list"},
 };
 

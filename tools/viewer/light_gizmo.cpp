@@ -118,7 +118,7 @@ glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool sna
 
 }  // namespace
 
-AimedLight aimed_light(const stage::InstantLight& light, double reach_m) {
+AimedLight aimed_light(const stage::EvaluatedLight& light, double reach_m) {
     const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, 0.0, 1.0)); };
     return {light.kind,
             light.position,

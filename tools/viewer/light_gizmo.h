@@ -5,7 +5,7 @@
 //   point         its range, where it has one
 #pragma once
 
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "tools/viewer/handle_shape.h"
 
 namespace neuvv::viewer {
@@ -23,7 +23,7 @@ struct AimedLight {
     glm::dvec3 direction() const { return glm::normalize(aim - position); }
 };
 // Aimed at the point `reach_m` away in which it shines.
-AimedLight aimed_light(const stage::InstantLight& light, double reach_m);
+AimedLight aimed_light(const stage::EvaluatedLight& light, double reach_m);
 
 struct LightGizmo {
     stage::Camera camera;
@@ -35,7 +35,7 @@ std::vector<HandleShape> light_shapes(const LightGizmo& gizmo);
 LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer);
 
 // The light after a handle was grabbed at `from` and dragged to `to`; the gizmo stays as it was when it was grabbed.
-// The aim moves in the picture's plane; the cone opens by the angle, at the light, between the pointer's places in the
+// The aim moves in the image's plane; the cone opens by the angle, at the light, between the pointer's places in the
 // plane of its outline, or, for who looks along the light, across it; the range grows along the light, or, of a point,
 // across the view. An outer cone that comes below the inner one takes it along.
 //

@@ -111,9 +111,9 @@ void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::L
 void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
     const stage::Stage* const stage = viewer.stage_of_document();
     if (!stage) return;
-    const std::vector<tools::LightShare> shares = tools::shares_of(*stage, viewer.instant);
+    const std::vector<tools::LightShare> shares = tools::shares_of(*stage, viewer.evaluated);
     for (size_t i = 0; i < shares.size(); i++) {
-        if (viewer.instant.lights[i].node != node) continue;
+        if (viewer.evaluated.lights[i].node != node) continue;
         group.label("");
         const tools::LightShare& share = shares[i];
         const std::string text = !share.text.empty()  ? share.text

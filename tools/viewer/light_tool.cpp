@@ -2,7 +2,7 @@
 #include <imgui.h>
 
 #include "edit/operations.h"
-#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/image_tools.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -15,9 +15,9 @@ constexpr double kReach_m = 3;  // of an aim that nothing stops
 std::optional<LightGizmo> gizmo_of_selected(const Viewer& viewer) {
     const std::optional<uint32_t> node = viewer.editor.selected();
     if (!node || !viewer.stage_of_document() || edit::is_locked(viewer.editor.file(), *node)) return std::nullopt;
-    for (const stage::InstantLight& light : viewer.instant.lights) {
+    for (const stage::EvaluatedLight& light : viewer.evaluated.lights) {
         if (light.node != *node) continue;
-        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
         const double along = glm::dot((low + high) / 2.0 - light.position, light.direction);
         return LightGizmo{viewer.camera, aimed_light(light, along > 0.1 ? along : kReach_m)};
     }
@@ -66,7 +66,7 @@ bool light_tool(Viewer& viewer, bool taken) {
     }
     const std::optional<LightGizmo> gizmo = gizmo_of_selected(viewer);
     if (!gizmo) return false;
-    const bool free = viewer.pointer_in_picture && !taken;
+    const bool free = viewer.pointer_in_image && !taken;
     const LightHandle handle = free ? light_handle_at(*gizmo, pointer_of(viewer)) : LightHandle::kNone;
     show_handles(viewer, light_shapes(*gizmo), static_cast<int>(handle));
     if (handle == LightHandle::kNone) return false;

@@ -65,10 +65,10 @@ void edit_menu(Viewer& viewer) {
 void bookmarks(Viewer& viewer) {
     if (item(viewer, "Remember this view", "Ctrl+B", viewer.editor.is_open())) remember_view(viewer);
     if (!menu(viewer, "Look through")) return;
-    if (!viewer.stage || viewer.instant.cameras.empty()) item(viewer, "no camera yet", "", false);
-    for (const stage::InstantCamera& camera : viewer.instant.cameras) {
+    if (!viewer.stage || viewer.evaluated.cameras.empty()) item(viewer, "no camera yet", "", false);
+    for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras) {
         if (!item(viewer, camera.name.c_str(), "", !camera.orthographic)) continue;
-        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
         viewer.go_to(looking_through(camera.world_from_camera, camera.vertical_angle_rad,
                                      distance_to(camera.world_from_camera, low, high)));
     }

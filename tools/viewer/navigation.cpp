@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNotch = 0.9;         // of the distance that a notch leaves
-constexpr double kFramed = 0.9;        // of the half picture that a framed box fills
-constexpr double kPadHeights = 0.05;   // picture heights a unit of a touchpad's scrolling
+constexpr double kFramed = 0.9;        // of the half image that a framed box fills
+constexpr double kPadHeights = 0.05;   // image heights a unit of a touchpad's scrolling
 constexpr double kFlightScenes = 0.5;  // a second
 constexpr double kWorldEnd_m = 1e9;
 constexpr double kPole = 1e-6;  // sine of the angle to the vertical within which yaw and roll are one

@@ -1,7 +1,7 @@
 // The camera of the viewer's eye: where it is, and how mouse, keys and touchpad move it.
 //
 // An Eye looks at a pivot. World: +Y up, metres. Angles in radians. Every verb takes an eye and gives the moved one;
-// what is not named stays. Pixels: x to the right, y down; `height` is that of the picture, so that the same drag turns
+// what is not named stays. Pixels: x to the right, y down; `height` is that of the image, so that the same drag turns
 // as far on every screen. Distances and angles stay within the limits below.
 //
 //   left drag          orbited            the scene follows the pointer, about the pivot
@@ -34,14 +34,14 @@ glm::dmat4 world_from_eye(const Eye& eye);  // as Camera::world_from_camera
 // Square pixels, the principal point in the middle.
 stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height);
 
-// A drag over the picture's height is half a turn. Over the poles it does not go.
+// A drag over the image's height is half a turn. Over the poles it does not go.
 Eye orbited(const Eye& eye, glm::dvec2 moved_px, double height);
 // The same angles about the eye itself: it looks where the pointer goes, as in games.
 Eye turned(const Eye& eye, glm::dvec2 moved_px, double height);
 // Exact: a point at the pivot's depth stays under the pointer.
 Eye panned(const Eye& eye, glm::dvec2 moved_px, double height);
 // Each notch takes a tenth of the way to the pivot, or (negative) puts it back. With a point that is seen, that point
-// stays where it is in the picture, and the pivot comes along.
+// stays where it is in the image, and the pivot comes along.
 Eye dollied(const Eye& eye, double notches, const std::optional<glm::dvec3>& towards = {});
 
 // Scrolling as GLFW reports it. Whole numbers in y alone are a wheel, whatever is held: a notch up is a notch closer.
@@ -58,16 +58,16 @@ struct FlightKeys {
     double forward = 0, right = 0, up = 0;
     bool fast = false, slow = false;  // Shift: four times as fast; Alt: a quarter
 };
-constexpr double kLongestFlight_s = 0.1;  // in one step, so that a picture that took long throws nobody out
+constexpr double kLongestFlight_s = 0.1;  // in one step, so that an image that took long throws nobody out
 // `scene_m`: the scene's size. A second crosses half of it; diagonally no faster.
 Eye flown(const Eye& eye, const FlightKeys& keys, double dt_s, double scene_m);
 
-// The box in the picture, as large as fits with a tenth of the half picture left free; its middle is the pivot. The
+// The box in the image, as large as fits with a tenth of the half image left free; its middle is the pivot. The
 // direction stays. A point is looked at from 1 m. A box that is not finite, or farther out than 1e9 m, changes nothing.
-// `aspect`: the picture's width by its height.
+// `aspect`: the image's width by its height.
 Eye framed(const Eye& eye, glm::dvec3 low, glm::dvec3 high, double aspect);
 
-// From the front (+Z, where performers look), the right (+X), above (−Z is up in the picture), and the other sides.
+// From the front (+Z, where performers look), the right (+X), above (−Z is up in the image), and the other sides.
 // Level.
 enum class EyeSide { kFront, kBack, kRight, kLeft, kTop, kBottom };
 Eye seen_from(const Eye& eye, EyeSide side);

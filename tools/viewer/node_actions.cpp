@@ -46,7 +46,7 @@ void delete_node(Viewer& viewer, uint32_t node) {
     const auto row = row_of(viewer.stage_tree.rows, node);
     if (!row) return;
     if (const auto locked = locked_within(viewer.stage_tree.rows, *row)) {
-        viewer.editor.tell(fmt::format("\"{}\" is locked: unlock it to delete it", *locked), true);
+        viewer.editor.notify(fmt::format("\"{}\" is locked: unlock it to delete it", *locked), true);
         return;
     }
     // Another node would have its number.
@@ -62,7 +62,7 @@ void add_light_in_view(Viewer& viewer, stage::GltfLightKind kind) {
     const glm::dvec3 back = glm::dvec3(std::sin(eye.yaw), 0, std::cos(eye.yaw));
     glm::dvec3 aim = eye.pivot;
     if (viewer.stage && !viewer.stage->performers.empty()) {
-        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
         aim = 0.5 * (low + high);
     }
     edit::Placement placement;

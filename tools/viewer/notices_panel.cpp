@@ -20,13 +20,13 @@ void line(unsigned colour, const char* sign, const std::string& text) {
 
 }  // namespace
 
-// At the bottom of the picture.
+// At the bottom of the image.
 void notices_panel(Viewer& viewer) {
     const editor::RenderThreadState& drawn = viewer.drawn;
     const auto jobs = viewer.jobs.under_way();
     const bool nothing = !viewer.editor.is_open() && jobs.empty();
     if (viewer.notices().empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
-    const Area& area = viewer.picture_area;
+    const Area& area = viewer.image_area;
     ImGui::SetNextWindowPos({area.left + viewer.ui(12), area.top + area.height - viewer.ui(12)}, ImGuiCond_Always,
                             {0, 1});
     ImGui::SetNextWindowSize({std::min(viewer.ui(520), area.width - viewer.ui(24)), 0});

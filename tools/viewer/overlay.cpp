@@ -1,11 +1,11 @@
-// What is drawn over the picture: a floor of lines, signs of lights and cameras, the box of what is selected, handles.
+// What is drawn over the image: a floor of lines, signs of lights and cameras, the box of what is selected, handles.
 #include <imgui.h>
 
 #include <cmath>
 
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
-#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/image_tools.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -21,9 +21,9 @@ class Drawing {
     explicit Drawing(const Viewer& viewer)
         : viewer_(viewer),
           list_(*ImGui::GetBackgroundDrawList()),
-          left_(viewer.picture_area.left),
-          top_(viewer.picture_area.top) {
-        const Area& area = viewer.picture_area;
+          left_(viewer.image_area.left),
+          top_(viewer.image_area.top) {
+        const Area& area = viewer.image_area;
         list_.PushClipRect({left_, top_}, {left_ + area.width, top_ + area.height});
     }
     ~Drawing() { list_.PopClipRect(); }
@@ -100,7 +100,7 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t nod
             if (i == node) return true;
         return false;
     };
-    for (const stage::InstantPerformer& performer : viewer.instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : viewer.evaluated.performers) {
         if (!hangs_on(viewer.stage->performers[performer.performer].node)) continue;
         const auto& [from, to] = viewer.drawn.leaf_boxes[performer.clip];
         take_box(performer.world_from_performer, from, to);
@@ -110,9 +110,9 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t nod
         if (scene.nodes[i].mesh < 0 || !hangs_on(i)) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)
-                take(viewer.instant.pose.world_from_node[i] * glm::dvec4(position, 1));
+                take(viewer.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
     }
-    if (low.x > high.x) take(glm::dvec3(viewer.instant.pose.world_from_node[node][3]));
+    if (low.x > high.x) take(glm::dvec3(viewer.evaluated.pose.world_from_node[node][3]));
     return {low, high};
 }
 
@@ -121,9 +121,9 @@ void draw_overlay(Viewer& viewer) {
     Drawing drawing(viewer);
     if (viewer.grid) draw_grid(drawing);
     if (viewer.panels.all) {
-        for (const stage::InstantLight& light : viewer.instant.lights)
+        for (const stage::EvaluatedLight& light : viewer.evaluated.lights)
             drawing.sign(light.position, ICON_LIGHT, colour_of(viewer, light.node));
-        for (const stage::InstantCamera& camera : viewer.instant.cameras)
+        for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras)
             drawing.sign(glm::dvec3(camera.world_from_camera[3]), ICON_CAMERA, colour_of(viewer, camera.node));
     }
     if (viewer.editor.selected() && viewer.stage_of_document()) {
@@ -148,12 +148,12 @@ bool keeps_hold(Viewer& viewer) {
 
 glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node) {
     const int32_t parent = viewer.stage->scene.nodes[node].parent;
-    return parent < 0 ? glm::dmat4(1) : viewer.instant.pose.world_from_node[static_cast<size_t>(parent)];
+    return parent < 0 ? glm::dmat4(1) : viewer.evaluated.pose.world_from_node[static_cast<size_t>(parent)];
 }
 
 glm::dvec2 pointer_of(const Viewer& viewer) {
     const ImVec2 at = ImGui::GetIO().MousePos;
-    return {at.x - viewer.picture_area.left, at.y - viewer.picture_area.top};
+    return {at.x - viewer.image_area.left, at.y - viewer.image_area.top};
 }
 
 std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y) {
@@ -162,11 +162,11 @@ std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y) {
     const auto look = [&](glm::dvec3 place, uint32_t node) {
         const auto pixel = editor::pixel_of(viewer.camera, place);
         if (!pixel) return;
-        const glm::dvec2 at = *pixel + glm::dvec2(viewer.picture_area.left, viewer.picture_area.top);
+        const glm::dvec2 at = *pixel + glm::dvec2(viewer.image_area.left, viewer.image_area.top);
         if (glm::distance(at, glm::dvec2(x, y)) < viewer.ui(12)) found = node;
     };
-    for (const stage::InstantLight& light : viewer.instant.lights) look(light.position, light.node);
-    for (const stage::InstantCamera& camera : viewer.instant.cameras)
+    for (const stage::EvaluatedLight& light : viewer.evaluated.lights) look(light.position, light.node);
+    for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras)
         look(glm::dvec3(camera.world_from_camera[3]), camera.node);
     return found;
 }

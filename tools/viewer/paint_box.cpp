@@ -1,4 +1,4 @@
-// The box whose leaves are painted all at once: its edges and six handles in the picture.
+// The box whose leaves are painted all at once: its edges and six handles in the image.
 #include <imgui.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void draw_edges(const Viewer& viewer, const Box& box, const glm::dmat4& world_fr
                             (i & 4) ? box.high.z : box.low.z);
         return glm::dvec3(world_from_performer * glm::dvec4(at, 1));
     };
-    const Area& area = viewer.picture_area;
+    const Area& area = viewer.image_area;
     for (int i = 0; i < 8; i++)
         for (const int step : {1, 2, 4}) {
             if (i & step) continue;
@@ -61,7 +61,7 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
     if (choice.box_low == choice.box_high) fit_box(viewer);
     Box box{choice.box_low, choice.box_high};
     const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const Area& area = viewer.picture_area;
+    const Area& area = viewer.image_area;
     const glm::dvec2 pointer(mouse.x - area.left, mouse.y - area.top);
     const auto way = [&](int axis, bool high, double grabbed) {
         Box from = box;
@@ -90,7 +90,7 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
         if (!at) continue;
         const ImVec2 middle(area.left + static_cast<float>(at->x), area.top + static_cast<float>(at->y));
         const bool near = glm::length(*at - pointer) < double{viewer.ui(kGrab)};
-        if (near && viewer.pointer_in_picture && !over) over = i;
+        if (near && viewer.pointer_in_image && !over) over = i;
         const bool held = box_drag_ ? box_drag_->axis == i % 3 && box_drag_->high == (i >= 3) : over == i;
         const float half = viewer.ui(held ? kHandle + 1.5f : kHandle);
         ImDrawList* list = ImGui::GetBackgroundDrawList();

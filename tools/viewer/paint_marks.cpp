@@ -19,7 +19,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr uint32_t kPreviewCells = 40;  // of the stamp under the pointer, along its longer side
-constexpr double kRaysAPixel = 2;       // of the window, along each side, that a projected picture keeps
+constexpr double kRaysAPixel = 2;       // of the window, along each side, that a projected image keeps
 
 ImVec4 colour_of(const uint8_t* rgba) {
     return {static_cast<float>(rgba[0]) / 255, static_cast<float>(rgba[1]) / 255, static_cast<float>(rgba[2]) / 255,
@@ -37,7 +37,7 @@ uint32_t factor_for(const media::Image& image, double most) {
     return static_cast<uint32_t>(std::max(1.0, std::ceil(longest / std::max(most, 1.0))));
 }
 
-// What the camera sees in a part of its picture, as a picture of its own of this size.
+// What the camera sees in a part of its image, as an image of its own of this size.
 stage::Camera part_of(stage::Camera camera, const Area& part, uint32_t width, uint32_t height) {
     const double across = width / double{part.width}, down = height / double{part.height};
     camera.fx *= across;
@@ -77,16 +77,16 @@ void PaintTool::draw_brush(const Viewer& viewer, const PaintedPerformer& perform
 void PaintTool::take_colour(Viewer& viewer) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     const glm::dvec2 pixel =
-        glm::max(glm::dvec2(mouse.x - viewer.picture_area.left, mouse.y - viewer.picture_area.top), glm::dvec2(0));
+        glm::max(glm::dvec2(mouse.x - viewer.image_area.left, mouse.y - viewer.image_area.top), glm::dvec2(0));
     viewer.render_thread.post([this, &viewer, pixel](editor::OnDevice& on) {
-        const auto picture = viewer.render_thread.state().displayed.image;
-        if (!picture) return;
-        const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, picture->shape.width - 1.0)),
-                            static_cast<int32_t>(std::min(pixel.y, picture->shape.height - 1.0))};
+        const auto image = viewer.render_thread.state().displayed.image;
+        if (!image) return;
+        const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, image->shape.width - 1.0)),
+                            static_cast<int32_t>(std::min(pixel.y, image->shape.height - 1.0))};
         const gpu::Buffer taken(on.device, "taken colour", 4, gpu::MemoryKind::kReadback);
         gpu::run_once(on.device, "take a colour", [&](gpu::Commands& commands) {
             gpu::full_barrier(commands);
-            gpu::copy(commands, *picture, {at, {1, 1}}, taken);
+            gpu::copy(commands, *image, {at, {1, 1}}, taken);
             gpu::host_barrier(commands);
         });
         const uint8_t* rgba = taken.as<uint8_t>();
@@ -96,8 +96,8 @@ void PaintTool::take_colour(Viewer& viewer) {
     });
 }
 
-void PaintTool::load_picture(Viewer& viewer) {
-    viewer.jobs.start("Reading a picture", [this, &viewer, path = choice.picture]() -> JobQueue::Then {
+void PaintTool::load_image(Viewer& viewer) {
+    viewer.jobs.start("Reading an image", [this, &viewer, path = choice.image]() -> JobQueue::Then {
         const auto image = std::make_shared<const media::Image>(media::read_png(path));
         const auto preview =
             std::make_shared<const media::Image>(editor::reduced(*image, factor_for(*image, kPreviewCells)));
@@ -114,7 +114,7 @@ void PaintTool::load_picture(Viewer& viewer) {
 Area PaintTool::stamp_area(const Viewer& viewer) const {
     const ImVec2 at = ImGui::GetIO().MousePos;
     Area area;
-    area.height = static_cast<float>(choice.stamp_share) * viewer.picture_area.height;
+    area.height = static_cast<float>(choice.stamp_share) * viewer.image_area.height;
     area.width = area.height * static_cast<float>(stamp_->width) / static_cast<float>(stamp_->height);
     area.left = at.x - 0.5f * area.width;
     area.top = at.y - 0.5f * area.height;
@@ -151,8 +151,8 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
     viewer.clock.pause();
     Area area = stamp_area(viewer);
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
-    area.left -= viewer.picture_area.left;
-    area.top -= viewer.picture_area.top;
+    area.left -= viewer.image_area.left;
+    area.top -= viewer.image_area.top;
     const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
     editor::PaintOperation operation;
     operation.opacity = static_cast<float>(choice.opacity);
@@ -174,7 +174,7 @@ void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer)
             }
             if ((*session)->add_projection(surface)) return {};
             const auto layer = (*session)->layer();
-            return [=, this, &viewer] { put(viewer, performer, path, before, layer, "picture projected"); };
+            return [=, this, &viewer] { put(viewer, performer, path, before, layer, "image projected"); };
         },
         [this] {
             clip_.reset();

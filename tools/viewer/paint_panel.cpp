@@ -1,4 +1,4 @@
-// The tab for painting: what a brush, a box or a picture does, when it holds, and the performer's layers.
+// The tab for painting: what a brush, a box or an image does, when it holds, and the performer's layers.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ constexpr ToolSign kTools[] = {
     {"paint/erase", ICON_ERASER, "Erase: take away what is there", "Erase"},
     {"paint/shift", ICON_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
     {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
-    {"paint/stamp", ICON_STAMP, "Picture: project a PNG from where you look", "Picture"}};
+    {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Picture"}};
 
 void heading(const Viewer& viewer, const char* text) {
     ImGui::Dummy({0, viewer.ui(4)});
@@ -59,7 +59,7 @@ void brush_fields(Viewer& viewer, FieldGroup& fields) {
     double radius_cm = 100 * choice.radius_m;
     if (fields.number("Radius", radius_cm, {100 * kLeastRadius_m, 100 * kMostRadius_m, 0.05, "%.1f cm"}))
         choice.radius_m = radius_cm / 100;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ] in the picture make it smaller and larger");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ] in the image make it smaller and larger");
     fields.slider("Hardness", choice.hardness, 0, 1);
 }
 
@@ -83,21 +83,21 @@ void box_fields(Viewer& viewer, FieldGroup& fields) {
 
 void stamp_fields(Viewer& viewer, FieldGroup& fields) {
     PaintChoice& choice = viewer.paint.choice;
-    if (fields.text("File", choice.picture)) viewer.paint.load_picture(viewer);
+    if (fields.text("File", choice.image)) viewer.paint.load_image(viewer);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
     fields.label("");
     if (ImGui::Button(ICON_FOLDER "  Choose…", {-FLT_MIN, 0}))
         viewer.files.ask_path("Picture", {".png"}, false, "", [&viewer](const std::filesystem::path& path) {
-            viewer.paint.choice.picture = path.string();
-            viewer.paint.load_picture(viewer);
+            viewer.paint.choice.image = path.string();
+            viewer.paint.load_image(viewer);
         });
     fields.report_last("Choose");
     double percent = 100 * choice.stamp_share;
     if (fields.slider("Height", percent, 100 * kLeastStamp, 100 * kMostStamp, "%.0f %% of the view"))
         choice.stamp_share = percent / 100;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and the wheel in the picture change it, too");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and the wheel in the image change it, too");
     fields.slider("Opacity", choice.opacity, 0, 1);
-    if (!choice.picture.empty() && viewer.paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
+    if (!choice.image.empty() && viewer.paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
 }
 
 void tool_fields(Viewer& viewer) {

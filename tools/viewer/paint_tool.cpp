@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kRadiusStep = 1.15;
 
-constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restored", "picture projected"};
+constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restored", "image projected"};
 
 }  // namespace
 
@@ -49,11 +49,11 @@ std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
     size_t index = all.size() == 1 ? 0 : all.size();
     for (size_t i = 0; i < all.size(); i++)
         if (selected == all[i].node) index = i;
-    if (index >= all.size() || index >= viewer.instant.performers.size()) return {};
+    if (index >= all.size() || index >= viewer.evaluated.performers.size()) return {};
     auto layers = edit::paint_layers_of(viewer.editor.file(), all[index].node);
     if (!layers) return {};
     const stage::StageClip& clip = viewer.stage->clips[all[index].clip];
-    const stage::InstantPerformer& stands = viewer.instant.performers[index];
+    const stage::EvaluatedPerformer& stands = viewer.evaluated.performers[index];
     return PaintedPerformer{all[index].node, all[index].name,   clip.path,
                             clip.frames,     stands.frame,      stands.world_from_performer,
                             stands.visible,  std::move(*layers)};
@@ -123,7 +123,7 @@ bool PaintTool::prepare(Viewer& viewer) {
                               return [this, &viewer, id, problem = std::string(error.what())] {
                                   reading_ = false;
                                   failed_ = id;
-                                  viewer.editor.tell(problem, true);
+                                  viewer.editor.notify(problem, true);
                               };
                           }
                           return [this, path, read] {
@@ -159,8 +159,8 @@ std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Viewer& viewer,
     }
     const edit::ListedLayer& target = performer.layers[painted_layer(performer)];
     if (!target.entry.visible || target.entry.opacity <= 0) {
-        viewer.editor.tell(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
-                           true);
+        viewer.editor.notify(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
+                             true);
         return nullptr;
     }
     path = target.path;
@@ -189,7 +189,7 @@ void PaintTool::take_keys(Viewer& viewer) {
     choice.radius_m = std::clamp(choice.radius_m, kLeastRadius_m, kMostRadius_m);
 }
 
-PaintHands PaintTool::in_picture(Viewer& viewer) {
+PaintHands PaintTool::in_image(Viewer& viewer) {
     take_keys(viewer);
     const auto performer = this->performer(viewer);
     const bool active = viewer.tool == Tool::kPaint && performer && performer->seen;
@@ -207,7 +207,7 @@ PaintHands PaintTool::in_picture(Viewer& viewer) {
     const ImGuiIO& io = ImGui::GetIO();
     PaintHands hands;
     const bool stamps = choice.tool == PaintChoice::Tool::kStamp;
-    const bool box = choice.in_box && !stamps, over = viewer.pointer_in_picture;
+    const bool box = choice.in_box && !stamps, over = viewer.pointer_in_image;
     const bool clicked = over && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !io.KeyShift && !busy();
     if (box) {
         hands.left = drag_box(viewer, *performer);
@@ -363,16 +363,16 @@ void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std
                     const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
     task_runs_ = false;
     if (task_began_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
-        viewer.editor.tell("the stage is another now: nothing was painted", true);
+        viewer.editor.notify("the stage is another now: nothing was painted", true);
         return;
     }
     if (!layer) {
-        viewer.editor.tell("nothing is there: nothing was painted", true);
+        viewer.editor.notify("nothing is there: nothing was painted", true);
         return;
     }
     const auto now = layer_at(viewer, path);
     if (now && now != before) {
-        viewer.editor.tell("the layer was painted meanwhile: it stays as it is", true);
+        viewer.editor.notify("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
     const bool done = viewer.editor.edit(

@@ -1,4 +1,4 @@
-// Painting in the picture: brush, stamp and box under the pointer, and what of it is under way. paint_panel.cpp is its
+// Painting in the image: brush, stamp and box under the pointer, and what of it is under way. paint_panel.cpp is its
 // panel.
 //
 //     pointer ─► waiting pixels ─► PaintSession on the render thread ─► layer ─► Editor::drag ─► image
@@ -30,14 +30,14 @@ struct PaintChoice {
     edit::Follow follow = edit::Follow::kRun;
     bool every_frame = false;            // of the stamp: onto each frame as it is then
     glm::dvec3 box_low{0}, box_high{0};  // performer's space, metres; equal: not chosen yet
-    std::string picture;                 // the stamp's file
-    double stamp_share = 0.25;           // of the picture's height that the stamp is high
+    std::string image;                   // the stamp's file
+    double stamp_share = 0.25;           // of the image's height that the stamp is high
     std::filesystem::path layer;         // that is painted; one that is not worn: the uppermost
 };
 constexpr double kLeastRadius_m = 0.002, kMostRadius_m = 1;
 constexpr double kLeastStamp = 0.02, kMostStamp = 2;
 
-// The performer that is painted, as the picture shows it.
+// The performer that is painted, as the image shows it.
 struct PaintedPerformer {
     uint32_t node = 0;
     std::string name;
@@ -60,8 +60,8 @@ class PaintTool {
 
     PaintChoice choice;
 
-    // Each frame, before the eye moves: pointer and keys in the picture, its marks over it.
-    PaintHands in_picture(Viewer& viewer);
+    // Each frame, before the eye moves: pointer and keys in the image, its marks over it.
+    PaintHands in_image(Viewer& viewer);
     // Reads what painting needs, where it is not there yet. True: it is.
     bool prepare(Viewer& viewer);
 
@@ -79,8 +79,8 @@ class PaintTool {
     void paint_in_box(Viewer& viewer);
     void fit_box(const Viewer& viewer);  // around the performer's leaves
     void add_layer(Viewer& viewer);
-    void load_picture(Viewer& viewer);
-    bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.picture; }
+    void load_image(Viewer& viewer);
+    bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.image; }
     bool busy() const { return stroke_ || task_runs_; }
 
   private:

@@ -14,7 +14,7 @@ using nlohmann::ordered_json;
 
 constexpr size_t kMaxPanels = 64;
 
-void read_window(editor::PreferenceReader& reader, const ordered_json& json, ui::WindowPlace& window) {
+void read_window(editor::PreferenceReader& reader, const ordered_json& json, ui::WindowGeometry& window) {
     reader.number(json, "window.", "width", 320, 16384, window.width);
     reader.number(json, "window.", "height", 320, 16384, window.height);
     int x = 0, y = 0;

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/ui/window_place.h"
+#include "tools/ui/window_geometry.h"
 
 namespace neuvv::viewer {
 
@@ -32,12 +32,12 @@ struct PreviewQuality {
 };
 
 struct Preferences {
-    ui::WindowPlace window;
+    ui::WindowGeometry window;
     std::vector<std::filesystem::path> recent;  // absolute, each once, newest first, at most kMaxRecentFiles
     std::map<std::string, PanelPlace> panels;   // by their names, at most 64; others leave the file
     double ui_scale = 1;                        // 0.5 to 4
     PreviewQuality preview;
-    std::string layer;  // of the picture that is shown, by its name; empty: the first
+    std::string layer;  // of the image that is shown, by its name; empty: the first
     nlohmann::ordered_json document = nlohmann::ordered_json::object();  // as it was read: for what is not known here
 };
 

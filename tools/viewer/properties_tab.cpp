@@ -4,7 +4,7 @@
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/node_actions.h"
-#include "tools/viewer/node_place.h"
+#include "tools/viewer/node_transform.h"
 #include "tools/viewer/panels.h"
 #include "tools/viewer/property_fields.h"
 
@@ -55,11 +55,11 @@ void scale_field(Viewer& viewer, FieldGroup& group, uint32_t node, edit::NodeTra
 void to_the_floor(Viewer& viewer, uint32_t node) {
     const stage::Stage* const stage = viewer.stage_of_document();
     edit::Placement placement;
-    if (stage) placement.move = move_to_floor(*stage, viewer.instant, node);
+    if (stage) placement.move = move_to_floor(*stage, viewer.evaluated, node);
     if (placement.move)
         viewer.editor.edit([&](edit::Document& d) { return edit::place_node(d.file, node, placement); });
     else
-        viewer.editor.tell(stage ? "there is nothing of it to stand on the floor" : "still reading the stage", true);
+        viewer.editor.notify(stage ? "there is nothing of it to stand on the floor" : "still reading the stage", true);
 }
 
 void place_buttons(Viewer& viewer, FieldGroup& group, const StageRow& row) {
@@ -103,13 +103,13 @@ void camera_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
     double angle_deg = glm::degrees(camera->vertical_angle_rad);
     if (group.number("angle of view", angle_deg, {1, 150, 0.1, "%.1f°"}))
         viewer.editor.drag([=](edit::Document& d) { return edit::set_camera(d.file, node, glm::radians(angle_deg)); });
-    explain("From the lower to the upper edge of the picture");
+    explain("From the lower to the upper edge of the image");
     const stage::Stage* const stage = viewer.stage_of_document();
     group.label("");
     if (ImGui::Button("Look through") && stage)
-        for (const stage::InstantCamera& at : viewer.instant.cameras)
+        for (const stage::EvaluatedCamera& at : viewer.evaluated.cameras)
             if (at.node == node) {
-                const auto [low, high] = stage::performers_box(*stage, viewer.instant);
+                const auto [low, high] = stage::performers_box(*stage, viewer.evaluated);
                 viewer.go_to(looking_through(at.world_from_camera, at.vertical_angle_rad,
                                              distance_to(at.world_from_camera, low, high)));
             }

@@ -1,4 +1,4 @@
-// The tab of rendering: how the picture is drawn here, and pictures and videos to take away.
+// The tab of rendering: how the image is drawn here, and images and videos to take away.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -19,28 +19,28 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr const char* kSamples[] = {"1 ray a pixel", "4 rays", "9 rays", "16 rays"};
-constexpr const char* kKinds[] = {"video", "pictures", "one picture"};
+constexpr const char* kKinds[] = {"video", "pictures", "one image"};
 constexpr const char* kRanges[] = {"whole stage", "loop range"};
 constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
 
 void look_fields(Viewer& viewer) {
     FieldGroup fields(viewer, "look");
-    size_t layer = static_cast<size_t>(viewer.picture.show);
-    if (fields.choice("Layer", layer, kLayerNames)) viewer.picture.show = static_cast<render::Show>(layer);
-    if (viewer.picture.show == render::Show::kCost) {
-        double most = viewer.picture.cost_max;
+    size_t layer = static_cast<size_t>(viewer.image.show);
+    if (fields.choice("Layer", layer, kLayerNames)) viewer.image.show = static_cast<render::Show>(layer);
+    if (viewer.image.show == render::Show::kCost) {
+        double most = viewer.image.cost_max;
         if (fields.number("Brightest", most, {1, 100000, 4, "%.0f steps"}))
-            viewer.picture.cost_max = static_cast<float>(most);
+            viewer.image.cost_max = static_cast<float>(most);
     }
-    size_t samples = static_cast<size_t>(viewer.picture.samples - 1);
-    if (fields.choice("When still", samples, kSamples)) viewer.picture.samples = static_cast<int>(samples + 1);
-    double scale = 100.0 * static_cast<double>(viewer.picture.most_scale);
+    size_t samples = static_cast<size_t>(viewer.image.samples - 1);
+    if (fields.choice("When still", samples, kSamples)) viewer.image.samples = static_cast<int>(samples + 1);
+    double scale = 100.0 * static_cast<double>(viewer.image.most_scale);
     if (fields.slider("While moving", scale, 20, 100, "at most %.0f %%"))
-        viewer.picture.most_scale = static_cast<float>(scale / 100);
-    fields.toggle("Own background", viewer.picture.own_background);
-    if (viewer.picture.own_background) {
-        glm::dvec3 colour = media::linear_from_srgb(viewer.picture.background);
-        if (fields.colour("Background", colour)) viewer.picture.background = media::srgb_from_linear(colour);
+        viewer.image.most_scale = static_cast<float>(scale / 100);
+    fields.toggle("Own background", viewer.image.own_background);
+    if (viewer.image.own_background) {
+        glm::dvec3 colour = media::linear_from_srgb(viewer.image.background);
+        if (fields.colour("Background", colour)) viewer.image.background = media::srgb_from_linear(colour);
     }
     if (viewer.stage) {
         size_t blend = static_cast<size_t>(viewer.stage->settings.blend);
@@ -57,7 +57,7 @@ void look_fields(Viewer& viewer) {
 std::vector<std::string> camera_names(const Viewer& viewer) {
     std::vector<std::string> names{"as seen here"};
     if (viewer.stage->settings.camera_path) names.emplace_back(kAlongPath);
-    for (const stage::InstantCamera& camera : viewer.instant.cameras)
+    for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras)
         if (!camera.orthographic) names.push_back(camera.name);
     return names;
 }
@@ -66,9 +66,9 @@ void size_fields(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
     double width = choice.size.width, height = choice.size.height;
     if (fields.number("Width", width, {16, 8192, 2, "%.0f px"})) choice.size.width = static_cast<uint32_t>(width);
     if (fields.number("Height", height, {16, 8192, 2, "%.0f px"})) choice.size.height = static_cast<uint32_t>(height);
-    for (const auto& [name, size] : {std::pair{"720p", tools::PictureSize{1280, 720}},
-                                     {"1080p", tools::PictureSize{1920, 1080}},
-                                     {"2160p", tools::PictureSize{3840, 2160}}}) {
+    for (const auto& [name, size] : {std::pair{"720p", tools::media::ImageSize{1280, 720}},
+                                     {"1080p", tools::media::ImageSize{1920, 1080}},
+                                     {"2160p", tools::media::ImageSize{3840, 2160}}}) {
         if (ImGui::SmallButton(name)) choice.size = size;
         viewer.report.item(std::string("export/") + name);
         ImGui::SameLine();
@@ -88,22 +88,22 @@ ExportSettings chosen_export(Viewer& viewer) {
     if (choice.kind != 2) {
         settings.first_s = choice.range == 0 ? 0 : viewer.clock.in_s();
         const double last_s = choice.range == 0 ? viewer.clock.duration_s() : viewer.clock.out_s();
-        settings.pictures =
-            static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
+        settings.images = static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
     }
     const std::optional<stage::CameraPath>& path = viewer.stage->settings.camera_path;
     if (path && (choice.camera == kAlongPath || (choice.camera.empty() && viewer.along_path))) {
-        settings.camera = [path = *path, size = choice.size](const stage::Stage&, const stage::StageInstant& instant) {
-            return stage::camera_at(path, instant.time_s, size.width, size.height);
+        settings.camera = [path = *path, size = choice.size](const stage::Stage&,
+                                                             const stage::EvaluatedStage& evaluated) {
+            return stage::camera_at(path, evaluated.time_s, size.width, size.height);
         };
     } else if (choice.camera.empty()) {
-        settings.camera = [eye = viewer.eye, size = choice.size](const stage::Stage&, const stage::StageInstant&) {
+        settings.camera = [eye = viewer.eye, size = choice.size](const stage::Stage&, const stage::EvaluatedStage&) {
             return camera_of(eye, size.width, size.height);
         };
     } else {
         settings.camera = [name = choice.camera, size = choice.size](const stage::Stage& stage,
-                                                                     const stage::StageInstant& instant) {
-            return stage::camera_of(stage, name, instant, size.width, size.height);
+                                                                     const stage::EvaluatedStage& evaluated) {
+            return stage::camera_of(stage, name, evaluated, size.width, size.height);
         };
     }
     return settings;
@@ -114,7 +114,7 @@ void begin_export(Viewer& viewer, ExportSettings settings, const std::filesystem
         settings.output = tools::parse_output(file.string());
         viewer.begin_export(std::make_shared<Export>(std::move(settings)));
     } catch (const InputError& problem) {
-        viewer.editor.tell(problem.what(), true);
+        viewer.editor.notify(problem.what(), true);
     }
 }
 
@@ -125,7 +125,7 @@ void camera_field(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
     for (const std::string& name : names) texts.push_back(name.c_str());
     const auto found = std::find(names.begin() + 1, names.end(), choice.camera);
     if (!choice.camera.empty() && found == names.end()) {
-        viewer.editor.tell(fmt::format("\"{}\" is gone: what is exported is {}", choice.camera, names[0]), true);
+        viewer.editor.notify(fmt::format("\"{}\" is gone: what is exported is {}", choice.camera, names[0]), true);
         choice.camera.clear();
     }
     size_t chosen = choice.camera.empty() ? 0 : static_cast<size_t>(found - names.begin());
@@ -141,7 +141,7 @@ void export_fields(Viewer& viewer) {
     if (choice.kind != 2) {
         fields.choice("Time", choice.range, kRanges);
         double fps = choice.fps > 0 ? choice.fps : viewer.stage->fps;
-        if (fields.number("Pictures a second", fps, {1, 240, 0.1, "%.2f"})) choice.fps = fps;
+        if (fields.number("Images a second", fps, {1, 240, 0.1, "%.2f"})) choice.fps = fps;
     }
     fields.choice("Rays", choice.samples, kSamples);
     if (choice.kind != 0) fields.toggle("Transparent", choice.transparent);
@@ -157,7 +157,7 @@ void export_fields(Viewer& viewer) {
 
 void export_progress(Viewer& viewer) {
     Export& job = *viewer.exporting;
-    const uint32_t done = job.finished_pictures(), all = job.settings().pictures;
+    const uint32_t done = job.finished_images(), all = job.settings().images;
     const double seconds = viewer.now_s - viewer.export_begin_s;
     const std::string left = done > 0 ? fmt::format("{:.0f} s left", seconds / done * (all - done)) : "…";
     ImGui::TextWrapped("%s", job.settings().output.path.string().c_str());

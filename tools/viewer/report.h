@@ -1,4 +1,4 @@
-// What the window shows, as JSON in a file: places of buttons, the selection, the picture. For programs that drive the
+// What the window shows, as JSON in a file: places of buttons, the selection, the image. For programs that drive the
 // viewer by mouse and keys, tests first.
 #pragma once
 

@@ -12,7 +12,7 @@ namespace neuvv::viewer {
 struct Screen::Frame {
     explicit Frame(const gpu::Device& device) : commands(device, "window", 4) {}
     gpu::Commands commands;
-    std::shared_ptr<const gpu::DeviceImage> picture;  // lives until its copy is done
+    std::shared_ptr<const gpu::DeviceImage> image;  // lives until its copy is done
 };
 
 namespace {
@@ -21,16 +21,16 @@ int32_t edge(int32_t offset, uint32_t extent) {
     return offset + static_cast<int32_t>(extent);
 }
 
-// The window may have become smaller since the picture's place was laid out.
-bool is_shown(const ScreenPicture& picture, VkExtent2D window) {
-    return picture.image && picture.at.extent.width > 0 && picture.at.extent.height > 0 && picture.at.offset.x >= 0 &&
-           picture.at.offset.y >= 0 && picture.at.offset.x < edge(0, window.width) &&
-           picture.at.offset.y < edge(0, window.height);
+// The window may have become smaller since the image's place was laid out.
+bool is_shown(const ScreenImage& image, VkExtent2D window) {
+    return image.image && image.at.extent.width > 0 && image.at.extent.height > 0 && image.at.offset.x >= 0 &&
+           image.at.offset.y >= 0 && image.at.offset.x < edge(0, window.width) &&
+           image.at.offset.y < edge(0, window.height);
 }
 
-VkExtent2D shown_part(const ScreenPicture& picture, VkExtent2D window) {
-    return {std::min(picture.at.extent.width, window.width - static_cast<uint32_t>(picture.at.offset.x)),
-            std::min(picture.at.extent.height, window.height - static_cast<uint32_t>(picture.at.offset.y))};
+VkExtent2D shown_part(const ScreenImage& image, VkExtent2D window) {
+    return {std::min(image.at.extent.width, window.width - static_cast<uint32_t>(image.at.offset.x)),
+            std::min(image.at.extent.height, window.height - static_cast<uint32_t>(image.at.offset.y))};
 }
 
 uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
@@ -68,7 +68,7 @@ void Screen::begin() {
     ImGui::NewFrame();
 }
 
-bool Screen::end(const ScreenPicture& picture) {
+bool Screen::end(const ScreenImage& image) {
     ImGui::Render();
     const VkExtent2D framebuffer = window_.framebuffer();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
@@ -84,32 +84,31 @@ bool Screen::end(const ScreenPicture& picture) {
     if (!target) return false;
     if (capture_) captured_in_ = turn_;
     turn_ = 1 - turn_;
-    frame.picture = picture.image;
+    frame.image = image.image;
     frame.commands.begin();
-    record(frame.commands, picture, *target);
+    record(frame.commands, image, *target);
     frame.commands.submit(semaphores);
     swapchain_.present(*target);
     return true;
 }
 
-// The picture, scaled to its place, on a plain ground; panels over it.
-void Screen::record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target) {
+// The image, scaled to its place, on a plain ground; panels over it.
+void Screen::record(gpu::Commands& commands, const ScreenImage& image, const gpu::PresentTarget& target) {
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue ground = ui::ground_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
-    if (is_shown(picture, target.extent)) {
+    if (is_shown(image, target.extent)) {
         gpu::full_barrier(commands);
-        const VkExtent2D at = shown_part(picture, target.extent);
+        const VkExtent2D at = shown_part(image, target.extent);
         VkImageBlit blit{};
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        blit.srcOffsets[1] = {edge(0, share(picture.size.width, at.width, picture.at.extent.width)),
-                              edge(0, share(picture.size.height, at.height, picture.at.extent.height)), 1};
-        blit.dstOffsets[0] = {picture.at.offset.x, picture.at.offset.y, 0};
-        blit.dstOffsets[1] = {edge(picture.at.offset.x, at.width), edge(picture.at.offset.y, at.height), 1};
-        const bool same =
-            picture.size.width == picture.at.extent.width && picture.size.height == picture.at.extent.height;
-        vkCmdBlitImage(commands.handle(), picture.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
+        blit.srcOffsets[1] = {edge(0, share(image.size.width, at.width, image.at.extent.width)),
+                              edge(0, share(image.size.height, at.height, image.at.extent.height)), 1};
+        blit.dstOffsets[0] = {image.at.offset.x, image.at.offset.y, 0};
+        blit.dstOffsets[1] = {edge(image.at.offset.x, at.width), edge(image.at.offset.y, at.height), 1};
+        const bool same = image.size.width == image.at.extent.width && image.size.height == image.at.extent.height;
+        vkCmdBlitImage(commands.handle(), image.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     }
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

@@ -1,4 +1,4 @@
-// The window's contents: a picture, and ImGui's panels over it.
+// The window's contents: an image, and ImGui's panels over it.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 namespace neuvv::viewer {
 
 // Part of an image (RGBA8, layout TRANSFER_SRC), and where it goes in the window, in the framebuffer's pixels.
-struct ScreenPicture {
+struct ScreenImage {
     std::shared_ptr<const gpu::DeviceImage> image;
     VkExtent2D size{};
     VkRect2D at{};
@@ -31,10 +31,10 @@ class Screen {
     // Other letters; not between begin() and end().
     void set_scale(float scale) { drawing_->set_scale(scale); }
 
-    // Then panels may be drawn with ImGui, until end(), which shows them over the picture. False: it could not just
+    // Then panels may be drawn with ImGui, until end(), which shows them over the image. False: it could not just
     // now, and another frame is wanted.
     void begin();
-    bool end(const ScreenPicture& picture);
+    bool end(const ScreenImage& image);
     // end() keeps what the window shows from now on, until it is taken once.
     void capture_next() { capture_ = true; }
     std::optional<media::Image> take_capture();
@@ -42,7 +42,7 @@ class Screen {
   private:
     struct Frame;
     void make_framebuffers();
-    void record(gpu::Commands& commands, const ScreenPicture& picture, const gpu::PresentTarget& target);
+    void record(gpu::Commands& commands, const ScreenImage& image, const gpu::PresentTarget& target);
     void record_capture(gpu::Commands& commands, const gpu::PresentTarget& target);
     const gpu::Device& device_;
     ui::Window& window_;

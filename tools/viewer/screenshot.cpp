@@ -27,7 +27,7 @@ void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<
         std::filesystem::create_directories(folder);
         const std::filesystem::path path = free_name(folder);
         media::write_png(path, *image);
-        return [&viewer, path] { viewer.editor.tell(fmt::format("saved {}", path.string())); };
+        return [&viewer, path] { viewer.editor.notify(fmt::format("saved {}", path.string())); };
     });
 }
 
@@ -46,19 +46,18 @@ media::Image read_back(const gpu::Device& device, const gpu::DeviceImage& image,
 
 }  // namespace
 
-std::filesystem::path pictures_folder() {
+std::filesystem::path images_folder() {
     if (const char* folder = std::getenv("XDG_PICTURES_DIR"); folder && *folder) return folder;
     std::error_code none;
     if (const char* home = std::getenv("HOME"); home && *home)
-        if (const auto pictures = std::filesystem::path(home) / "Pictures";
-            std::filesystem::is_directory(pictures, none))
-            return pictures;
+        if (const auto images = std::filesystem::path(home) / "Pictures"; std::filesystem::is_directory(images, none))
+            return images;
     return std::filesystem::current_path();
 }
 
 void Screenshots::take(Viewer& viewer) {
-    if (!picture_ && !window_ && !window_asked_) return;
-    if (folder_.empty()) folder_ = pictures_folder();
+    if (!image_ && !window_ && !window_asked_) return;
+    if (folder_.empty()) folder_ = images_folder();
     if (window_asked_)
         if (std::optional<media::Image> image = viewer.screen.take_capture()) {
             window_asked_ = false;
@@ -69,8 +68,8 @@ void Screenshots::take(Viewer& viewer) {
         window_asked_ = true;
         viewer.screen.capture_next();
     }
-    if (picture_ && viewer.picture_is_sharp()) {
-        picture_ = false;
+    if (image_ && viewer.image_is_sharp()) {
+        image_ = false;
         viewer.render_thread.post([&viewer, folder = folder_, shown = viewer.drawn.displayed](editor::OnDevice& on) {
             write(viewer, folder, std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
         });

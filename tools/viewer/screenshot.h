@@ -9,11 +9,11 @@ class Viewer;
 
 class Screenshots {
   public:
-    // Empty: pictures_folder(). It is made with the first.
+    // Empty: images_folder(). It is made with the first.
     explicit Screenshots(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    // The picture without panels, as soon as it is sharp.
-    void want_picture() { picture_ = true; }
+    // The image without panels, as soon as it is sharp.
+    void want_image() { image_ = true; }
     // All of the window, as it is.
     void want_window() { window_ = true; }
 
@@ -22,10 +22,10 @@ class Screenshots {
 
   private:
     std::filesystem::path folder_;
-    bool picture_ = false, window_ = false, window_asked_ = false;
+    bool image_ = false, window_ = false, window_asked_ = false;
 };
 
-// $XDG_PICTURES_DIR, or Pictures in the home folder where there is one, or the working folder.
-std::filesystem::path pictures_folder();
+// $XDG_PICTURES_DIR, or Images in the home folder where there is one, or the working folder.
+std::filesystem::path images_folder();
 
 }  // namespace neuvv::viewer

@@ -130,15 +130,15 @@ void name_field(Viewer& viewer, const StageRow& row, float width) {
 }
 
 // Where a row's parts are.
-struct RowPlace {
+struct RowArea {
     ImVec2 at;
     float right, side, sign_x, name_x, text_y;
     float name_width() const { return std::max(1.0f, right - 2 * side - name_x); }
 };
 
-RowPlace place_of_row(const StageRow& row) {
+RowArea place_of_row(const StageRow& row) {
     constexpr uint32_t kDeepest = 12;  // further in there were no room for names
-    RowPlace place;
+    RowArea place;
     place.at = ImGui::GetCursorScreenPos();
     place.right = place.at.x + ImGui::GetContentRegionAvail().x;
     place.side = ImGui::GetFrameHeight();
@@ -149,7 +149,7 @@ RowPlace place_of_row(const StageRow& row) {
 }
 
 // Opens and closes what hangs on the row.
-void draw_caret(Viewer& viewer, const StageRow& row, const RowPlace& place) {
+void draw_caret(Viewer& viewer, const StageRow& row, const RowArea& place) {
     if (row.below == 0) return;
     std::set<std::string>& closed = viewer.stage_tree.closed;
     const bool is_closed = closed.contains(row.title);
@@ -166,7 +166,7 @@ void draw_caret(Viewer& viewer, const StageRow& row, const RowPlace& place) {
                                         is_closed ? ICON_CARET_RIGHT : ICON_CARET_DOWN);
 }
 
-void draw_name(Viewer& viewer, const StageRow& row, const RowPlace& place, bool dim) {
+void draw_name(Viewer& viewer, const StageRow& row, const RowArea& place, bool dim) {
     ImGui::SetCursorScreenPos({place.sign_x, place.at.y});
     ImGui::InvisibleButton("row", {place.name_x - place.sign_x + place.name_width(), place.side},
                            ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
@@ -189,7 +189,7 @@ void draw_name(Viewer& viewer, const StageRow& row, const RowPlace& place, bool 
     ImGui::PopStyleVar();
 }
 
-void draw_marks(Viewer& viewer, const StageRow& row, const RowPlace& place, bool under) {
+void draw_marks(Viewer& viewer, const StageRow& row, const RowArea& place, bool under) {
     const std::string report = "stage/" + row.title;
     ImGui::SetCursorScreenPos({place.right - 2 * place.side, place.at.y});
     if (mark(viewer, "lock", report + "/lock", row.locked ? ICON_LOCK : ICON_UNLOCK, row.locked, under,
@@ -202,7 +202,7 @@ void draw_marks(Viewer& viewer, const StageRow& row, const RowPlace& place, bool
 }
 
 void draw_row(Viewer& viewer, const StageRow& row) {
-    const RowPlace place = place_of_row(row);
+    const RowArea place = place_of_row(row);
     const ImVec2 end(place.right, place.at.y + place.side);
     const bool selected = viewer.editor.selected() == row.node;
     const bool under = ImGui::IsWindowHovered() && ImGui::IsMouseHoveringRect(place.at, end);
@@ -275,7 +275,7 @@ void stage_panel(Viewer& viewer, const Area& area) {
     ImGui::Separator();
     if (tree.rows.empty())
         ImGui::TextWrapped("%s", viewer.editor.is_open()
-                                     ? "An empty stage. Drop a clip (.nvv, .npz) onto the picture to begin."
+                                     ? "An empty stage. Drop a clip (.nvv, .npz) onto the image to begin."
                                      : "Open or drop a stage or a clip to begin.");
     else
         tree_of(viewer);

@@ -15,14 +15,14 @@ struct TimeAxis {
     double end_s() const { return s_at(left + width); }
 };
 
-// What an axis may show: from 0 to `extent_s` with so many pixels free on both sides; at the closest a picture is
-// kWidestPicture times `margin_px` wide.
+// What an axis may show: from 0 to `extent_s` with so many pixels free on both sides; at the closest an image is
+// kWidestImage times `margin_px` wide.
 struct TimeLimits {
     double extent_s = 1, fps = 25, margin_px = 8;
 };
-constexpr double kWidestPicture = 10;
+constexpr double kWidestImage = 10;
 
-// All that there is. An extent of 0 is shown as one picture.
+// All that there is. An extent of 0 is shown as one image.
 TimeAxis fitted(TimeAxis axis, const TimeLimits& limits);
 // Each notch shows four fifths of what was shown (negative: five quarters); what is at `x` stays there where the limits
 // allow it.
@@ -34,15 +34,15 @@ TimeAxis scrolled(TimeAxis axis, double moved_px, const TimeLimits& limits);
 struct TimeMarks {
     double major_s = 1;
     int parts = 1;
-    bool pictures = false;  // labelled by the picture's number, else by time
+    bool images = false;  // labelled by the image's number, else by time
 };
 // So that labels are at least `label_px` apart, smaller marks at least `mark_px`. Below a second they are at whole
-// pictures.
+// images.
 TimeMarks marks_for(double s_per_px, double fps, double label_px, double mark_px);
 // "3 s", "1:05", "31 f" of the mark at major_s · number; nothing left of 0.
 std::string label_of(const TimeMarks& marks, int64_t number, double fps);
 
-// The nearest instant at which a picture begins.
-double at_picture(double time_s, double fps);
+// The nearest time at which an image begins.
+double at_image(double time_s, double fps);
 
 }  // namespace neuvv::viewer

@@ -34,7 +34,7 @@ void name_cell(Viewer& viewer, const TimelineView& view, bool has_path) {
                    "A key of the camera path: this view at this time (Enter; Shift+Enter removes the nearest)"))
         add_key_here(viewer);
     ImGui::SameLine(0, gap);
-    if (small_sign(viewer, view, "timeline/show_path", ICON_ROAD, "Show the camera path in the picture",
+    if (small_sign(viewer, view, "timeline/show_path", ICON_ROAD, "Show the camera path in the image",
                    viewer.show_path))
         viewer.show_path = !viewer.show_path;
     ImGui::SameLine(0, gap);
@@ -183,7 +183,7 @@ void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<st
         path_items(viewer, *path);
         ImGui::EndPopup();
     }
-    draw_range_and_instant(viewer, view, at.y - inset, bottom + inset);
+    draw_range_and_time(viewer, view, at.y - inset, bottom + inset);
     ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});
 }
 

@@ -105,7 +105,7 @@ void rows(TimelineState& state, Viewer& viewer) {
     scroll_to_selected(state, viewer);
     for (const edit::PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
     if (state.tracks.empty() && viewer.stage) ImGui::TextDisabled("no performers yet");
-    draw_range_and_instant(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
+    draw_range_and_time(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void rows(TimelineState& state, Viewer& viewer) {
 double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s) {
     const double clock_s = viewer.clock.time_s();
     if (std::abs(time_s - clock_s) < viewer.ui(5) * view.axis.s_per_px) return clock_s;
-    return at_picture(time_s, viewer.clock.fps());
+    return at_image(time_s, viewer.clock.fps());
 }
 
 bool is_dragged(const Viewer& viewer) {

@@ -17,11 +17,11 @@ constexpr unsigned kBar = 0xff6b4f2b, kBarSelected = 0xff9a6a2c, kHeld = 0xff3a3
                    kCurveHeld = 0x80e9d2b4;
 
 // In pixels, within the axis.
-struct BarPlace {
+struct BarArea {
     float left, right, top, bottom;
 };
 
-BarPlace place_of(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, float top) {
+BarArea place_of(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, float top) {
     const double end_s = std::isfinite(track.bar.end_s) ? track.bar.end_s : std::max(viewer.clock.duration_s(), 0.0);
     const float least = std::min(viewer.ui(3 * kGrip), view.right() - view.left());
     const float left = std::clamp(view.x_at(track.bar.start_s), view.left(), view.right() - least);
@@ -35,7 +35,7 @@ void edit_now(Viewer& viewer, uint32_t node, edit::TimeEdit edit) {
 }
 
 // The clip's frame over stage time: the first at the bottom, the last at the top.
-void draw_curve(const Viewer& viewer, const TimelineView& view, const stage::Timeline& timeline, const BarPlace& bar) {
+void draw_curve(const Viewer& viewer, const TimelineView& view, const stage::Timeline& timeline, const BarArea& bar) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float inset = viewer.ui(3), height = bar.bottom - bar.top - 2 * inset;
     const double frames = std::max(1.0, timeline.frames - 1.0);
@@ -53,7 +53,7 @@ void draw_curve(const Viewer& viewer, const TimelineView& view, const stage::Tim
     draw(bar.right, view.right(), kCurveHeld);
 }
 
-void draw_bar(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, const BarPlace& bar,
+void draw_bar(const Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track, const BarArea& bar,
               bool lit) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float round = viewer.ui(3);
@@ -69,7 +69,7 @@ void tell_times(const Viewer& viewer, const TimelineView& view, const edit::Perf
     const double frame = stage::frame_at(track.timeline, at_s);
     const std::string end = std::isfinite(track.bar.end_s) ? "to " + text_of_time(track.bar.end_s) : "without end";
     ImGui::SetTooltip(
-        "%s", fmt::format("{}: from {} {}\nat {} picture {:.0f} of {}{}", track.name, text_of_time(track.bar.start_s),
+        "%s", fmt::format("{}: from {} {}\nat {} image {:.0f} of {}{}", track.name, text_of_time(track.bar.start_s),
                           end, text_of_time(at_s), frame, track.timeline.frames,
                           viewer.editor.dragging() ? "" : "\nDrag it to move, its ends to trim, with Alt to stagger")
                   .c_str());
@@ -159,9 +159,9 @@ void here_items(Viewer& viewer, const edit::PerformerTrack& track) {
         now([=](const stage::TimeMap& map) { return edit::trimmed_start(map, rate, now_s); });
     if (menu_item(viewer, track, "trim_end", "Cut off what is after"))
         now([=](const stage::TimeMap& map) { return edit::trimmed_end(map, rate, now_s); });
-    if (menu_item(viewer, track, "hold", "Hold this picture for a second"))
+    if (menu_item(viewer, track, "hold", "Hold this image for a second"))
         now([=](const stage::TimeMap& map) { return edit::held_at(map, rate, now_s, 1); });
-    if (menu_item(viewer, track, "freeze", "Freeze this picture"))
+    if (menu_item(viewer, track, "freeze", "Freeze this image"))
         now([=](const stage::TimeMap& map) { return edit::frozen_at(map, rate, now_s); });
 }
 
@@ -211,7 +211,7 @@ void performer_row(Viewer& viewer, const TimelineView& view, const edit::Perform
     ImGui::PushID(static_cast<int>(track.node));
     const ImVec2 at = ImGui::GetCursorScreenPos();
     name_cell(viewer, view, track);
-    const BarPlace bar = place_of(viewer, view, track, at.y);
+    const BarArea bar = place_of(viewer, view, track, at.y);
     const float grip = viewer.ui(kGrip), height = bar.bottom - bar.top;
     bool lit = false;
     const auto part = [&](const char* name, BarPart which, float left, float width) {

@@ -76,7 +76,7 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
 
 }  // namespace
 
-void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top, float bottom) {
+void draw_range_and_time(Viewer& viewer, const TimelineView& view, float top, float bottom) {
     const editor::StageClock& clock = viewer.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
@@ -94,7 +94,7 @@ void ruler_row(Viewer& viewer, const TimelineView& view) {
     const float range = viewer.ui(kRangeHeight), height = std::round(viewer.ui(kHeight)), bottom = at.y + height;
     ImGui::PushClipRect({view.left(), at.y}, {view.right(), bottom}, true);
     draw_marks(viewer, view, at.y + range, bottom);
-    draw_range_and_instant(viewer, view, at.y + range, bottom);
+    draw_range_and_time(viewer, view, at.y + range, bottom);
     const float x = view.x_at(clock.time_s()), side = viewer.ui(5);
     ImGui::GetWindowDrawList()->AddTriangleFilled({x - side, at.y + range}, {x + side, at.y + range},
                                                   {x, at.y + range + 1.4f * side}, kInstant);
@@ -104,7 +104,7 @@ void ruler_row(Viewer& viewer, const TimelineView& view) {
     ImGui::InvisibleButton("ruler", {static_cast<float>(view.axis.width), height - range});
     viewer.report.item("timeline/ruler");
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) {
-        clock.scrub(at_picture(view.axis.s_at(ImGui::GetIO().MousePos.x), clock.fps()));
+        clock.scrub(at_image(view.axis.s_at(ImGui::GetIO().MousePos.x), clock.fps()));
         viewer.moves();
     }
     ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});

@@ -39,12 +39,12 @@ void speed_field(Viewer& viewer) {
 void time_text(const editor::StageClock& clock) {
     const float begin = ImGui::GetCursorPosX();
     const auto [time, of] = std::pair(
-        fmt::format("{} · {}", text_of_time(clock.time_s()), clock.picture()),
-        fmt::format("of {} · {} at {:.6g} fps", text_of_time(clock.duration_s()), clock.pictures(), clock.fps()));
+        fmt::format("{} · {}", text_of_time(clock.time_s()), clock.image()),
+        fmt::format("of {} · {} at {:.6g} fps", text_of_time(clock.duration_s()), clock.images(), clock.fps()));
     const float widest =
-        ImGui::CalcTextSize(fmt::format("{} · {}", text_of_time(clock.duration_s()), clock.pictures()).c_str()).x;
+        ImGui::CalcTextSize(fmt::format("{} · {}", text_of_time(clock.duration_s()), clock.images()).c_str()).x;
     ImGui::TextUnformatted(time.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("time · picture, %s", of.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("time · image, %s", of.c_str());
     const float next = begin + widest + ImGui::GetStyle().ItemSpacing.x;
     if (next + ImGui::CalcTextSize(of.c_str()).x > ImGui::GetWindowContentRegionMax().x) return;
     ImGui::SameLine(next);
@@ -62,14 +62,14 @@ void transport_row(Viewer& viewer) {
     const float gap = viewer.ui(2);
     if (icon_button(viewer, "timeline/start", ICON_START, "To the start (Home)")) clock.scrub(clock.in_s());
     ImGui::SameLine(0, gap);
-    if (icon_button(viewer, "timeline/step_back", ICON_STEP_BACK, "The picture before (,)")) clock.step(-1);
+    if (icon_button(viewer, "timeline/step_back", ICON_STEP_BACK, "The image before (,)")) clock.step(-1);
     ImGui::SameLine(0, gap);
     const bool playing = clock.playing;
     if (icon_button(viewer, "timeline/play", playing ? ICON_PAUSE : ICON_PLAY,
                     playing ? "Pause (Space)" : "Play (Space)", playing))
         clock.play_or_pause();
     ImGui::SameLine(0, gap);
-    if (icon_button(viewer, "timeline/step", ICON_STEP, "The next picture (.)")) clock.step(1);
+    if (icon_button(viewer, "timeline/step", ICON_STEP, "The next image (.)")) clock.step(1);
     ImGui::SameLine(0, gap);
     if (icon_button(viewer, "timeline/loop", ICON_LOOP, "Play again and again", clock.loops))
         clock.loops = !clock.loops;

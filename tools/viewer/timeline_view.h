@@ -10,7 +10,7 @@
 
 namespace neuvv::viewer {
 
-// The instant under a pointer there: at a picture's beginning, or the clock's where that is near.
+// The time under a pointer there: at an image's beginning, or the clock's where that is near.
 double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s);
 
 // Whether the pointer has gone far enough from where its button went down; also in the frame in which it is let go,
@@ -25,8 +25,8 @@ void ruler_row(Viewer& viewer, const TimelineView& view);
 void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<stage::CameraPath>& path);
 void performer_row(Viewer& viewer, const TimelineView& view, const edit::PerformerTrack& track);
 
-// What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's instant is a line.
-void draw_range_and_instant(Viewer& viewer, const TimelineView& view, float top, float bottom);
+// What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's time is a line.
+void draw_range_and_time(Viewer& viewer, const TimelineView& view, float top, float bottom);
 
 // "1.25 s".
 std::string text_of_time(double seconds);

@@ -4,7 +4,7 @@
 #include "edit/operations.h"
 #include "tools/ui/icons.h"
 #include "tools/viewer/fields.h"
-#include "tools/viewer/picture_tools.h"
+#include "tools/viewer/image_tools.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
@@ -12,14 +12,14 @@ namespace neuvv::viewer {
 void focus(Viewer& viewer) {
     if (!viewer.stage) return;
     const bool selected = viewer.editor.selected() && viewer.stage_of_document();
-    auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+    auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
     if (selected) {
         const auto [node_low, node_high] = box_of_node(viewer, *viewer.editor.selected());
         const bool is_point = node_low == node_high;  // a light, a camera: with those whom it lights or sees
         low = is_point ? glm::min(low, node_low) : node_low;
         high = is_point ? glm::max(high, node_high) : node_high;
     }
-    viewer.go_to(framed(viewer.eye, low, high, viewer.picture_area.width / viewer.picture_area.height));
+    viewer.go_to(framed(viewer.eye, low, high, viewer.image_area.width / viewer.image_area.height));
 }
 
 void remember_view(Viewer& viewer) {
@@ -29,7 +29,7 @@ void remember_view(Viewer& viewer) {
     });
 }
 
-void take_picture_key(Viewer& viewer, const ui::KeyPress& press) {
+void take_image_key(Viewer& viewer, const ui::KeyPress& press) {
     const auto side = [&](EyeSide one, EyeSide other) {
         viewer.go_to(seen_from(viewer.eye, press.control ? other : one));
     };
@@ -47,7 +47,7 @@ void take_picture_key(Viewer& viewer, const ui::KeyPress& press) {
 }
 
 void toolbar(Viewer& viewer) {
-    const Area& area = viewer.picture_area;
+    const Area& area = viewer.image_area;
     ImGui::SetNextWindowPos({area.left + viewer.ui(8), area.top + viewer.ui(8)});
     ImGui::SetNextWindowBgAlpha(0.7f);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {viewer.ui(5), viewer.ui(5)});

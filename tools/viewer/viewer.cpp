@@ -33,16 +33,16 @@ double aspect_of(const Area& area) {
 }
 
 // The eye at the first sight of a stage: through its first camera, else from the front, all in view.
-Eye first_eye(const stage::Stage& stage, const stage::StageInstant& instant, double aspect) {
-    const auto [low, high] = stage::performers_box(stage, instant);
-    for (const stage::InstantCamera& camera : instant.cameras)
+Eye first_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
+    const auto [low, high] = stage::performers_box(stage, evaluated);
+    for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         if (!camera.orthographic)
             return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
                                    distance_to(camera.world_from_camera, low, high));
     return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
 }
 
-bool same_picture(const editor::ViewRequest& a, const editor::ViewRequest& b) {
+bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
     return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
@@ -82,7 +82,7 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
       device(device_choice, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window.extensions()),
       screen(device, window,
              options.ui_scale.value_or(static_cast<float>(preferences.ui_scale) * window.content_scale())),
-      jobs([this](const std::string& problem) { editor.tell(problem, true); }, ui::Window::wake),
+      jobs([this](const std::string& problem) { editor.notify(problem, true); }, ui::Window::wake),
       render_thread(device, ui::Window::wake),
       files(*this),
       report(options.report),
@@ -90,15 +90,15 @@ Viewer::Viewer(const Options& options, const std::string& device_choice)
       shader_watch(parts(), options.shaders),
       paint(device),
       begin_(std::chrono::steady_clock::now()) {
-    picture.most_scale = static_cast<float>(preferences.preview.resolution);
-    picture.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences.preview.samples))), 1, 4);
+    image.most_scale = static_cast<float>(preferences.preview.resolution);
+    image.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences.preview.samples))), 1, 4);
     if (const auto side = preferences.panels.find("side"); side != preferences.panels.end()) {
         panels.all = side->second.open;
         panels.side_width = static_cast<float>(side->second.width);
     }
     for (size_t i = 0; i < std::size(kLayerNames); i++)
-        if (preferences.layer == kLayerNames[i]) picture.show = static_cast<render::Show>(i);
-    if (!preferences_message_.empty()) editor.tell(preferences_message_, true);
+        if (preferences.layer == kLayerNames[i]) image.show = static_cast<render::Show>(i);
+    if (!preferences_message_.empty()) editor.notify(preferences_message_, true);
     if (options.file.empty())
         files.offer_lost();
     else
@@ -125,8 +125,8 @@ void Viewer::keep_preferences() {
     const std::filesystem::path file = preferences_file();
     if (file.empty()) return;
     preferences.window = window.place();
-    preferences.preview = {picture.most_scale, static_cast<uint32_t>(picture.samples * picture.samples)};
-    preferences.layer = kLayerNames[static_cast<size_t>(picture.show)];
+    preferences.preview = {image.most_scale, static_cast<uint32_t>(image.samples * image.samples)};
+    preferences.layer = kLayerNames[static_cast<size_t>(image.show)];
     preferences.panels["side"] = {panels.all, panels.side_width};
     save_preferences(file, preferences);
 }
@@ -142,7 +142,7 @@ void Viewer::run() {
         dt_s = now - now_s;
         now_s = now;
         drawn = render_thread.state();
-        count_pictures();
+        count_images();
         if (event) redraw();
         if (drawn.displayed.number != shown_before) redraw(1);
         frame();
@@ -162,18 +162,18 @@ void Viewer::run() {
     keep_preferences();
 }
 
-// The mean over the last pictures; nothing while nothing changes.
-void Viewer::count_pictures() {
+// The mean over the last images; nothing while nothing changes.
+void Viewer::count_images() {
     constexpr double kOld_s = 1;
     if (drawn.displayed.view != counted_view_) shown_s_.push_back(now_s);
     counted_view_ = drawn.displayed.view;
     while (!shown_s_.empty() && now_s - shown_s_.front() > kOld_s) shown_s_.pop_front();
     const double seconds = shown_s_.empty() ? 0 : shown_s_.back() - shown_s_.front();
-    pictures_a_second_ = seconds > 0 ? static_cast<double>(shown_s_.size() - 1) / seconds : 0;
+    images_per_second_ = seconds > 0 ? static_cast<double>(shown_s_.size() - 1) / seconds : 0;
 }
 
-// Until there is something to show: at once what the drawer has drawn, the rest as often as screens show pictures, so
-// that panels take little of the time of pictures where both are drawn by the same cores.
+// Until there is something to show: at once what the drawer has drawn, the rest as often as screens show images, so
+// that panels take little of the time of images where both are drawn by the same cores.
 void Viewer::wait() {
     double seconds = kIdleWait_s;
     if (clock.playing) seconds = std::min(kPlayingWait_s, clock.until_next_s());
@@ -207,8 +207,8 @@ void Viewer::frame() {
         const bool first = !stage || stage->file.path != drawn.stage->file.path;
         stage = drawn.stage;
         clock.set_stage(stage->duration_s, stage->fps);
-        instant = stage::stage_at(*stage, clock.shown_s());
-        if (first) eye = first_eye(*stage, stage::stage_at(*stage, 0), aspect_of(picture_area));
+        evaluated = stage::stage_at(*stage, clock.shown_s());
+        if (first) eye = first_eye(*stage, stage::stage_at(*stage, 0), aspect_of(image_area));
     }
     const bool can_be_taken_back = editor.dragging() || editor.history().next_undo();
     if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
@@ -233,7 +233,7 @@ void Viewer::frame() {
         if (now_s - flight_->begin_s > kEyeMove_s) flight_.reset();
         moves();
     }
-    if (stage) instant = stage::stage_at(*stage, clock.shown_s());
+    if (stage) evaluated = stage::stage_at(*stage, clock.shown_s());
     const uint64_t view_before = looked_ ? looked_->id : 0, stage_before = shown_document_;
     go_along_path();
     place_panels();
@@ -246,13 +246,13 @@ void Viewer::frame() {
     look();
     ask_latency(view_before, stage_before);
     tell_report();
-    const VkRect2D at{{static_cast<int32_t>(picture_area.left), static_cast<int32_t>(picture_area.top)},
-                      {static_cast<uint32_t>(picture_area.width), static_cast<uint32_t>(picture_area.height)}};
+    const VkRect2D at{{static_cast<int32_t>(image_area.left), static_cast<int32_t>(image_area.top)},
+                      {static_cast<uint32_t>(image_area.width), static_cast<uint32_t>(image_area.height)}};
     if (!screen.end({drawn.displayed.image, drawn.displayed.size, at})) redraw();
     render_thread.taken(drawn.displayed.number);
 }
 
-// The picture left, the stage and what is selected right, time below.
+// The image left, the stage and what is selected right, time below.
 void Viewer::place_panels() {
     close_popup_by_escape(*this);
     menu_bar(*this);
@@ -268,10 +268,10 @@ void Viewer::place_panels() {
         below.width = window_size.x - side.width;
         below.top = window_size.y - below.height;
     }
-    picture_area = {0, top, window_size.x - side.width, window_size.y - top - below.height};
-    camera = camera_of(eye, std::max(1u, static_cast<uint32_t>(picture_area.width)),
-                       std::max(1u, static_cast<uint32_t>(picture_area.height)));
-    picture_panel(*this);
+    image_area = {0, top, window_size.x - side.width, window_size.y - top - below.height};
+    camera = camera_of(eye, std::max(1u, static_cast<uint32_t>(image_area.width)),
+                       std::max(1u, static_cast<uint32_t>(image_area.height)));
+    image_panel(*this);
     if (panels.all) {
         const float tree = std::round(panels.tree_share * side.height);
         stage_panel(*this, {side.left, side.top, side.width, tree});
@@ -289,14 +289,14 @@ void Viewer::look() {
     editor::ViewRequest view;
     view.camera = camera;
     view.time_s = clock.shown_s();
-    view.resolve.show = picture.show;
-    view.resolve.cost_max = picture.cost_max;
-    view.own_background = picture.own_background;
-    view.resolve.background = glm::vec4(media::linear_from_srgb(picture.background), 1);
+    view.resolve.show = image.show;
+    view.resolve.cost_max = image.cost_max;
+    view.own_background = image.own_background;
+    view.resolve.background = glm::vec4(media::linear_from_srgb(image.background), 1);
     view.moving = clock.playing || something_goes_on() || editor.dragging();
-    view.most_scale = picture.most_scale;
-    view.samples = static_cast<uint32_t>(picture.samples);
-    const auto [low, high] = stage::performers_box(*stage, instant);
+    view.most_scale = image.most_scale;
+    view.samples = static_cast<uint32_t>(image.samples);
+    const auto [low, high] = stage::performers_box(*stage, evaluated);
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
@@ -304,7 +304,7 @@ void Viewer::look() {
     const bool keeps_pace = drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
         for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.shown_after_s(i));
-    if (looked_ && same_picture(*looked_, view)) return;
+    if (looked_ && same_image(*looked_, view)) return;
     view.id = looked_ ? looked_->id + 1 : 1;
     looked_ = view;
     render_thread.request(std::move(view));
@@ -317,7 +317,7 @@ void Viewer::ask_latency(uint64_t view_before, uint64_t stage_before) {
         asked_.push_back({view, shown_document_, *came_s_});
 }
 
-// How long it took from an event to the end of the frame that shows the picture which answers it. What waits for files
+// How long it took from an event to the end of the frame that shows the image which answers it. What waits for files
 // that are read does not count.
 void Viewer::note_latency() {
     if (!drawn.loading.empty() || !drawn.problem.empty()) asked_.clear();
@@ -350,11 +350,11 @@ void Viewer::end_export() {
     const std::optional<Export::End> end = exporting ? exporting->end() : std::nullopt;
     if (!end) return;
     editor.freeze({});
-    editor.tell(end->text, end->error);
+    editor.notify(end->text, end->error);
     exporting.reset();
 }
 
-bool Viewer::picture_is_sharp() const {
+bool Viewer::image_is_sharp() const {
     return drawn.displayed.finished && looked_ && drawn.displayed.view == looked_->id &&
            drawn.displayed.stage == shown_document_;
 }
@@ -378,7 +378,7 @@ void Viewer::take_keys() {
         if (press.key == GLFW_KEY_ESCAPE) escape = true;
         if (typing || asked || holds_handle) continue;
         if (press.control) take_control_key(press);
-        take_picture_key(*this, press);
+        take_image_key(*this, press);
         if (press.control || press.alt) continue;
         if (press.key == GLFW_KEY_COMMA) clock.step(-1);
         if (press.key == GLFW_KEY_PERIOD) clock.step(1);
@@ -386,12 +386,12 @@ void Viewer::take_keys() {
         if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
         if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
         if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
-        const bool beside_fields = ImGui::GetIO().MousePos.x < picture_area.left + picture_area.width;
+        const bool beside_fields = ImGui::GetIO().MousePos.x < image_area.left + image_area.width;
         if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
             press.shift ? remove_key_near(*this) : add_key_here(*this);
         if (press.key == GLFW_KEY_TAB) panels.all = !panels.all;
         if (press.key == GLFW_KEY_F11) window.toggle_full_screen();
-        if (press.key == GLFW_KEY_F12) press.shift ? screenshots.want_window() : screenshots.want_picture();
+        if (press.key == GLFW_KEY_F12) press.shift ? screenshots.want_window() : screenshots.want_image();
     }
     if (!typing && !asked) take_node_keys(*this);
     if (!typing && window.typed().find(U'?') != std::u32string::npos) panels.help = !panels.help;
@@ -421,12 +421,12 @@ void Viewer::tell_report() {
     if (!report.on()) return;
     for (std::string& message : device.drain_validation_messages())
         if (validation_.size() < kMostMessages) validation_.push_back(std::move(message));
-    report.place("picture", picture_area.left, picture_area.top, picture_area.width, picture_area.height);
+    report.place("picture", image_area.left, image_area.top, image_area.width, image_area.height);
     report.fact("open", editor.is_open() ? editor.file().path.string() : "");
     report.fact("modified", editor.modified());
     report.fact("ready", stage && drawn.stage_id == editor.id() && drawn.displayed.view > 0);
     report.fact("view", drawn.displayed.view);
-    report.fact("finished", looked_ && !looked_->moving && picture_is_sharp());
+    report.fact("finished", looked_ && !looked_->moving && image_is_sharp());
     report.fact("scale", drawn.displayed.scale);
     report.fact("picture_ms", drawn.displayed.milliseconds);
     report.fact("time_s", clock.time_s());

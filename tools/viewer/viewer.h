@@ -19,12 +19,12 @@
 #include "editor/editor.h"
 #include "editor/render_thread.h"
 #include "editor/shader_watch.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 #include "tools/viewer/export.h"
 #include "tools/viewer/files.h"
+#include "tools/viewer/image_tools.h"
 #include "tools/viewer/navigation.h"
 #include "tools/viewer/paint_tool.h"
-#include "tools/viewer/picture_tools.h"
 #include "tools/viewer/report.h"
 #include "tools/viewer/screen.h"
 #include "tools/viewer/screenshot.h"
@@ -39,7 +39,7 @@ struct Area {
     bool holds(float x, float y) const { return x >= left && y >= top && x < left + width && y < top + height; }
 };
 
-// What the hand holds of the picture while a button is down: decided where it went down.
+// What the hand holds of the image while a button is down: decided where it went down.
 enum class Hold { kNothing, kOrbit, kPan, kTurn };
 struct Grip {
     Hold hold = Hold::kNothing;
@@ -47,13 +47,13 @@ struct Grip {
     bool moved = false;  // a drag, no click any more
 };
 
-// What a click or a drag in the picture does.
+// What a click or a drag in the image does.
 enum class Tool { kMove, kRotate, kScale, kPaint };
 
 constexpr const char* kLayerNames[] = {"colour", "alpha", "depth", "leaf level", "cost per ray"};  // by Show
 
-// How the picture is drawn; nothing of it is saved with the stage.
-struct PictureSettings {
+// How the image is drawn; nothing of it is saved with the stage.
+struct ImageSettings {
     render::Show show = render::Show::kColour;
     float cost_max = 256;  // steps shown brightest
     bool own_background = false;
@@ -66,8 +66,8 @@ constexpr const char* kAlongPath = "along the camera path";
 
 // What is exported, as chosen in the panel.
 struct ExportChoice {
-    size_t kind = 0;  // video, numbered pictures, one picture
-    tools::PictureSize size{1920, 1080};
+    size_t kind = 0;  // video, numbered images, one image
+    tools::media::ImageSize size{1920, 1080};
     std::string camera;  // of the stage, or kAlongPath; empty: the window's view
     size_t range = 0;    // the whole stage, the clock's range
     double fps = 0;      // 0: the stage's
@@ -128,7 +128,7 @@ class Viewer {
         std::filesystem::path report;    // empty: none
         std::optional<VkExtent2D> size;  // of the window; none: as it was last
         bool validate = false;
-        std::filesystem::path screenshots;  // their folder; empty: where the user's pictures are
+        std::filesystem::path screenshots;  // their folder; empty: where the user's images are
         std::filesystem::path shaders;      // sources that are watched; empty: none
     };
     Viewer(const Options& options, const std::string& device);
@@ -160,7 +160,7 @@ class Viewer {
     // --- what hands change
     Eye eye;
     editor::StageClock clock;
-    PictureSettings picture;
+    ImageSettings image;
     Panels panels;
     ExportChoice export_choice;
     Tool tool = Tool::kMove;
@@ -176,24 +176,24 @@ class Viewer {
     double now_s = 0, dt_s = 0;                 // of the window's clock
     editor::RenderThreadState drawn;            // as of the frame's beginning
     std::shared_ptr<const stage::Stage> stage;  // drawn.stage; null: none yet
-    stage::StageInstant instant;                // of it, as the clock shows it
-    Area picture_area;                          // where the picture is, panels aside
+    stage::EvaluatedStage evaluated;            // of it, as the clock shows it
+    Area image_area;                            // where the image is, panels aside
     stage::Camera camera;                       // that it is seen by
-    bool pointer_in_picture = false;            // and over no panel, handle or popup
+    bool pointer_in_image = false;              // and over no panel, handle or popup
     bool escape = false;                        // was pressed
-    std::vector<HandleShape> shapes;            // handles in the picture, to be drawn over it, in its pixels
+    std::vector<HandleShape> shapes;            // handles in the image, to be drawn over it, in its pixels
     std::optional<HeldGizmo> gizmo;             // while one is held
     std::optional<HeldLight> held_light;
     Grip grip;
-    bool holds_handle = false;  // one in the picture, which drags the editor's document
+    bool holds_handle = false;  // one in the image, which drags the editor's document
     float ui(float pixels) const { return pixels * screen.scale(); }  // at scale 1 → of the framebuffer
 
-    // Something moves in the picture just now: draw it soon rather than sharp.
+    // Something moves in the image just now: draw it soon rather than sharp.
     void moves() { last_move_s_ = now_s; }
     // Draw some more frames of the window, though no event came.
     void redraw(int frames = 3) { frames_left_ = std::max(frames_left_, frames); }
     // It shows what is looked at, and will not be drawn better as things stand.
-    bool picture_is_sharp() const;
+    bool image_is_sharp() const;
     // Moves the eye there, smoothly.
     void go_to(const Eye& target);
     // The stage that is drawn, where its nodes have the document's numbers: it may be some edits behind.
@@ -210,7 +210,7 @@ class Viewer {
     // Files that the stage plays are others now.
     void show_again() { shown_document_ = 0; }
 
-    double pictures_a_second() const { return pictures_a_second_; }
+    double images_per_second() const { return images_per_second_; }
     double latency_ms() const { return latency_ms_; }
     // This frame's event; and that what this frame changes answers one that came earlier.
     std::optional<double> came_s() const { return came_s_; }
@@ -231,7 +231,7 @@ class Viewer {
     void tell_report();
     void ask_latency(uint64_t view_before, uint64_t stage_before);
     void note_latency();
-    void count_pictures();
+    void count_images();
     bool something_goes_on() const;
 
     std::vector<editor::Notice> notices_;
@@ -249,9 +249,9 @@ class Viewer {
     std::optional<double> came_s_;  // of this frame's first event
     double latency_ms_ = 0, worst_latency_ms_ = 0;
     double frame_ms_ = 0, worst_frame_ms_ = 0;  // of the window's thread
-    std::deque<double> shown_s_;                // when pictures came
+    std::deque<double> shown_s_;                // when images came
     uint64_t counted_view_ = 0;
-    double pictures_a_second_ = 0;
+    double images_per_second_ = 0;
     struct Flight {
         Eye from, to;
         double begin_s = 0;

@@ -20,7 +20,7 @@ shared vec3 seen[kTilePixels];   // a ray's colour over its background, linear
 shared vec4 error[kTilePixels];  // of the ray's pixel: e, and 1 where there is a pixel
 shared vec2 losses[kTilePixels];
 
-// The forward difference of e between two pixels; 0 where either lies beyond the picture.
+// The forward difference of e between two pixels; 0 where either lies beyond the image.
 vec3 difference(uint near, uint far) {
     return (error[far].rgb - error[near].rgb) * (error[near].a * error[far].a);
 }

@@ -1,4 +1,4 @@
-// The head of one instant from output layer and rows: u_k = density · Σ_c A_tc W_kc, v_k = Σ_c B_tc W_k(C+c), then the
+// The head of one time from output layer and rows: u_k = density · Σ_c A_tc W_kc, v_k = Σ_c B_tc W_k(C+c), then the
 // columns of w^HH as they are (shared/psi.h). One thread a number of the head; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require

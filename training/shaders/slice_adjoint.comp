@@ -24,7 +24,7 @@ layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]
 layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
 layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
 layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
-layout(binding = kAdjointPlaces) uniform utextureBuffer leaf_places;
+layout(binding = kAdjointPlaces) uniform utextureBuffer leaf_positions;
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
 layout(binding = kAdjointHead, rg32ui) writeonly uniform uimageBuffer head;
 layout(binding = kAdjointSh, rgba32f) writeonly uniform imageBuffer slice_sh;
@@ -131,7 +131,7 @@ void main() {
     }
     if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
     if (!inside) return;
-    const uint depth = texelFetch(leaf_places, int(leaf)).y >> 16u;
+    const uint depth = texelFetch(leaf_positions, int(leaf)).y >> 16u;
     const float sigma_rate = push.sigma_rate * float(1u << depth) / push.box_size;
     for (uint i = 0u; i < kBusyPlanes; i++) {
         move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);

@@ -20,7 +20,7 @@ layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
 layout(binding = kTraceHead) uniform utextureBuffer head;
 layout(binding = kTraceSh) uniform textureBuffer slice_sh;
 layout(binding = kSmoothLeaves) uniform utextureBuffer slot_leaf;
-layout(binding = kSmoothPlaces) uniform utextureBuffer leaf_places;
+layout(binding = kSmoothPlaces) uniform utextureBuffer leaf_positions;
 layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
@@ -60,7 +60,7 @@ void main() {
     if (gl_GlobalInvocationID.x >= count.slots) return;
     const uint own = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
     const uint leaf = texelFetch(slot_leaf, int(own)).x;
-    const uvec2 place = texelFetch(leaf_places, int(leaf)).xy;
+    const uvec2 place = texelFetch(leaf_positions, int(leaf)).xy;
     const uint depth = place.y >> 16u, shift = 2u * kNodeLevels - depth;
     const float edge = push.box_size / float(1u << depth);
     const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);

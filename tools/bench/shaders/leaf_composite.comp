@@ -14,7 +14,7 @@ layout(binding = kCompositePairs) uniform utextureBuffer tile_pairs;
 layout(binding = kCompositeValues) uniform utextureBuffer pair_entries;
 layout(binding = kCompositeEntries) uniform utextureBuffer shaded;
 layout(binding = kCompositeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kCompositePlaces) uniform utextureBuffer leaf_places;
+layout(binding = kCompositePlaces) uniform utextureBuffer leaf_positions;
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
@@ -61,7 +61,7 @@ void fetch_leaf(uint pair, uvec2 corner, uint turn) {
     const uint entry = texelFetch(pair_entries, int(pair)).x;
     const uvec2 words = texelFetch(shaded, int(entry)).xy;
     const uint leaf = texelFetch(entry_leaf, int(push.slice * push.entry_capacity + entry)).x;
-    const LeafCell cell = leaf_cell(texelFetch(leaf_places, int(leaf)).xy);
+    const LeafCell cell = leaf_cell(texelFetch(leaf_positions, int(leaf)).xy);
     const uint shift = kFinestDepth - cell.depth;
     const vec2 first_two = unpackHalf2x16(words.x);
     leaf_box[thread] = vec4(cell.at << shift, 1u << shift);

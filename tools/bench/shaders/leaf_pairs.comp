@@ -8,7 +8,7 @@
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kNodeLevels = 4u;
 layout(binding = kPairsLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kPairsPlaces) uniform utextureBuffer leaf_places;
+layout(binding = kPairsPlaces) uniform utextureBuffer leaf_positions;
 layout(binding = kPairsEntries, std430) readonly buffer Entries { LiveCount entry_counts[]; };
 layout(binding = kPairsKeys, rg32ui) writeonly uniform uimageBuffer keys;
 layout(binding = kPairsValues, r32ui) writeonly uniform uimageBuffer values;
@@ -39,7 +39,7 @@ void main() {
     const bool in_slice = entry < min(entry_counts[push.slice].slots, push.entry_capacity);
     uint leaf_index = kNoLeaf;
     if (in_slice) leaf_index = texelFetch(entry_leaf, int(push.slice * push.entry_capacity + entry)).x;
-    const LeafCell leaf = leaf_cell(texelFetch(leaf_places, int(leaf_index == kNoLeaf ? 0u : leaf_index)).xy);
+    const LeafCell leaf = leaf_cell(texelFetch(leaf_positions, int(leaf_index == kNoLeaf ? 0u : leaf_index)).xy);
     const Pixels pixels = leaf_pixels(leaf);
     const uvec2 tile = pixels.first / kTile;
     const uvec2 tiles = (pixels.end + kTile - 1u) / kTile - tile;

@@ -13,13 +13,13 @@ NEUVV_SHARED
 
 // leaf_pairs.comp and leaf_composite.comp
 struct LeafRasterPush {
-    vec4 eye;    // world, metres; w: rays of a picture's pixel along each side
+    vec4 eye;    // world, metres; w: rays of an image's pixel along each side
     vec4 row_x;  // as in RangeView
     vec4 row_y;
     vec4 row_z;
     vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
     vec4 box_size;  // metres
-    uint width;     // of the picture of rays
+    uint width;     // of the image of rays
     uint height;
     uint slice;
     uint entry_capacity;  // of a slice
@@ -28,7 +28,7 @@ struct LeafRasterPush {
 
 // leaf_pairs.comp
 CONSTEXPR uint kPairsLeaves = 0u;   // per entry of the slices: its leaf
-CONSTEXPR uint kPairsPlaces = 1u;   // per leaf: as Field::leaf_places
+CONSTEXPR uint kPairsPlaces = 1u;   // per leaf: as Field::leaf_positions
 CONSTEXPR uint kPairsEntries = 2u;  // per slice: a LiveCount of entries
 CONSTEXPR uint kPairsKeys = 3u;
 CONSTEXPR uint kPairsValues = 4u;

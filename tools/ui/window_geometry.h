@@ -6,7 +6,7 @@
 
 namespace neuvv::ui {
 
-struct WindowPlace {
+struct WindowGeometry {
     int width = 1600, height = 900;         // 320 to 16384
     std::optional<std::pair<int, int>> at;  // the left upper corner, −32768 to 32767; nothing: where the system likes
     bool maximised = false;

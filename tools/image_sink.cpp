@@ -1,4 +1,4 @@
-#include "tools/picture_sink.h"
+#include "tools/image_sink.h"
 
 #include <cassert>
 
@@ -17,56 +17,56 @@ bool is_file(const std::filesystem::path& path) {
 
 }  // namespace
 
-PictureSink::PictureSink(PictureOutput output, PictureSize size, double fps, RenderFacts facts, bool resume)
+ImageSink::ImageSink(ImageOutput output, media::ImageSize size, double fps, RenderFacts facts, bool resume)
     : output_(std::move(output)), size_(size), fps_(fps), record_{std::move(facts)} {
-    using Kind = PictureOutput::Kind;
+    using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
         video_path_ = output_.path;
         const std::filesystem::path folder = link_target(video_path_).string() + ".frames";
         prepare_output_folder("--output", folder);
-        output_ = {Kind::kNumberedPictures, folder / "%06d.png"};
+        output_ = {Kind::kNumberedImages, folder / "%06d.png"};
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
-    if (output_.kind != Kind::kNumberedPictures) return;
+    if (output_.kind != Kind::kNumberedImages) return;
     record_path_ = output_.file(kRecordWord).replace_extension(".json");
-    if (resume) record_.finished = finished_pictures(record_path_, record_.facts);
+    if (resume) record_.finished = finished_images(record_path_, record_.facts);
     write_render_record(record_path_, record_);
 }
 
-bool PictureSink::has(uint32_t i) const {
+bool ImageSink::has(uint32_t i) const {
     return i < record_.finished && is_file(output_.file(i));
 }
 
-void PictureSink::record_finished(uint32_t i) {
+void ImageSink::record_finished(uint32_t i) {
     if (record_path_.empty() || i < record_.finished) return;
     record_.finished = i + 1;
     write_render_record(record_path_, record_);
 }
 
-void PictureSink::add(uint32_t i, const media::Image& picture) {
-    assert(!output_.exr && "this output wants linear pictures");
+void ImageSink::add(uint32_t i, const media::Image& image) {
+    assert(!output_.exr && "this output wants linear images");
     if (video_)
-        video_->add(picture);
+        video_->add(image);
     else
-        media::write_png(output_.file(i), picture);
+        media::write_png(output_.file(i), image);
     record_finished(i);
 }
 
-void PictureSink::add(uint32_t i, const media::LinearImage& picture) {
-    assert(output_.exr && "this output wants sRGB pictures");
-    media::write_exr(output_.file(i), picture);
+void ImageSink::add(uint32_t i, const media::LinearImage& image) {
+    assert(output_.exr && "this output wants sRGB images");
+    media::write_exr(output_.file(i), image);
     record_finished(i);
 }
 
-void PictureSink::finish(uint32_t pictures) {
+void ImageSink::finish(uint32_t images) {
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
-        for (uint32_t i = 0; i < pictures; ++i) video_->add(media::read_png(output_.file(i)));
+        for (uint32_t i = 0; i < images; ++i) video_->add(media::read_png(output_.file(i)));
     }
     if (video_) video_->finish();
     if (video_path_.empty()) return;
     std::error_code ignored;  // what was kept is not needed any more; a folder with other files in it stays
-    for (uint32_t i = 0; i < pictures; ++i) std::filesystem::remove(output_.file(i), ignored);
+    for (uint32_t i = 0; i < images; ++i) std::filesystem::remove(output_.file(i), ignored);
     std::filesystem::remove(record_path_, ignored);
     std::filesystem::remove(record_path_.parent_path(), ignored);
 }

@@ -1,5 +1,5 @@
-// Rays to a linear picture, against sums written out.
-#include "render/linear_picture.h"
+// Rays to a linear image, against sums written out.
+#include "render/linear_image.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const std::vector<glm::vec4> kRays = {{0.4f, 0, 0, 0.5f}, {0, 0.4f, 0, 0.25f}, {}, {}, {}, {1, 1, 1, 1}, {}, {}};
 const std::vector<float> kDepth = {2, 4, kInfinity, kInfinity, kInfinity, 8, kInfinity, kInfinity};
 
-TEST(LinearPicture, IsTheMeanOfItsRays) {
-    const media::LinearImage image = render::linear_picture(kRays, kDepth, 2, 1, 2);
+TEST(LinearImage, IsTheMeanOfItsRays) {
+    const media::LinearImage image = render::linear_image(kRays, kDepth, 2, 1, 2);
     ASSERT_EQ(image.width, 2u);
     ASSERT_EQ(image.height, 1u);
     const double expected[] = {1.4 / 4, 1.4 / 4, 1.0 / 4, 1.75 / 4, 0, 0, 0, 0};
@@ -25,8 +25,8 @@ TEST(LinearPicture, IsTheMeanOfItsRays) {
     EXPECT_EQ(image.depth_m[1], kInfinity);
 }
 
-TEST(LinearPicture, ABackgroundIsBehindTheColourAlone) {
-    const media::LinearImage image = render::linear_picture(kRays, kDepth, 2, 1, 2, {0.2f, 0.4f, 0.8f, 0.5f});
+TEST(LinearImage, ABackgroundIsBehindTheColourAlone) {
+    const media::LinearImage image = render::linear_image(kRays, kDepth, 2, 1, 2, {0.2f, 0.4f, 0.8f, 0.5f});
     const double clear = 1 - 1.75 / 4;
     const double expected[] = {1.4 / 4 + clear * 0.1,
                                1.4 / 4 + clear * 0.2,

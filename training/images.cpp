@@ -1,4 +1,4 @@
-#include "training/pictures.h"
+#include "training/images.h"
 
 #include <fmt/format.h>
 
@@ -8,20 +8,20 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/platform.h"
-#include "training/picture_reader.h"
+#include "training/image_reader.h"
 #include "training/undistort.h"
 
 namespace neuvv::training {
 
 namespace {
 
-constexpr double kLeastSeen = 0.5;  // of a pinhole picture: where the lens shows less, its numbers are wrong
+constexpr double kLeastSeen = 0.5;  // of a pinhole image: where the lens shows less, its numbers are wrong
 
-void expect_size(media::ImageSize found, const PictureSource& source, media::ImageSize size, const std::string& whose) {
+void expect_size(media::ImageSize found, const ImageSource& source, media::ImageSize size, const std::string& whose) {
     if (found.width == size.width && found.height == size.height) return;
     throw InputError(source.path.string(), "",
                      fmt::format("is {}×{}, but {} {}×{}", found.width, found.height, whose, size.width, size.height),
-                     "give all pictures and masks of a camera the size that its calibration is for");
+                     "give all images and masks of a camera the size that its calibration is for");
 }
 
 stage::Camera make_camera(const RigCamera& from, media::ImageSize size) {
@@ -91,13 +91,13 @@ class CameraLoader {
 
     void load(const std::vector<uint32_t>& shots) {
         if (from_.lens.distorts()) {  // its map takes memory by the size that the calibration says: see that it is true
-            const PictureSource& first = rig_.shots[shots.at(0)].picture;
+            const ImageSource& first = rig_.shots[shots.at(0)].image;
             expect_size(size_of(first), first, size_, whose_);
             map_ = undistortion();
         }
         if (!from_.plate.path.empty()) {
             media::Image& plate = dataset_.plates[camera_];
-            plate = read(pictures_, from_.plate);
+            plate = read(images_, from_.plate);
             if (map_) plate = undistort(plate, *map_, ColourOf::kCapture);
         }
         for (const uint32_t shot : shots) load_view(rig_.shots[shot], dataset_.views[shot]);
@@ -113,18 +113,18 @@ class CameraLoader {
         const std::string fold =
             map.fold_degrees > 0 ? fmt::format(" (it folds over {:.1f}° off the axis)", map.fold_degrees) : "";
         throw InputError(rig_.file, "camera " + from_.name,
-                         fmt::format("its lens distortion{} leaves only {:.0f} % of the picture", fold, 100 * map.seen),
-                         "check the coefficients, and that focal length and size are of the same picture");
+                         fmt::format("its lens distortion{} leaves only {:.0f} % of the image", fold, 100 * map.seen),
+                         "check the coefficients, and that focal length and size are of the same image");
     }
 
-    media::Image read(PictureReader& reader, const PictureSource& source) const {
+    media::Image read(ImageReader& reader, const ImageSource& source) const {
         media::Image image = reader.read(source);
         expect_size({image.width, image.height}, source, size_, whose_);
         return image;
     }
 
     void load_view(const Shot& shot, View& view) {
-        view.image = read(pictures_, shot.picture);
+        view.image = read(images_, shot.image);
         if (!shot.mask.path.empty()) {
             const media::Image mask = read(masks_, shot.mask);
             if (rig_.masks == MaskMeaning::kMatte || rig_.masks == MaskMeaning::kLabels)
@@ -142,7 +142,7 @@ class CameraLoader {
             if (view.ignored[i]) std::fill_n(&view.image.rgba[4 * i], 4, uint8_t{0});
     }
 
-    // Where some pictures got mattes and one did not, the whole of that would pass for the performer.
+    // Where some images got mattes and one did not, the whole of that would pass for the performer.
     void put_matte_beside(const Shot& shot, media::Image& image) {
         std::error_code ignored;
         const std::filesystem::path folder = mattes_folder(rig_), file = folder / (shot.name + ".png");
@@ -160,7 +160,7 @@ class CameraLoader {
     const media::ImageSize size_;
     const std::string whose_;
     std::optional<Undistortion> map_;
-    PictureReader pictures_, masks_, mattes_;
+    ImageReader images_, masks_, mattes_;
 };
 
 std::vector<stage::Camera> cameras_of(const Rig& rig) {
@@ -170,8 +170,7 @@ std::vector<stage::Camera> cameras_of(const Rig& rig) {
     std::vector<stage::Camera> cameras;
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
         const Lens& lens = rig.cameras[c].lens;
-        const media::ImageSize size =
-            lens.width ? media::ImageSize{lens.width, lens.height} : size_of(first[c]->picture);
+        const media::ImageSize size = lens.width ? media::ImageSize{lens.width, lens.height} : size_of(first[c]->image);
         cameras.push_back(make_camera(rig.cameras[c], size));
     }
     return cameras;
@@ -183,16 +182,16 @@ uint64_t bytes_of(const Rig& rig, const std::vector<stage::Camera>& cameras) {
     return bytes;
 }
 
-// Where pictures would not fit, their pixels go to a file that the system pages from (else null).
+// Where images would not fit, their pixels go to a file that the system pages from (else null).
 std::shared_ptr<std::pmr::memory_resource> make_room(const Rig& rig, uint64_t bytes, const LoadOptions& options) {
-    if (bytes <= (options.memory_bytes > 0 ? options.memory_bytes : picture_budget())) return nullptr;
+    if (bytes <= (options.memory_bytes > 0 ? options.memory_bytes : image_budget())) return nullptr;
     const std::filesystem::path cache = cache_folder();
-    constexpr uint64_t kRounding = 64;  // of each picture
+    constexpr uint64_t kRounding = 64;  // of each image
     try {
         return spooled_memory(cache.empty() ? "/var/tmp" : cache, bytes + kRounding * rig.shots.size());
     } catch (const RuntimeFailure& failure) {
         throw RuntimeFailure(
-            fmt::format("{}; point XDG_CACHE_HOME to a folder on a disk with room for these pictures, or "
+            fmt::format("{}; point XDG_CACHE_HOME to a folder on a disk with room for these images, or "
                         "take fewer or smaller ones",
                         failure.what()));
     }
@@ -208,20 +207,20 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
         }
     const std::string folder = rig.folder.string();
     if (!clear)
-        throw InputError(folder, "", "no picture has a matte: every alpha is 255",
+        throw InputError(folder, "", "no image has a matte: every alpha is 255",
                          fmt::format("run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and "
                                      "0 elsewhere",
                                      folder));
     if (!solid)
-        throw InputError(folder, "", "every alpha of every picture is 0",
+        throw InputError(folder, "", "every alpha of every image is 0",
                          "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");
 }
 
 }  // namespace
 
-PictureNeed picture_need(const Rig& rig) {
+ImageNeed image_need(const Rig& rig) {
     const std::vector<stage::Camera> cameras = cameras_of(rig);
-    PictureNeed need{.pictures = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
+    ImageNeed need{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
     std::set<double> times;
     for (const Shot& shot : rig.shots) times.insert(shot.time);
     need.frames = times.size();
@@ -232,7 +231,7 @@ PictureNeed picture_need(const Rig& rig) {
     return need;
 }
 
-Dataset read_pictures(const Rig& rig, const LoadOptions& options) {
+Dataset read_images(const Rig& rig, const LoadOptions& options) {
     Dataset dataset;
     dataset.folder = rig.folder;
     dataset.box = rig.box;

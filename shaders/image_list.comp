@@ -1,18 +1,18 @@
-// Lists the tiles of the pictures that any ray with an instance before it adds to, so that only those are resolved.
-// Reads some words a tile; writes one for each that sees. One thread a tile of all pictures; trivial work.
+// Lists the tiles of the images that any ray with an instance before it adds to, so that only those are resolved.
+// Reads some words a tile; writes one for each that sees. One thread a tile of all images; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/picture_list.h"
+#include "shared/image_list.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kListSeen) uniform utextureBuffer seen;
 layout(binding = kListCameras) uniform textureBuffer cameras;
-layout(binding = kListPictures, r32ui) writeonly uniform uimageBuffer picture_list;
+layout(binding = kListImages, r32ui) writeonly uniform uimageBuffer image_list;
 layout(binding = kListCount, std430) buffer Count { LiveCount count; };
-layout(push_constant) uniform Push { PictureListPush push; };
+layout(push_constant) uniform Push { ImageListPush push; };
 #include "grid.glsl"
 
-// The first and the last tile of rays along an axis that pixels of the picture's tile `at` take from.
+// The first and the last tile of rays along an axis that pixels of the image's tile `at` take from.
 uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
     const GridAxis grid = camera_axis(view, axis);
     const float pixel = float(push.samples * kTile * at), end = pixel + float(push.samples * kTile);
@@ -21,19 +21,19 @@ uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
 }
 
 void main() {
-    const uint a_view = push.pictures_across * push.pictures_down;
+    const uint a_view = push.images_across * push.images_down;
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint tile = group * kSliceGroup + gl_LocalInvocationID.x, view = tile / a_view, at = tile % a_view;
     if (view >= push.views) return;
-    const uvec2 x = ray_tiles(view, 0u, at % push.pictures_across, push.tiles_across);
-    const uvec2 y = ray_tiles(view, 1u, at / push.pictures_across, push.tiles_down);
+    const uvec2 x = ray_tiles(view, 0u, at % push.images_across, push.tiles_across);
+    const uvec2 y = ray_tiles(view, 1u, at / push.images_across, push.tiles_down);
     bool any = false;
     for (uint row = y.x; row <= y.y; row++)
         for (uint column = x.x; column <= x.y; column++)
             any = any || texelFetch(seen, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
     if (!any) return;
     const uint listed = atomicAdd(count.slots, 1u);
-    imageStore(picture_list, int(listed), uvec4(tile));
+    imageStore(image_list, int(listed), uvec4(tile));
     atomicMax(count.groups_x, min(listed + 1u, kListRow));
     atomicMax(count.groups_y, listed / kListRow + 1u);
 }

@@ -22,7 +22,7 @@ void look_around(Viewer& viewer, bool left_is_free) {
     const ImGuiIO& io = ImGui::GetIO();
     for (int button = 0; button < 3; button++) {
         const bool free = button != ImGuiMouseButton_Left || left_is_free;
-        if (!free || !viewer.pointer_in_picture || grip.hold != Hold::kNothing || !ImGui::IsMouseClicked(button))
+        if (!free || !viewer.pointer_in_image || grip.hold != Hold::kNothing || !ImGui::IsMouseClicked(button))
             continue;
         grip = {hold_of(button, io), button, false};
     }
@@ -30,7 +30,7 @@ void look_around(Viewer& viewer, bool left_is_free) {
     const ImVec2 way = ImGui::GetMouseDragDelta(grip.button, 0);
     if (std::abs(way.x) + std::abs(way.y) > viewer.ui(kClick_px)) grip.moved = true;
     const glm::dvec2 moved(io.MouseDelta.x, io.MouseDelta.y);
-    const double height = viewer.picture_area.height;
+    const double height = viewer.image_area.height;
     if (grip.moved && moved != glm::dvec2(0)) {
         if (grip.hold == Hold::kOrbit) viewer.eye = orbited(viewer.eye, moved, height);
         if (grip.hold == Hold::kPan) viewer.eye = panned(viewer.eye, moved, height);
@@ -43,7 +43,7 @@ void look_around(Viewer& viewer, bool left_is_free) {
 void select_at(Viewer& viewer, float x, float y) {
     if (const auto node = sign_at(viewer, x, y)) return viewer.editor.select(node);
     if (!viewer.stage) return;
-    const glm::dvec2 pixel(x - viewer.picture_area.left, y - viewer.picture_area.top);
+    const glm::dvec2 pixel(x - viewer.image_area.left, y - viewer.image_area.top);
     viewer.render_thread.post([&viewer, pixel, camera = viewer.camera, time_s = viewer.clock.shown_s(),
                                id = viewer.editor.id(), drawn = viewer.stage](editor::OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
@@ -65,9 +65,9 @@ void let_go(Viewer& viewer) {
 
 void scroll(Viewer& viewer) {
     const ImGuiIO& io = ImGui::GetIO();
-    if (!viewer.pointer_in_picture || (io.MouseWheel == 0 && io.MouseWheelH == 0)) return;
+    if (!viewer.pointer_in_image || (io.MouseWheel == 0 && io.MouseWheelH == 0)) return;
     viewer.eye =
-        scrolled(viewer.eye, {{io.MouseWheelH, io.MouseWheel}, io.KeyShift, io.KeyCtrl}, viewer.picture_area.height);
+        scrolled(viewer.eye, {{io.MouseWheelH, io.MouseWheel}, io.KeyShift, io.KeyCtrl}, viewer.image_area.height);
     viewer.moves();
 }
 
@@ -82,7 +82,7 @@ void fly(Viewer& viewer) {
     if (keys.forward == 0 && keys.right == 0 && keys.up == 0) return;
     double scene_m = 2;
     if (viewer.stage) {
-        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.instant);
+        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
         scene_m = glm::length(high - low);
     }
     viewer.eye = flown(viewer.eye, keys, viewer.dt_s, scene_m);
@@ -101,11 +101,11 @@ bool hold_handles(Viewer& viewer) {
 
 }  // namespace
 
-void picture_panel(Viewer& viewer) {
+void image_panel(Viewer& viewer) {
     toolbar(viewer);
     const ImGuiIO& io = ImGui::GetIO();
-    viewer.pointer_in_picture = !io.WantCaptureMouse && viewer.picture_area.holds(io.MousePos.x, io.MousePos.y);
-    const PaintHands paints = viewer.paint.in_picture(viewer);
+    viewer.pointer_in_image = !io.WantCaptureMouse && viewer.image_area.holds(io.MousePos.x, io.MousePos.y);
+    const PaintHands paints = viewer.paint.in_image(viewer);
     const bool handle = !paints.left && !paints.all && hold_handles(viewer);
     if (!paints.all) look_around(viewer, !handle && !paints.left);
     let_go(viewer);

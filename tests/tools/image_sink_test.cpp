@@ -1,5 +1,5 @@
-// Where pictures go, and going on where a render stopped.
-#include "tools/picture_sink.h"
+// Where images go, and going on where a render stopped.
+#include "tools/image_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace neuvv {
 namespace {
 
-media::Image picture_of(uint8_t grey) {
+media::Image image_of(uint8_t grey) {
     media::Image image(16, 8);
     for (size_t i = 0; i < image.rgba.size(); ++i)
         image.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(grey + i / 4);
@@ -20,7 +20,7 @@ struct Sink : testing::Test {
     TemporaryFolder folder;
     tools::RenderFacts facts{{"scene", "xxh3:0123"}, {"--size", "16x8"}};
 
-    tools::PictureSink sink(const char* name, bool resume) {
+    tools::ImageSink sink(const char* name, bool resume) {
         return {tools::parse_output((folder.path / name).string()), {16, 8}, 25, facts, resume};
     }
     bool there(const char* name) const { return std::filesystem::exists(folder.path / name); }
@@ -28,37 +28,37 @@ struct Sink : testing::Test {
 
 TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     {
-        tools::PictureSink first = sink("o_%02d.png", false);
+        tools::ImageSink first = sink("o_%02d.png", false);
         EXPECT_TRUE(first.resumable());
         EXPECT_FALSE(first.has(0));
-        for (uint32_t i = 0; i < 3; ++i) first.add(i, picture_of(static_cast<uint8_t>(10 * i)));
+        for (uint32_t i = 0; i < 3; ++i) first.add(i, image_of(static_cast<uint8_t>(10 * i)));
     }  // interrupted
     EXPECT_TRUE(there("o_render.json"));
-    media::write_png(folder.path / "o_03.png", picture_of(99));  // of some other render
-    std::filesystem::remove(folder.path / "o_01.png");           // and one was thrown away
-    tools::PictureSink second = sink("o_%02d.png", true);
+    media::write_png(folder.path / "o_03.png", image_of(99));  // of some other render
+    std::filesystem::remove(folder.path / "o_01.png");         // and one was thrown away
+    tools::ImageSink second = sink("o_%02d.png", true);
     EXPECT_TRUE(second.has(0));
     EXPECT_FALSE(second.has(1));
     EXPECT_TRUE(second.has(2));
     EXPECT_FALSE(second.has(3));
-    second.add(1, picture_of(10));
-    second.add(3, picture_of(30));
+    second.add(1, image_of(10));
+    second.add(3, image_of(30));
     second.finish(4);
     for (uint8_t i = 0; i < 4; ++i)
         EXPECT_EQ(media::read_png(folder.path / ("o_0" + std::to_string(i) + ".png")).rgba,
-                  picture_of(static_cast<uint8_t>(10 * i)).rgba);
-    const tools::PictureSink third = sink("o_%02d.png", true);
+                  image_of(static_cast<uint8_t>(10 * i)).rgba);
+    const tools::ImageSink third = sink("o_%02d.png", true);
     for (uint32_t i = 0; i < 4; ++i) EXPECT_TRUE(third.has(i));
 }
 
 TEST_F(Sink, WithoutResumeNothingIsKept) {
-    sink("o_%d.png", false).add(0, picture_of(1));
+    sink("o_%d.png", false).add(0, image_of(1));
     EXPECT_FALSE(sink("o_%d.png", false).has(0));
     EXPECT_FALSE(sink("o_%d.png", true).has(0)) << "the second render had not finished it";
 }
 
 TEST_F(Sink, TwoRendersAreNotMixed) {
-    sink("o_%d.png", false).add(0, picture_of(1));
+    sink("o_%d.png", false).add(0, image_of(1));
     facts["--size"] = "32x16";
     expect_input_error([&] { sink("o_%d.png", true); },
                        {"o_render.json", "--size", "16x8", "32x16", "without --resume"});
@@ -84,25 +84,25 @@ TEST_F(Sink, DamagedRecordsAreNamed) {
 }
 
 TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
-    const auto fill = [](tools::PictureSink& into, uint32_t from, uint32_t to) {
-        for (uint32_t i = from; i < to; ++i) into.add(i, picture_of(static_cast<uint8_t>(20 * i)));
+    const auto fill = [](tools::ImageSink& into, uint32_t from, uint32_t to) {
+        for (uint32_t i = from; i < to; ++i) into.add(i, image_of(static_cast<uint8_t>(20 * i)));
     };
-    tools::PictureSink straight = sink("straight.mp4", false);
+    tools::ImageSink straight = sink("straight.mp4", false);
     EXPECT_FALSE(straight.resumable());
     fill(straight, 0, 5);
     straight.finish(5);
     EXPECT_EQ(folder.entries(), 1u);
     {
-        tools::PictureSink first = sink("100%.mp4", true);  // a path may have a percent sign
+        tools::ImageSink first = sink("100%.mp4", true);  // a path may have a percent sign
         fill(first, 0, 2);
     }
     EXPECT_TRUE(there("100%.mp4.frames"));
-    tools::PictureSink second = sink("100%.mp4", true);
+    tools::ImageSink second = sink("100%.mp4", true);
     EXPECT_TRUE(second.has(1));
     EXPECT_FALSE(second.has(2));
     fill(second, 2, 5);
     second.finish(5);
-    EXPECT_EQ(folder.entries(), 2u) << "the kept pictures are gone";
+    EXPECT_EQ(folder.entries(), 2u) << "the kept images are gone";
     media::VideoReader a(folder.path / "straight.mp4"), b(folder.path / "100%.mp4");
     media::Image of_a, of_b;
     for (int i = 0; i < 5; ++i) {
@@ -113,16 +113,16 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
 }
 
 TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
-    tools::PictureSink video = sink("v.mp4", true);
+    tools::ImageSink video = sink("v.mp4", true);
     write_text(folder.path / "v.mp4.frames/notes.txt", "mine");
-    video.add(0, picture_of(0));
+    video.add(0, image_of(0));
     video.finish(1);
     EXPECT_EQ(read_text(folder.path / "v.mp4.frames/notes.txt"), "mine");
     EXPECT_FALSE(there("v.mp4.frames/000000.png"));
 }
 
-TEST_F(Sink, LinearPictures) {
-    tools::PictureSink into = sink("o_%d.exr", false);
+TEST_F(Sink, LinearImages) {
+    tools::ImageSink into = sink("o_%d.exr", false);
     EXPECT_TRUE(into.exr());
     const media::LinearImage image{2, 1, {0.5f, 0.25f, 0, 1, 0, 0, 0, 0}, {1.5f, 2}};
     into.add(0, image);

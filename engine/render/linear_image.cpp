@@ -1,4 +1,4 @@
-#include "render/linear_picture.h"
+#include "render/linear_image.h"
 
 #include <cassert>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 namespace neuvv::render {
 
-media::LinearImage linear_picture(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
-                                  uint32_t height, uint32_t samples, const glm::vec4& background) {
+media::LinearImage linear_image(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
+                                uint32_t height, uint32_t samples, const glm::vec4& background) {
     const size_t row = size_t{samples} * width;
     assert(radiance.size() == row * samples * height && depth.size() == radiance.size());
     media::LinearImage image{width, height};

@@ -1,4 +1,4 @@
-#include "tools/viewer/node_place.h"
+#include "tools/viewer/node_transform.h"
 
 #include <gtest/gtest.h>
 
@@ -151,11 +151,11 @@ TEST_F(NodePlaces, AMeshComesToTheFloorAndACameraDoesNot) {
     up.at = glm::dvec3(1, 3, 2);
     edit::place_node(file, node("Floor"), up);
     const stage::Stage stage = stage::make_stage(file);
-    const stage::StageInstant instant = stage::stage_at(stage, 0);
-    const auto move = viewer::move_to_floor(stage, instant, node("Floor"));
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+    const auto move = viewer::move_to_floor(stage, evaluated, node("Floor"));
     ASSERT_TRUE(move);
     expect_near(*move, {0, -3, 0}, 1e-6);
-    EXPECT_FALSE(viewer::move_to_floor(stage, instant, node("Camera")));
+    EXPECT_FALSE(viewer::move_to_floor(stage, evaluated, node("Camera")));
 }
 
 }  // namespace

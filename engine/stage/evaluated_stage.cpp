@@ -1,4 +1,4 @@
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 #include <fmt/format.h>
 
@@ -33,16 +33,16 @@ glm::dmat4 rigid(const glm::dmat4& world_from_node) {
     return matrix;
 }
 
-InstantPerformer performer_at(const Stage& stage, uint32_t index, const StageInstant& instant) {
+EvaluatedPerformer performer_at(const Stage& stage, uint32_t index, const EvaluatedStage& evaluated) {
     const StagePerformer& source = stage.performers[index];
     const PerformerSettings& settings = source.settings;
-    InstantPerformer performer;
+    EvaluatedPerformer performer;
     performer.performer = index;
     performer.clip = source.clip;
-    performer.frame = static_cast<float>(frame_at(source.timeline, instant.time_s));
-    const double turn_deg = std::fmod(settings.spin_deg_per_s * instant.time_s, 360);
+    performer.frame = static_cast<float>(frame_at(source.timeline, evaluated.time_s));
+    const double turn_deg = std::fmod(settings.spin_deg_per_s * evaluated.time_s, 360);
     const double turn_rad = std::isfinite(turn_deg) ? glm::radians(turn_deg) : 0;
-    const glm::dmat4& world_from_node = instant.pose.world_from_node[source.node];
+    const glm::dmat4& world_from_node = evaluated.pose.world_from_node[source.node];
     performer.world_from_performer = glm::rotate(world_from_node, turn_rad, glm::dvec3(0, 1, 0));
     performer.opacity = static_cast<float>(settings.opacity);
     performer.visible = settings.visible && stage.scene.nodes[source.node].visible && is_placeable(world_from_node);
@@ -51,10 +51,10 @@ InstantPerformer performer_at(const Stage& stage, uint32_t index, const StageIns
     return performer;
 }
 
-InstantLight light_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
+EvaluatedLight light_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
     const GltfLight& source = scene.lights[static_cast<size_t>(scene.nodes[node].light)];
     const glm::dmat4 place = rigid(pose.world_from_node[node]);
-    InstantLight light;
+    EvaluatedLight light;
     light.node = node;
     light.kind = source.kind;
     light.position = glm::dvec3(place[3]);
@@ -66,10 +66,10 @@ InstantLight light_at(const GltfScene& scene, uint32_t node, const PosedScene& p
     return light;
 }
 
-InstantCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
+EvaluatedCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
     const auto index = static_cast<size_t>(scene.nodes[node].camera);
     const GltfCamera& source = scene.cameras[index];
-    InstantCamera camera;
+    EvaluatedCamera camera;
     camera.node = node;
     camera.name = !scene.nodes[node].name.empty() ? scene.nodes[node].name
                   : !source.name.empty()          ? source.name
@@ -80,55 +80,56 @@ InstantCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScene&
     return camera;
 }
 
-[[noreturn]] void fail_camera(const Stage& stage, const StageInstant& instant, const std::string& problem) {
+[[noreturn]] void fail_camera(const Stage& stage, const EvaluatedStage& evaluated, const std::string& problem) {
     std::string names;  // of those that are drawn
-    for (size_t i = 0; i < instant.cameras.size(); ++i)
-        if (!instant.cameras[i].orthographic)
-            names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", i, instant.cameras[i].name);
+    for (size_t i = 0; i < evaluated.cameras.size(); ++i)
+        if (!evaluated.cameras[i].orthographic)
+            names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", i, evaluated.cameras[i].name);
     throw InputError(
         stage.file.path.string(), "cameras", problem,
         names.empty() ? "the stage has none that is perspective: add one, or choose --orbit" : "choose from " + names);
 }
 
-const InstantCamera& find_camera(const Stage& stage, const std::string& name_or_index, const StageInstant& instant) {
-    const InstantCamera* found = nullptr;
-    for (const InstantCamera& camera : instant.cameras) {
+const EvaluatedCamera& find_camera(const Stage& stage, const std::string& name_or_index,
+                                   const EvaluatedStage& evaluated) {
+    const EvaluatedCamera* found = nullptr;
+    for (const EvaluatedCamera& camera : evaluated.cameras) {
         if (name_or_index.empty() ? camera.orthographic : camera.name != name_or_index) continue;
         if (name_or_index.empty()) return camera;
-        if (found) fail_camera(stage, instant, fmt::format("several are named \"{}\": give an index", name_or_index));
+        if (found) fail_camera(stage, evaluated, fmt::format("several are named \"{}\": give an index", name_or_index));
         found = &camera;
     }
     if (found) return *found;
     size_t index = 0;
     const char* end = name_or_index.data() + name_or_index.size();
     const auto [stop, error] = std::from_chars(name_or_index.data(), end, index);
-    if (!name_or_index.empty() && error == std::errc() && stop == end && index < instant.cameras.size())
-        return instant.cameras[index];
-    fail_camera(stage, instant,
+    if (!name_or_index.empty() && error == std::errc() && stop == end && index < evaluated.cameras.size())
+        return evaluated.cameras[index];
+    fail_camera(stage, evaluated,
                 name_or_index.empty() ? "there is no perspective one" : fmt::format("none is \"{}\"", name_or_index));
 }
 
 }  // namespace
 
-StageInstant stage_at(const Stage& stage, double stage_s) {
-    StageInstant instant;
-    instant.time_s = stage_s;
-    instant.pose = pose_scene(stage.scene, kAllAnimations, stage_s);
+EvaluatedStage stage_at(const Stage& stage, double stage_s) {
+    EvaluatedStage evaluated;
+    evaluated.time_s = stage_s;
+    evaluated.pose = pose_scene(stage.scene, kAllAnimations, stage_s);
     for (uint32_t i = 0; i < stage.performers.size(); ++i)
-        instant.performers.push_back(performer_at(stage, i, instant));
+        evaluated.performers.push_back(performer_at(stage, i, evaluated));
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
         const GltfNode& node = stage.scene.nodes[i];
-        if (!node.in_scene || !is_on_stage(instant.pose.world_from_node[i])) continue;
-        if (node.light >= 0 && node.visible) instant.lights.push_back(light_at(stage.scene, i, instant.pose));
-        if (node.camera >= 0) instant.cameras.push_back(camera_at(stage.scene, i, instant.pose));
+        if (!node.in_scene || !is_on_stage(evaluated.pose.world_from_node[i])) continue;
+        if (node.light >= 0 && node.visible) evaluated.lights.push_back(light_at(stage.scene, i, evaluated.pose));
+        if (node.camera >= 0) evaluated.cameras.push_back(camera_at(stage.scene, i, evaluated.pose));
     }
-    return instant;
+    return evaluated;
 }
 
-std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const StageInstant& instant) {
-    if (instant.performers.empty()) return {glm::dvec3(-1), glm::dvec3(1)};
+std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const EvaluatedStage& evaluated) {
+    if (evaluated.performers.empty()) return {glm::dvec3(-1), glm::dvec3(1)};
     glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (const InstantPerformer& performer : instant.performers) {
+    for (const EvaluatedPerformer& performer : evaluated.performers) {
         const StageClip& clip = stage.clips[performer.clip];
         for (int i = 0; i < 8; i++) {
             const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
@@ -140,16 +141,16 @@ std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const Stage
     return {low, high};
 }
 
-bool has_camera(const StageInstant& instant) {
-    return std::any_of(instant.cameras.begin(), instant.cameras.end(),
-                       [](const InstantCamera& camera) { return !camera.orthographic; });
+bool has_camera(const EvaluatedStage& evaluated) {
+    return std::any_of(evaluated.cameras.begin(), evaluated.cameras.end(),
+                       [](const EvaluatedCamera& camera) { return !camera.orthographic; });
 }
 
-Camera camera_of(const Stage& stage, const std::string& name_or_index, const StageInstant& instant, uint32_t width,
+Camera camera_of(const Stage& stage, const std::string& name_or_index, const EvaluatedStage& evaluated, uint32_t width,
                  uint32_t height) {
-    const InstantCamera& found = find_camera(stage, name_or_index, instant);
+    const EvaluatedCamera& found = find_camera(stage, name_or_index, evaluated);
     if (found.orthographic)
-        fail_camera(stage, instant, fmt::format("\"{}\" is orthographic, which is not drawn", found.name));
+        fail_camera(stage, evaluated, fmt::format("\"{}\" is orthographic, which is not drawn", found.name));
     Camera camera;
     camera.world_from_camera = found.world_from_camera;
     camera.width = width;

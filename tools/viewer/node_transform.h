@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "edit/operations.h"
-#include "stage/stage_instant.h"
+#include "stage/evaluated_stage.h"
 
 namespace neuvv::viewer {
 
@@ -26,6 +26,7 @@ glm::dvec3 kept_off_zero(const glm::dvec3& scale, const glm::dvec3& before);
 // How a node must be moved in its parent's space for the lowest of it, and of all that hangs on it, to stand at y = 0
 // of the world. Of meshes, their vertices; of performers, their boxes from y = 0 upwards, which is the floor that they
 // were captured on: boxes reach below it. Nothing where it has neither, or its parent is flat.
-std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node);
+std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
+                                        uint32_t node);
 
 }  // namespace neuvv::viewer

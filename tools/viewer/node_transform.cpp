@@ -1,4 +1,4 @@
-#include "tools/viewer/node_place.h"
+#include "tools/viewer/node_transform.h"
 
 #include <cmath>
 
@@ -9,9 +9,9 @@ namespace neuvv::viewer {
 namespace {
 
 // Metres above the floor, of a node and what hangs on it; INFINITY where there is nothing.
-double lowest_of(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node) {
+double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, uint32_t node) {
     double lowest = INFINITY;
-    for (const stage::InstantPerformer& performer : instant.performers) {
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (stage.performers[performer.performer].node != node) continue;
         const stage::StageClip& clip = stage.clips[performer.clip];
         const glm::dvec3 high = clip.box_min + clip.box_size;
@@ -26,12 +26,12 @@ double lowest_of(const stage::Stage& stage, const stage::StageInstant& instant, 
     if (source.mesh >= 0) {
         stage::PosedVertices posed;
         for (const stage::GltfPrimitive& primitive : stage.scene.meshes[static_cast<size_t>(source.mesh)].primitives) {
-            stage::pose_vertices(stage.scene, instant.pose, node, primitive, posed);
+            stage::pose_vertices(stage.scene, evaluated.pose, node, primitive, posed);
             for (const glm::vec3& position : posed.positions)
                 lowest = std::min(lowest, static_cast<double>(position.y));
         }
     }
-    for (const uint32_t child : source.children) lowest = std::min(lowest, lowest_of(stage, instant, child));
+    for (const uint32_t child : source.children) lowest = std::min(lowest, lowest_of(stage, evaluated, child));
     return lowest;
 }
 
@@ -84,12 +84,13 @@ glm::dvec3 kept_off_zero(const glm::dvec3& scale, const glm::dvec3& before) {
     return kept;
 }
 
-std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::StageInstant& instant, uint32_t node) {
-    const double lowest = lowest_of(stage, instant, node);
+std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
+                                        uint32_t node) {
+    const double lowest = lowest_of(stage, evaluated, node);
     if (!std::isfinite(lowest)) return {};
     const int32_t parent = stage.scene.nodes[node].parent;
     if (parent < 0) return glm::dvec3(0, -lowest, 0);
-    const glm::dmat3 axes(instant.pose.world_from_node[static_cast<size_t>(parent)]);
+    const glm::dmat3 axes(evaluated.pose.world_from_node[static_cast<size_t>(parent)]);
     const glm::dvec3 move = glm::inverse(axes) * glm::dvec3(0, -lowest, 0);
     if (!(glm::length(move) < 1e9)) return {};
     return move;

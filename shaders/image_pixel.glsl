@@ -1,7 +1,7 @@
-// Pixels of pictures and rays of views in their buffers. The includer pushes width, height and views of the pictures, and tiles_across
+// Pixels of images and rays of views in their buffers. The includer pushes width, height and views of the images, and tiles_across
 // and tiles_down of a view's rays.
-#ifndef NEUVV_PICTURE_PIXEL_GLSL
-#define NEUVV_PICTURE_PIXEL_GLSL
+#ifndef NEUVV_IMAGE_PIXEL_GLSL
+#define NEUVV_IMAGE_PIXEL_GLSL
 
 // Where a ray of a view stands in the buffers.
 int ray_at(uint view, uvec2 at) {
@@ -10,8 +10,8 @@ int ray_at(uint view, uvec2 at) {
     return int(first * kTilePixels + inner.y * kTile + inner.x);
 }
 
-// The pixel of this thread; false: it lies beyond the picture's edge, or the dispatch rounded the groups up. `group`: of all
-// pictures' tiles.
+// The pixel of this thread; false: it lies beyond the image's edge, or the dispatch rounded the groups up. `group`: of all
+// images' tiles.
 bool pixel_of_thread(uint group, out uint view, out uvec2 pixel) {
     const uint across = (push.width + kTile - 1u) / kTile, down = (push.height + kTile - 1u) / kTile;
     const uint lane = gl_LocalInvocationID.x, tile = group % (across * down);

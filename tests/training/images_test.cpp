@@ -1,5 +1,5 @@
-// What read_pictures makes of masks, mattes, plates, videos and lenses, on rigs by hand.
-#include "training/pictures.h"
+// What read_images makes of masks, mattes, plates, videos and lenses, on rigs by hand.
+#include "training/images.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ media::Image half_mask(bool in_alpha, uint8_t white = 255) {
     return image;
 }
 
-// Two cameras with a picture each.
+// Two cameras with an image each.
 struct PicturesTest : testing::Test {
     TemporaryFolder folder;
     training::Rig rig;
@@ -49,7 +49,7 @@ struct PicturesTest : testing::Test {
             shot.camera = c;
             shot.name = camera.name + "_0";
             shot.place = "shots[" + std::to_string(c) + "]";
-            shot.picture.path = write(shot.name + ".png", plain(static_cast<uint8_t>(100 + 50 * c)));
+            shot.image.path = write(shot.name + ".png", plain(static_cast<uint8_t>(100 + 50 * c)));
             rig.shots.push_back(shot);
         }
     }
@@ -59,7 +59,7 @@ struct PicturesTest : testing::Test {
         return folder.path / name;
     }
     training::Dataset load(bool mattes_needed = true) {
-        return training::read_pictures(rig, {.mattes_needed = mattes_needed});
+        return training::read_images(rig, {.mattes_needed = mattes_needed});
     }
     void mask_all(const media::Image& mask, training::MaskMeaning meaning) {
         rig.masks = meaning;
@@ -68,7 +68,7 @@ struct PicturesTest : testing::Test {
 };
 
 TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
-    expect_input_error([&] { load(); }, {folder.path.string(), "no picture has a matte", "neuvv matte"});
+    expect_input_error([&] { load(); }, {folder.path.string(), "no image has a matte", "neuvv matte"});
     const training::Dataset data = load(false);
     EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
     EXPECT_EQ(data.cameras.at(1).fx, 20);
@@ -76,8 +76,8 @@ TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
 }
 
 TEST_F(PicturesTest, BeyondTheBudgetPixelsWaitOnDisk) {
-    const training::Dataset inside = training::read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
-    const training::Dataset outside = training::read_pictures(rig, {.mattes_needed = false, .memory_bytes = 1});
+    const training::Dataset inside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
+    const training::Dataset outside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1});
     EXPECT_EQ(inside.spool, nullptr);
     ASSERT_NE(outside.spool, nullptr);
     ASSERT_EQ(outside.views.size(), 2u);
@@ -118,7 +118,7 @@ TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
         EXPECT_EQ(view.image.at(unknown, 3)[0], 0);
         EXPECT_EQ(view.image.at(unknown, 3)[3], 0);
         // Ignored pixels are no matte.
-        expect_input_error([&] { load(); }, {"no picture has a matte"});
+        expect_input_error([&] { load(); }, {"no image has a matte"});
     }
 }
 
@@ -140,7 +140,7 @@ TEST_F(PicturesTest, SizesFollowTheCalibration) {
     EXPECT_EQ(load().cameras[1].width, kWidth + 1);
 }
 
-TEST_F(PicturesTest, ALensIsUndoneInPicturePlateAndMasks) {
+TEST_F(PicturesTest, ALensIsUndoneInImagePlateAndMasks) {
     rig.masks = training::MaskMeaning::kIgnore;
     rig.shots[1].mask.path = write("ignore.png", half_mask(false));
     rig.cameras[1].lens.model = training::LensModel::kBrown;
@@ -174,19 +174,19 @@ TEST_F(PicturesTest, FramesOfVideosComeInAnyOrder) {
         for (uint32_t c = 0; c < 2; ++c) {
             training::Shot shot;
             shot.camera = c;
-            shot.picture = {folder.path / ("v" + std::to_string(c) + ".mp4"), frame};
+            shot.image = {folder.path / ("v" + std::to_string(c) + ".mp4"), frame};
             shot.time = frame / 8.0;
             rig.shots.push_back(shot);
         }
     const training::Dataset data = load(false);
     for (size_t i = 0; i < data.views.size(); ++i) {
         const double expected =
-            20 + 20 * static_cast<double>(rig.shots[i].picture.video_frame) + 30.0 * static_cast<double>(i % 2);
+            20 + 20 * static_cast<double>(rig.shots[i].image.video_frame) + 30.0 * static_cast<double>(i % 2);
         EXPECT_NEAR(data.views[i].image.at(5, 5)[1], expected, 3) << i;
         EXPECT_EQ(data.views[i].image.at(5, 5)[3], 255);
     }
     EXPECT_EQ(data.times, (std::vector<double>{0.125, 0.5, 1}));
-    rig.shots[2].picture.video_frame = 9;
+    rig.shots[2].image.video_frame = 9;
     expect_input_error([&] { load(false); }, {"v0.mp4", "frame 9", "9 frames"});
 }
 

@@ -1,4 +1,4 @@
-// Pictures out of files and videos.
+// Images out of files and videos.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 namespace neuvv::training {
 
 // Keeps the last video open: frames of one video asked for in rising order are decoded in one pass.
-class PictureReader {
+class ImageReader {
   public:
     // Throws InputError naming the file.
-    media::Image read(const PictureSource& source);
+    media::Image read(const ImageSource& source);
 
   private:
     std::filesystem::path path_;
@@ -22,6 +22,6 @@ class PictureReader {
 };
 
 // By the file's header alone.
-media::ImageSize size_of(const PictureSource& source);
+media::ImageSize size_of(const ImageSource& source);
 
 }  // namespace neuvv::training

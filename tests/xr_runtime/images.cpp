@@ -1,4 +1,4 @@
-#include "pictures.h"
+#include "images.h"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -76,10 +76,9 @@ void write_png(const std::filesystem::path& path, uint32_t width, uint32_t heigh
         throw std::runtime_error(fmt::format("cannot write {}: {}", path.string(), image.message));
 }
 
-std::vector<uint8_t> srgb_bytes(const LinearPicture& picture) {
-    std::vector<uint8_t> bytes(picture.rgba.size());
-    for (size_t i = 0; i < bytes.size(); ++i)
-        bytes[i] = i % 4 == 3 ? byte_of(picture.rgba[i]) : srgb_byte(picture.rgba[i]);
+std::vector<uint8_t> srgb_bytes(const LinearImage& image) {
+    std::vector<uint8_t> bytes(image.rgba.size());
+    for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = i % 4 == 3 ? byte_of(image.rgba[i]) : srgb_byte(image.rgba[i]);
     return bytes;
 }
 
@@ -87,7 +86,7 @@ struct Texels {
     std::vector<uint8_t> bytes;
     int64_t format;
     uint32_t width, height;
-    LinearPicture linear() const { return linear_picture(bytes, format, width, height); }
+    LinearImage linear() const { return linear_image(bytes, format, width, height); }
 };
 
 Texels texels_of(const VulkanDevice& vulkan, const SubImage& image) {
@@ -108,12 +107,12 @@ void write_colour(const std::filesystem::path& path, const Texels& texels) {
 }
 
 void write_depth(const std::filesystem::path& stem, const Texels& texels) {
-    const LinearPicture picture = texels.linear();
+    const LinearImage image = texels.linear();
     std::vector<uint8_t> grey;
     std::vector<float> depths;
-    for (size_t i = 0; i < picture.rgba.size(); i += 4) {
-        grey.push_back(byte_of(picture.rgba[i]));
-        depths.push_back(picture.rgba[i]);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        grey.push_back(byte_of(image.rgba[i]));
+        depths.push_back(image.rgba[i]);
     }
     write_png(stem.string() + ".png", texels.width, texels.height, PNG_FORMAT_GRAY, grey);
     std::ofstream stream(stem.string() + ".bin", std::ios::binary);
@@ -129,23 +128,23 @@ uint8_t srgb_byte(float linear) {
     return byte_of(value <= 0.0031308f ? value * 12.92f : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f);
 }
 
-LinearPicture linear_picture(const std::vector<uint8_t>& texels, int64_t format, uint32_t width, uint32_t height) {
-    LinearPicture picture = {width, height, std::vector<float>(size_t{width} * height * 4)};
+LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uint32_t width, uint32_t height) {
+    LinearImage image = {width, height, std::vector<float>(size_t{width} * height * 4)};
     const size_t step = bytes_per_texel(format);
-    for (size_t i = 0; i < size_t{width} * height; ++i) decode(&texels[i * step], format, &picture.rgba[i * 4]);
-    return picture;
+    for (size_t i = 0; i < size_t{width} * height; ++i) decode(&texels[i * step], format, &image.rgba[i * 4]);
+    return image;
 }
 
-void save_pictures(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers) {
+void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers) {
     const std::filesystem::path folder = runtime().report.folder;
     const char* const kEyes[] = {"left", "right"};
     for (uint32_t eye = 0; eye < 2; ++eye) {
-        std::vector<LinearPicture> pictures;
+        std::vector<LinearImage> images;
         int quads = 0, projections = 0;
         for (const Layer& layer : layers) {
             const SubImage& image = layer.is_quad ? layer.image : layer.views[eye].colour;
             const Texels texels = texels_of(vulkan, image);
-            pictures.push_back(texels.linear());
+            images.push_back(texels.linear());
             std::string name = fmt::format("frame_{:04}_quad{}.png", frame.index, quads);
             // A second projection layer is rare, but must not hide the first.
             if (!layer.is_quad)
@@ -157,7 +156,7 @@ void save_pictures(const VulkanDevice& vulkan, const Frame& frame, const std::ve
                             texels_of(vulkan, *layer.views[eye].depth));
             ++(layer.is_quad ? quads : projections);
         }
-        const LinearPicture seen = compose(layers, pictures, eye, frame.display_time);
+        const LinearImage seen = compose(layers, images, eye, frame.display_time);
         write_png(folder / fmt::format("frame_{:04}_{}_seen.png", frame.index, kEyes[eye]), seen.width, seen.height,
                   PNG_FORMAT_RGBA, srgb_bytes(seen));
     }

@@ -1,4 +1,4 @@
-#include "training/picture_reader.h"
+#include "training/image_reader.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 
 }  // namespace
 
-media::Image PictureReader::read(const PictureSource& source) {
+media::Image ImageReader::read(const ImageSource& source) {
     if (source.video_frame < 0) {
         const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
         return media::decode_image(bytes.data(), bytes.size(), source.path.string());
@@ -36,7 +36,7 @@ media::Image PictureReader::read(const PictureSource& source) {
     return image;
 }
 
-media::ImageSize size_of(const PictureSource& source) {
+media::ImageSize size_of(const ImageSource& source) {
     return source.video_frame < 0 ? media::image_size(source.path) : media::VideoReader(source.path).size();
 }
 
