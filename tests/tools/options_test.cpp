@@ -12,7 +12,7 @@ namespace neuvv {
 namespace {
 
 TEST(Options, Size) {
-    const tools::media::ImageSize size = tools::parse_size("1280x720");
+    const media::ImageSize size = tools::parse_size("1280x720");
     EXPECT_EQ(size.width, 1280u);
     EXPECT_EQ(size.height, 720u);
     for (const char* text : {"", "x", "640", "640x", "x480", "0x10", "10x0", "-1x10", "10x10x10", "10 x10", "10x10 ",

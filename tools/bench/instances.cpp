@@ -51,7 +51,7 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
 }
 
 // Sees a square of `count` copies from +Z.
-stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, tools::media::ImageSize size) {
+stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
     stage::Camera camera;

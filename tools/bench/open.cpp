@@ -44,7 +44,7 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
 
 // `view`: that of both images, found with the first tree; finding it takes no part in the times.
 Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read,
-             std::optional<tools::ViewStep>& view, tools::media::ImageSize size) {
+             std::optional<tools::ViewStep>& view, media::ImageSize size) {
     Opening result;
     auto mark = std::chrono::steady_clock::now();
     const voctree::VOctree tree = read();
@@ -119,7 +119,7 @@ void write_synthetic(const OpenOptions& options) {
 }
 
 void run(const OpenOptions& options, const tools::CommonOptions& common) {
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     if (!options.images.empty()) tools::prepare_output_folder("--pictures", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);

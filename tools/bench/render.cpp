@@ -125,7 +125,7 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
 }
 
 struct Renderers {
-    Renderers(const gpu::Device& device, const render::Field& field, tools::media::ImageSize size)
+    Renderers(const gpu::Device& device, const render::Field& field, media::ImageSize size)
         : frames(device, field, {size.width, size.height}), references(device, field, size.width, size.height) {}
     render::FrameRenderer frames;
     render::ReferenceRenderer references;
@@ -180,7 +180,7 @@ double covered_share(const std::vector<glm::vec4>& rays) {
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     std::vector<tools::ViewStep> path =
         tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     Result result;

@@ -53,7 +53,7 @@ stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) 
     return stage::make_stage(std::move(file));
 }
 
-stage::Camera camera_of_bench(const stage::Stage& stage, tools::media::ImageSize size, double distance_m) {
+stage::Camera camera_of_bench(const stage::Stage& stage, media::ImageSize size, double distance_m) {
     stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
@@ -81,7 +81,7 @@ struct Result {
 // Ways take turns, so that what else the machine does hits all alike.
 std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
@@ -109,7 +109,7 @@ std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& opt
 uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);

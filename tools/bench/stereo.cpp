@@ -36,7 +36,7 @@ struct Way {
 constexpr double kEyeDistance_m = 0.063;
 
 // Seen by a person who stands one height away, upright, with 90° from side to side.
-std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, tools::media::ImageSize size,
+std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, media::ImageSize size,
                                        double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
@@ -146,7 +146,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;

@@ -51,7 +51,7 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
 // One slice of the field, shaded, and what walks need to trace it.
 class WalkBench {
   public:
-    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, tools::media::ImageSize size)
+    WalkBench(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size)
         : device_(device),
           field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
@@ -147,7 +147,7 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     const std::vector<tools::ViewStep> path =
         tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
     WalkBench bench(device, tree, size);

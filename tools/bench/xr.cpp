@@ -60,7 +60,7 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
 }
 
 struct EyeTargets {
-    EyeTargets(const gpu::Device& device, tools::media::ImageSize size)
+    EyeTargets(const gpu::Device& device, media::ImageSize size)
         : colour(device, "eyes",
                  {size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                   VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes}),
@@ -84,7 +84,7 @@ double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer
 }
 
 Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
-    const tools::media::ImageSize size = tools::parse_size(options.size);
+    const media::ImageSize size = tools::parse_size(options.size);
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);

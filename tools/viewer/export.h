@@ -14,7 +14,7 @@ namespace neuvv::viewer {
 
 struct ExportSettings {
     tools::ImageOutput output;  // no .exr
-    tools::media::ImageSize size{1920, 1080};
+    media::ImageSize size{1920, 1080};
     double fps = 25, first_s = 0;
     uint32_t images = 1, samples = 2;
     // At a time of the stage, of the export's size.

@@ -66,9 +66,9 @@ void size_fields(Viewer& viewer, FieldGroup& fields, ExportChoice& choice) {
     double width = choice.size.width, height = choice.size.height;
     if (fields.number("Width", width, {16, 8192, 2, "%.0f px"})) choice.size.width = static_cast<uint32_t>(width);
     if (fields.number("Height", height, {16, 8192, 2, "%.0f px"})) choice.size.height = static_cast<uint32_t>(height);
-    for (const auto& [name, size] : {std::pair{"720p", tools::media::ImageSize{1280, 720}},
-                                     {"1080p", tools::media::ImageSize{1920, 1080}},
-                                     {"2160p", tools::media::ImageSize{3840, 2160}}}) {
+    for (const auto& [name, size] : {std::pair{"720p", media::ImageSize{1280, 720}},
+                                     {"1080p", media::ImageSize{1920, 1080}},
+                                     {"2160p", media::ImageSize{3840, 2160}}}) {
         if (ImGui::SmallButton(name)) choice.size = size;
         viewer.report.item(std::string("export/") + name);
         ImGui::SameLine();

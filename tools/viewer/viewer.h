@@ -67,7 +67,7 @@ constexpr const char* kAlongPath = "along the camera path";
 // What is exported, as chosen in the panel.
 struct ExportChoice {
     size_t kind = 0;  // video, numbered images, one image
-    tools::media::ImageSize size{1920, 1080};
+    media::ImageSize size{1920, 1080};
     std::string camera;  // of the stage, or kAlongPath; empty: the window's view
     size_t range = 0;    // the whole stage, the clock's range
     double fps = 0;      // 0: the stage's
