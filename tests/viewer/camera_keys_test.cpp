@@ -1,4 +1,4 @@
-#include "tools/viewer/camera_keys.h"
+#include "tools/viewer/timeline/camera_keys.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/viewer/gizmo.h"
+#include "tools/viewer/tools/gizmo.h"
 
 #include <gtest/gtest.h>
 

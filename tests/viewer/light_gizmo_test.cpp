@@ -1,4 +1,4 @@
-#include "tools/viewer/light_gizmo.h"
+#include "tools/viewer/tools/light_gizmo.h"
 
 #include <gtest/gtest.h>
 

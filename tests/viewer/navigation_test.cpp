@@ -1,4 +1,4 @@
-#include "tools/viewer/navigation.h"
+#include "tools/viewer/tools/navigation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/viewer/node_transform.h"
+#include "tools/viewer/panels/node_transform.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // An eye that stands askew to all axes, and its camera.
 #pragma once
 
-#include "tools/viewer/navigation.h"
+#include "tools/viewer/tools/navigation.h"
 
 namespace neuvv::test {
 

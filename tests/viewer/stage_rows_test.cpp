@@ -1,4 +1,4 @@
-#include "tools/viewer/stage_rows.h"
+#include "tools/viewer/panels/stage_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/viewer/time_axis.h"
+#include "tools/viewer/timeline/time_axis.h"
 
 #include <gtest/gtest.h>
 

@@ -11,10 +11,10 @@
 
 #include "base/platform.h"
 #include "media/colour.h"
-#include "tools/viewer/camera_path_view.h"
-#include "tools/viewer/fields.h"
-#include "tools/viewer/node_actions.h"
-#include "tools/viewer/panels.h"
+#include "tools/viewer/panels/fields.h"
+#include "tools/viewer/panels/node_actions.h"
+#include "tools/viewer/panels/panels.h"
+#include "tools/viewer/timeline/camera_path_view.h"
 
 namespace neuvv::viewer {
 

@@ -22,14 +22,14 @@
 #include "stage/evaluated_stage.h"
 #include "tools/viewer/export.h"
 #include "tools/viewer/files.h"
-#include "tools/viewer/image_tools.h"
-#include "tools/viewer/navigation.h"
-#include "tools/viewer/paint_tool.h"
+#include "tools/viewer/panels/stage_rows.h"
 #include "tools/viewer/report.h"
 #include "tools/viewer/screen.h"
 #include "tools/viewer/screenshot.h"
-#include "tools/viewer/stage_rows.h"
-#include "tools/viewer/timeline_state.h"
+#include "tools/viewer/timeline/timeline_state.h"
+#include "tools/viewer/tools/image_tools.h"
+#include "tools/viewer/tools/navigation.h"
+#include "tools/viewer/tools/paint_tool.h"
 
 namespace neuvv::viewer {
 

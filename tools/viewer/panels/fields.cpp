@@ -1,0 +1,151 @@
+#include "tools/viewer/panels/fields.h"
+
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "media/colour.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+constexpr float kLabelShare = 0.36f;
+
+}  // namespace
+
+FieldGroup::FieldGroup(Viewer& viewer, std::string name) : viewer_(viewer), name_(std::move(name)) {
+    ImGui::PushID(name_.c_str());
+}
+
+FieldGroup::~FieldGroup() {
+    ImGui::PopID();
+}
+
+void FieldGroup::label(const char* name) {
+    const float width = ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x;
+    ImGui::AlignTextToFramePadding();
+    std::string text = name;
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::SameLine(std::round(kLabelShare * width));
+    ImGui::SetNextItemWidth(-FLT_MIN);
+}
+
+void FieldGroup::report_last(const char* name) {
+    // With Tab one comes from field to field in the middle of a drag: each is a step of its own.
+    if (ImGui::IsItemActivated()) viewer_.editor.end_drag();
+    viewer_.report.item(name_ + "/" + name);
+}
+
+bool FieldGroup::number(const char* name, double& value, const Numbers& look) {
+    label(name);
+    ImGui::PushID(name);
+    const bool changed = ImGui::DragScalar("##", ImGuiDataType_Double, &value, static_cast<float>(look.step), &look.low,
+                                           &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    ImGui::PopID();
+    report_last(name);
+    return changed;
+}
+
+bool FieldGroup::number(const char* name, glm::dvec3& value, const Numbers& look) {
+    label(name);
+    ImGui::PushID(name);
+    const bool changed = ImGui::DragScalarN("##", ImGuiDataType_Double, &value.x, 3, static_cast<float>(look.step),
+                                            &look.low, &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    ImGui::PopID();
+    report_last(name);
+    return changed;
+}
+
+bool FieldGroup::colour(const char* name, glm::dvec3& value) {
+    label(name);
+    const glm::dvec3 shown = media::srgb_from_linear(value);
+    float rgb[3] = {static_cast<float>(shown.x), static_cast<float>(shown.y), static_cast<float>(shown.z)};
+    ImGui::PushID(name);
+    const bool changed = ImGui::ColorEdit3("##", rgb, ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_Float);
+    ImGui::PopID();
+    report_last(name);
+    if (changed) value = media::linear_from_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0));
+    return changed;
+}
+
+bool FieldGroup::toggle(const char* name, bool& value) {
+    label(name);
+    ImGui::PushID(name);
+    const bool changed = ImGui::Checkbox("##", &value);
+    ImGui::PopID();
+    report_last(name);
+    return changed;
+}
+
+bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* const> of) {
+    label(name);
+    ImGui::PushID(name);
+    bool changed = false;
+    const bool open = ImGui::BeginCombo("##", value < of.size() ? of[value] : "");
+    report_last(name);
+    if (open) {
+        for (size_t i = 0; i < of.size(); i++) {
+            if (ImGui::Selectable(of[i], i == value)) {
+                changed = i != value;
+                value = i;
+            }
+            report_last((std::string(name) + "/" + of[i]).c_str());
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::PopID();
+    return changed;
+}
+
+// ImGui edits one text at a time, and forgets what was typed when it is left by a click elsewhere: it is kept here.
+bool FieldGroup::text(const char* name, std::string& value) {
+    auto& [typing, typed] = viewer_.fields.text;
+    label(name);
+    ImGui::PushID(name);
+    const ImGuiID id = ImGui::GetID("##");
+    std::string shown = typing == id ? typed : value;
+    ImGui::InputText("##", &shown);
+    const bool changed = ImGui::IsItemDeactivatedAfterEdit() && shown != value;
+    if (ImGui::IsItemActive()) {
+        typing = id;
+        typed = shown;
+    } else if (typing == id) {
+        typing = 0;
+    }
+    ImGui::PopID();
+    report_last(name);
+    if (changed) value = shown;
+    return changed;
+}
+
+bool FieldGroup::slider(const char* name, double& value, double low, double high, const char* format) {
+    label(name);
+    ImGui::PushID(name);
+    const bool changed =
+        ImGui::SliderScalar("##", ImGuiDataType_Double, &value, &low, &high, format, ImGuiSliderFlags_AlwaysClamp);
+    ImGui::PopID();
+    report_last(name);
+    return changed;
+}
+
+bool icon_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
+    ImGui::BeginDisabled(!enabled);
+    if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
+    ImGui::PushID(name);
+    const float side = ImGui::GetFrameHeight();
+    const bool pressed = ImGui::Button(sign, {std::round(1.25f * side), side});
+    ImGui::PopID();
+    if (on) ImGui::PopStyleColor();
+    viewer.report.item(name);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    ImGui::EndDisabled();
+    return pressed;
+}
+
+}  // namespace neuvv::viewer

@@ -1,0 +1,49 @@
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
+#include "tools/viewer/panels/panels.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+void line(unsigned colour, const char* sign, const std::string& text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(sign);
+    ImGui::PopStyleColor();
+    ImGui::SameLine();
+    ImGui::TextWrapped("%s", text.c_str());
+}
+
+}  // namespace
+
+// At the bottom of the image.
+void notices_panel(Viewer& viewer) {
+    const editor::RenderThreadState& drawn = viewer.drawn;
+    const auto jobs = viewer.jobs.under_way();
+    const bool nothing = !viewer.editor.is_open() && jobs.empty();
+    if (viewer.notices().empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
+    const Area& area = viewer.image_area;
+    ImGui::SetNextWindowPos({area.left + viewer.ui(12), area.top + area.height - viewer.ui(12)}, ImGuiCond_Always,
+                            {0, 1});
+    ImGui::SetNextWindowSize({std::min(viewer.ui(520), area.width - viewer.ui(24)), 0});
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::Begin("Notices", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
+    if (nothing)
+        line(ui::kAccent, ICON_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
+    for (const std::string& job : jobs) line(ui::kAccent, ICON_LOOP, job + "…");
+    if (!drawn.loading.empty())
+        line(ui::kAccent, ICON_LOOP,
+             fmt::format("Reading {}: clip {} of {}…", drawn.loading, drawn.files_read + 1, drawn.files));
+    if (!drawn.problem.empty()) line(ui::kError, ICON_WARNING, drawn.problem);
+    for (const editor::Notice& notice : viewer.notices())
+        line(notice.error ? ui::kError : ui::kGood, notice.error ? ICON_WARNING : ICON_CHECK, notice.text);
+    ImGui::End();
+}
+
+}  // namespace neuvv::viewer

@@ -1,0 +1,137 @@
+// What a performer plays, and how it is seen.
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
+#include "tools/viewer/panels/property_fields.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+void drag(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
+    viewer.editor.drag([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
+}
+
+void set(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
+    viewer.editor.edit([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
+}
+
+// The clip as it was read; null while it is read.
+const stage::StageClip* clip_on(const Viewer& viewer, uint32_t node) {
+    const stage::Stage* stage = viewer.stage_of_document();
+    if (!stage) stage = viewer.stage.get();
+    if (!stage) return nullptr;
+    for (const stage::StagePerformer& performer : stage->performers)
+        if (performer.node == node) return &stage->clips[performer.clip];
+    return nullptr;
+}
+
+void clip_lines(const stage::StageClip* clip, FieldGroup& group, const stage::PerformerSettings& settings) {
+    const std::string name = std::filesystem::path(stage::decoded_uri(settings.uri)).filename().string();
+    group.label("clip");
+    ImGui::TextUnformatted(name.c_str());
+    group.report_last("clip");
+    explain(clip ? clip->path.c_str() : settings.uri.c_str());
+    if (!clip) return;
+    const glm::dvec3& size = clip->box_size;
+    const std::string lines = fmt::format("{} frames, {:.4g} fps, {:.4g} s\n{:.2f} × {:.2f} × {:.2f} m", clip->frames,
+                                          clip->fps, clip->frames / clip->fps, size.x, size.y, size.z);
+    group.label("");
+    ImGui::TextDisabled("%s", lines.c_str());
+    explain("Width, height and depth of the space that was captured");
+}
+
+// The map, where the clip can be played so; else what is wrong with it.
+std::string error_of(const stage::TimeMap& map, const stage::StageClip* clip) {
+    try {
+        if (clip) stage::timeline_of(map, clip->frames, clip->fps, "", "");
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+void try_time(Viewer& viewer, uint32_t node, const stage::StageClip* clip, const std::string& typed) {
+    PropertyFields::Time& time = viewer.fields.time;
+    time.node.reset();
+    std::string error;
+    try {
+        const stage::TimeMap map = stage::parse_time_map(typed, "", "");
+        error = error_of(map, clip);
+        if (error.empty()) {
+            set(viewer, node, {.time = map});
+            return;
+        }
+    } catch (const InputError& problem) {
+        error = problem.what();
+    }
+    // Without a file, which it has none, and which operator, which its text says.
+    error.erase(0, error.find_first_not_of(": "));
+    if (const size_t end = error.find(": "); error.starts_with('/') && end != std::string::npos)
+        error.erase(0, end + 2);
+    time = {node, viewer.editor.id(), typed, error};
+}
+
+// Each tries another map; what is wrong with it is shown as if it had been typed.
+void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::StageClip* clip,
+                  const stage::TimeMap& map) {
+    const auto button = [&](const char* name, const char* explained) {
+        const bool pressed = ImGui::Button(name);
+        group.report_last(name);
+        explain(explained);
+        ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+        return pressed;
+    };
+    const auto also = [&](stage::TimeOperator added) {
+        stage::TimeMap more = map;
+        more.push_back(added);
+        try_time(viewer, node, clip, stage::text_of(more));
+    };
+    group.label("");
+    if (button("loop", "Again and again")) also({.verb = stage::TimeVerb::kLoop, .has_part = false});
+    if (button("to and fro", "Forwards and backwards, again and again"))
+        also({.verb = stage::TimeVerb::kPingPong, .has_part = false});
+    if (button("plain", "As it was filmed, once")) try_time(viewer, node, clip, "");
+    ImGui::NewLine();
+}
+
+void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::TimeMap& map) {
+    const stage::StageClip* const clip = clip_on(viewer, node);
+    const PropertyFields::Time& time = viewer.fields.time;
+    const bool wrong = time.node == node && time.id == viewer.editor.id();
+    std::string text = wrong ? time.typed : stage::text_of(map);
+    if (group.text("time", text)) try_time(viewer, node, clip, text);
+    explain("How stage time becomes the clip's, step by step: offset:2s, speed:0.5, clip:1s:3s, reverse, loop, …");
+    if (wrong) {
+        ImGui::PushStyleColor(ImGuiCol_Text, ui::kError);
+        ImGui::TextWrapped(ICON_WARNING " %s", time.error.c_str());
+        ImGui::PopStyleColor();
+        group.report_last("time error");
+    }
+    time_buttons(viewer, group, node, clip, map);
+}
+
+}  // namespace
+
+void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
+    const auto settings = edit::performer_on(viewer.editor.file(), node);
+    if (!settings) return;
+    headline("Performer");
+    clip_lines(clip_on(viewer, node), group, *settings);
+    time_fields(viewer, group, node, settings->time);
+    double opacity = settings->opacity;
+    if (group.slider("opacity", opacity, 0, 1)) drag(viewer, node, {.opacity = opacity});
+    double spin = settings->spin_deg_per_s;
+    if (group.number("spin", spin, {-3600, 3600, 0.5, "%.1f°/s"})) drag(viewer, node, {.spin_deg_per_s = spin});
+    bool casts = settings->casts_shadow, receives = settings->receives_shadow;
+    if (group.toggle("casts shadow", casts)) set(viewer, node, {.casts_shadow = casts});
+    if (group.toggle("shadows on it", receives)) set(viewer, node, {.receives_shadow = receives});
+}
+
+}  // namespace neuvv::viewer

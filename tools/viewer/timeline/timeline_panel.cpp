@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tools/viewer/panels/panels.h"
+#include "tools/viewer/timeline/camera_path_view.h"
+#include "tools/viewer/timeline/timeline_view.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+constexpr float kNamesWidth = 150, kNamesShare = 0.45f, kRowHeight = 22, kMargin = 10;  // at scale 1
+constexpr size_t kLineSteps = 24;
+constexpr double kWheelPixels = 60;
+
+void read_path(TimelineState& state, const Viewer& viewer) {
+    if (state.path_of == viewer.editor.id()) return;
+    state.path.reset();
+    state.path_line.clear();
+    if (viewer.editor.is_open()) state.path = edit::camera_path_of(viewer.editor.file());
+    if (state.path) state.path_line = line_of(*state.path, kLineSteps);
+    state.path_of = viewer.editor.id();
+}
+
+void read_tracks(TimelineState& state, const Viewer& viewer) {
+    if (!viewer.stage || !viewer.editor.is_open()) {
+        state.tracks.clear();
+        state.tracks_of = 0;
+        return;
+    }
+    if (state.tracks_of == viewer.editor.id() && state.clips_of == viewer.stage) return;
+    state.tracks = edit::performer_tracks(viewer.editor.file(), viewer.stage->clips);
+    state.tracks_of = viewer.editor.id();
+    state.clips_of = viewer.stage;
+}
+
+// The end of the stage, or of who plays longer.
+double extent_of(const TimelineState& state, const editor::StageClock& clock) {
+    double extent_s = clock.duration_s();
+    for (const edit::PerformerTrack& track : state.tracks)
+        if (std::isfinite(track.bar.end_s)) extent_s = std::max(extent_s, track.bar.end_s);
+    return extent_s;
+}
+
+void place_view(TimelineState& state, const Viewer& viewer) {
+    TimelineView& view = state.view;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x;
+    view.names_left = at.x;
+    view.names_width = std::round(std::min(viewer.ui(kNamesWidth), kNamesShare * width));
+    view.row_height = std::round(viewer.ui(kRowHeight));
+    view.axis.left = at.x + view.names_width;
+    view.axis.width = std::max(1.0f, width - view.names_width - ImGui::GetStyle().ScrollbarSize);
+    if (!viewer.editor.dragging())  // else what is dragged would run away from the pointer
+        view.limits = {extent_of(state, viewer.clock), viewer.clock.fps(), viewer.ui(kMargin)};
+    view.axis = state.fits ? fitted(view.axis, view.limits) : scrolled(view.axis, 0, view.limits);
+}
+
+// Wheel and middle button over time, wherever in the panel.
+void navigate(TimelineState& state, const Viewer& viewer, float top) {
+    const ImGuiIO& io = ImGui::GetIO();
+    TimelineView& view = state.view;
+    const bool hovered =
+        ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem) &&
+        io.MousePos.y >= top;
+    const bool over_time = hovered && io.MousePos.x >= view.left() && io.MousePos.x < view.right();
+    const double before_s = view.axis.begin_s, before_scale = view.axis.s_per_px;
+    if (over_time && io.MouseWheel != 0 && !io.KeyShift)
+        view.axis = zoomed(view.axis, io.MousePos.x, io.MouseWheel, view.limits);
+    const float sideways = io.MouseWheelH + (io.KeyShift ? io.MouseWheel : 0);
+    if (over_time && sideways != 0)
+        view.axis = scrolled(view.axis, viewer.ui(sideways * static_cast<float>(kWheelPixels)), view.limits);
+    if (hovered && !over_time) state.scroll_y -= io.MouseWheel * view.row_height;
+    if (state.panned) {
+        view.axis = scrolled(view.axis, io.MouseDelta.x, view.limits);
+        state.scroll_y -= io.MouseDelta.y;
+    }
+    // After the way of this frame: what the pointer went before its button went down is none of it.
+    if (over_time && ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) state.panned = true;
+    if (!ImGui::IsMouseDown(ImGuiMouseButton_Middle)) state.panned = false;
+    if (view.axis.begin_s != before_s || view.axis.s_per_px != before_scale) state.fits = false;
+    if (over_time && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) state.fits = true;
+}
+
+// Brings who was selected elsewhere into sight.
+void scroll_to_selected(TimelineState& state, const Viewer& viewer) {
+    const auto selected = viewer.editor.selected();
+    if (state.seen_selected == selected) return;
+    const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
+                                    [&](const edit::PerformerTrack& one) { return one.node == selected; });
+    if (selected && track == state.tracks.end()) return;  // it may be added in this frame
+    state.seen_selected = selected;
+    if (!selected) return;
+    const float row = state.view.row_height + viewer.ui(2), seen = ImGui::GetWindowHeight();
+    const float top = static_cast<float>(track - state.tracks.begin()) * row;
+    if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + seen)
+        ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (seen - row)));
+}
+
+void rows(TimelineState& state, Viewer& viewer) {
+    const ImVec2 at = ImGui::GetWindowPos();
+    if (state.scroll_y != 0)
+        ImGui::SetScrollY(std::clamp(ImGui::GetScrollY() + state.scroll_y, 0.0f, ImGui::GetScrollMaxY()));
+    state.scroll_y = 0;
+    scroll_to_selected(state, viewer);
+    for (const edit::PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
+    if (state.tracks.empty() && viewer.stage) ImGui::TextDisabled("no performers yet");
+    draw_range_and_time(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
+}
+
+}  // namespace
+
+double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s) {
+    const double clock_s = viewer.clock.time_s();
+    if (std::abs(time_s - clock_s) < viewer.ui(5) * view.axis.s_per_px) return clock_s;
+    return at_image(time_s, viewer.clock.fps());
+}
+
+bool is_dragged(const Viewer& viewer) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ImVec2 from = io.MouseClickedPos[ImGuiMouseButton_Left];
+    const float x = io.MousePos.x - from.x, y = io.MousePos.y - from.y, least = viewer.ui(3);
+    return std::max(x * x + y * y, io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left]) >= least * least;
+}
+
+bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& name, const char* sign,
+                const char* explained, bool on, bool enabled) {
+    ImGui::BeginDisabled(!enabled);
+    ImGui::PushID(name.c_str());
+    if (!on) ImGui::PushStyleColor(ImGuiCol_Button, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});
+    const bool pressed = ImGui::Button(sign, {view.row_height, view.row_height});
+    ImGui::PopStyleVar();
+    if (!on) ImGui::PopStyleColor();
+    ImGui::PopID();
+    viewer.report.item(name);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    ImGui::EndDisabled();
+    return pressed;
+}
+
+void timeline_panel(Viewer& viewer, const Area& area) {
+    TimelineState& state = viewer.timeline;
+    if (!begin_panel("timeline_panel", area)) return ImGui::End();
+    read_tracks(state, viewer);
+    read_path(state, viewer);
+    if (state.path && viewer.show_path && !viewer.along_path) draw_camera_path(viewer, *state.path, state.path_line);
+    transport_row(viewer);
+    place_view(state, viewer);
+    const float top = ImGui::GetCursorScreenPos().y;
+    ruler_row(viewer, state.view);
+    camera_row(viewer, state.view, state.path);
+    ImGui::BeginChild("tracks", {0, 0}, false, ImGuiWindowFlags_NoScrollWithMouse);
+    rows(state, viewer);
+    ImGui::EndChild();
+    navigate(state, viewer, top);
+    ImGui::End();
+}
+
+}  // namespace neuvv::viewer

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/ui/icons.h"
+#include "tools/ui/theme.h"
+#include "tools/viewer/panels/fields.h"
+#include "tools/viewer/timeline/timeline_view.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+constexpr double kSlowest = 0.1, kFastest = 4;
+
+// From -kFastest to kFastest, without what is slower than kSlowest either way.
+void set_speed(editor::StageClock& clock, float speed) {
+    const double size = std::clamp<double>(std::abs(speed), kSlowest, kFastest);
+    clock.speed = speed < 0 ? -size : size;
+}
+
+void speed_field(Viewer& viewer) {
+    constexpr auto kFlags = ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput;
+    auto speed = static_cast<float>(viewer.clock.speed);
+    ImGui::SetNextItemWidth(viewer.ui(54));
+    if (ImGui::DragFloat("##speed", &speed, 0.01f, -kFastest, kFastest, "%.2f×", kFlags)) {
+        // Slower than the slowest it goes on the other way, as far as the hand went.
+        const bool crossed = std::abs(speed) < kSlowest && std::abs(viewer.clock.speed) <= kSlowest + 1e-6 &&
+                             (speed < viewer.clock.speed) == (viewer.clock.speed > 0);
+        set_speed(viewer.clock, crossed ? static_cast<float>(-viewer.clock.speed) : speed);
+    }
+    viewer.report.item("timeline/speed");
+    if (!ImGui::IsItemHovered()) return;
+    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) viewer.clock.speed = 1;
+    if (!ImGui::IsItemActive())
+        ImGui::SetTooltip("How fast it plays: drag; to the left of 0 backwards.\nDouble click: as fast as life.");
+}
+
+void time_text(const editor::StageClock& clock) {
+    const float begin = ImGui::GetCursorPosX();
+    const auto [time, of] = std::pair(
+        fmt::format("{} · {}", text_of_time(clock.time_s()), clock.image()),
+        fmt::format("of {} · {} at {:.6g} fps", text_of_time(clock.duration_s()), clock.images(), clock.fps()));
+    const float widest =
+        ImGui::CalcTextSize(fmt::format("{} · {}", text_of_time(clock.duration_s()), clock.images()).c_str()).x;
+    ImGui::TextUnformatted(time.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("time · image, %s", of.c_str());
+    const float next = begin + widest + ImGui::GetStyle().ItemSpacing.x;
+    if (next + ImGui::CalcTextSize(of.c_str()).x > ImGui::GetWindowContentRegionMax().x) return;
+    ImGui::SameLine(next);
+    ImGui::TextDisabled("%s", of.c_str());
+}
+
+}  // namespace
+
+std::string text_of_time(double seconds) {
+    return fmt::format("{:.2f} s", seconds);
+}
+
+void transport_row(Viewer& viewer) {
+    editor::StageClock& clock = viewer.clock;
+    const float gap = viewer.ui(2);
+    if (icon_button(viewer, "timeline/start", ICON_START, "To the start (Home)")) clock.scrub(clock.in_s());
+    ImGui::SameLine(0, gap);
+    if (icon_button(viewer, "timeline/step_back", ICON_STEP_BACK, "The image before (,)")) clock.step(-1);
+    ImGui::SameLine(0, gap);
+    const bool playing = clock.playing;
+    if (icon_button(viewer, "timeline/play", playing ? ICON_PAUSE : ICON_PLAY,
+                    playing ? "Pause (Space)" : "Play (Space)", playing))
+        clock.play_or_pause();
+    ImGui::SameLine(0, gap);
+    if (icon_button(viewer, "timeline/step", ICON_STEP, "The next image (.)")) clock.step(1);
+    ImGui::SameLine(0, gap);
+    if (icon_button(viewer, "timeline/loop", ICON_LOOP, "Play again and again", clock.loops))
+        clock.loops = !clock.loops;
+    ImGui::SameLine(0, viewer.ui(8));
+    speed_field(viewer);
+    ImGui::SameLine(0, viewer.ui(8));
+    ImGui::AlignTextToFramePadding();
+    time_text(clock);
+}
+
+}  // namespace neuvv::viewer

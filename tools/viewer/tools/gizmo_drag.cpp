@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
+
+#include "tools/viewer/tools/gizmo.h"
+#include "tools/viewer/tools/gizmo_frame.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+// Sine of the angle to the line of sight below which a ring is turned along its front.
+constexpr double kEdgeOnRing = 0.15;
+// Distances from the middle count at least so much in ratios.
+constexpr double kLeastGrip = 0.1, kLeastGrip_px = 8;
+
+struct Grabbed {
+    const Gizmo& gizmo;
+    const GizmoFrame& frame;
+    glm::dvec2 from, to;
+    bool snap;
+};
+
+// Components of `v`, which lies in their plane, along two directions of it.
+glm::dvec2 components(glm::dvec3 v, glm::dvec3 a, glm::dvec3 b) {
+    const glm::dvec3 normal = glm::cross(a, b), beside_a = glm::cross(normal, a), beside_b = glm::cross(normal, b);
+    return {glm::dot(v, beside_b) / glm::dot(a, beside_b), glm::dot(v, beside_a) / glm::dot(b, beside_a)};
+}
+
+glm::dvec3 way_along(const Grabbed& grabbed, glm::dvec3 axis) {
+    const stage::Camera& camera = grabbed.gizmo.camera;
+    const GizmoFrame& frame = grabbed.frame;
+    const std::optional<double> from = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
+                                to = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.to);
+    return from && to ? axis * editor::snapped(*to - *from, kMoveSnap_m, grabbed.snap) : glm::dvec3(0);
+}
+
+glm::dvec3 way_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
+    const glm::dvec3 normal = glm::cross(u, v), middle = grabbed.frame.middle;
+    const std::optional<glm::dvec3> from = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.from),
+                                    to = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.to);
+    if (!from || !to) return glm::dvec3(0);
+    if (!grabbed.snap) return *to - *from;
+    const glm::dvec2 way = components(*to - *from, u, v);
+    return u * editor::snapped(way.x, kMoveSnap_m, true) + v * editor::snapped(way.y, kMoveSnap_m, true);
+}
+
+double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
+    const stage::Camera& camera = grabbed.gizmo.camera;
+    const glm::dvec3 middle = grabbed.frame.middle;
+    const RingFront ring = ring_front(grabbed.frame, axis);
+    if (ring.facing < kEdgeOnRing) {
+        const double radius = grabbed.frame.size_m;
+        const auto along = [&](glm::dvec2 pointer) {
+            return editor::line_drag(camera, middle + ring.front * radius, ring.onward * radius, 1, pointer);
+        };
+        const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
+        return from && to ? *to - *from : 0;
+    }
+    const std::optional<glm::dvec3> from = editor::plane_drag(camera, middle, axis, grabbed.from),
+                                    to = editor::plane_drag(camera, middle, axis, grabbed.to);
+    if (!from || !to) return 0;
+    const glm::dvec3 a = *from - middle, b = *to - middle;
+    return std::atan2(glm::dot(axis, glm::cross(a, b)), glm::dot(a, b));
+}
+
+double factor_of(double from, double to, double least_grip, bool snap) {
+    const double factor = 1 + (to - from) / std::max(from, least_grip);
+    return snap ? std::max(editor::snapped(factor, kScaleSnap, true), kScaleSnap) : std::max(factor, kLeastFactor);
+}
+
+double factor_along(const Grabbed& grabbed, glm::dvec3 axis) {
+    const GizmoFrame& frame = grabbed.frame;
+    const auto along = [&](glm::dvec2 pointer) {
+        return editor::line_drag(grabbed.gizmo.camera, frame.middle, axis * frame.size_m, 1, pointer);
+    };
+    const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
+    return from && to ? factor_of(*from, *to, kLeastGrip, grabbed.snap) : 1;
+}
+
+double factor_around(const Grabbed& grabbed) {
+    const std::optional<glm::dvec2> middle = editor::pixel_of(grabbed.gizmo.camera, grabbed.frame.middle);
+    if (!middle) return 1;
+    return factor_of(glm::distance(grabbed.from, *middle), glm::distance(grabbed.to, *middle), kLeastGrip_px,
+                     grabbed.snap);
+}
+
+glm::dmat4 moved(const Grabbed& grabbed, GizmoHandle handle) {
+    const std::array<glm::dvec3, 3>& axes = grabbed.frame.axes;
+    glm::dvec3 way;
+    switch (handle) {
+        case GizmoHandle::kX:
+            way = way_along(grabbed, axes[0]);
+            break;
+        case GizmoHandle::kY:
+            way = way_along(grabbed, axes[1]);
+            break;
+        case GizmoHandle::kZ:
+            way = way_along(grabbed, axes[2]);
+            break;
+        case GizmoHandle::kYZ:
+            way = way_in_plane(grabbed, axes[1], axes[2]);
+            break;
+        case GizmoHandle::kZX:
+            way = way_in_plane(grabbed, axes[2], axes[0]);
+            break;
+        case GizmoHandle::kXY:
+            way = way_in_plane(grabbed, axes[0], axes[1]);
+            break;
+        default: {
+            const glm::dmat4& camera = grabbed.gizmo.camera.world_from_camera;
+            way = way_in_plane(grabbed, camera[0], camera[1]);
+        }
+    }
+    glm::dmat4 matrix = grabbed.gizmo.world_from_node;
+    matrix[3] += glm::dvec4(way, 0);
+    return matrix;
+}
+
+// Which of the axes a handle of one is.
+std::optional<size_t> axis_of(GizmoHandle handle) {
+    if (handle < GizmoHandle::kX || handle > GizmoHandle::kZ) return std::nullopt;
+    return static_cast<size_t>(handle) - static_cast<size_t>(GizmoHandle::kX);
+}
+
+glm::dmat4 rotated(const Grabbed& grabbed, GizmoHandle handle) {
+    const std::optional<size_t> of = axis_of(handle);
+    const glm::dvec3 axis = of ? grabbed.frame.axes[*of] : grabbed.frame.to_eye;
+    constexpr double kStep = kRotateSnap_deg * std::numbers::pi / 180;
+    const double angle = editor::snapped(angle_about(grabbed, axis), kStep, grabbed.snap);
+    const glm::dmat4& start = grabbed.gizmo.world_from_node;
+    glm::dmat4 matrix = glm::rotate(glm::dmat4(1), angle, axis) * start;
+    matrix[3] = start[3];
+    return matrix;
+}
+
+glm::dmat4 scaled(const Grabbed& grabbed, GizmoHandle handle) {
+    const std::optional<size_t> of = axis_of(handle);
+    const double factor = of ? factor_along(grabbed, grabbed.frame.axes[*of]) : factor_around(grabbed);
+    glm::dmat4 matrix = grabbed.gizmo.world_from_node;
+    for (int i = 0; i < 3; ++i)
+        if (!of || static_cast<size_t>(i) == *of) matrix[i] *= factor;
+    return matrix;
+}
+
+}  // namespace
+
+glm::dmat4 dragged(const Gizmo& gizmo, GizmoHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
+    const std::optional<GizmoFrame> frame = gizmo_frame(gizmo);
+    if (!frame || handle == GizmoHandle::kNone || !editor::is_somewhere(from) || !editor::is_somewhere(to))
+        return gizmo.world_from_node;
+    const Grabbed grabbed{gizmo, *frame, from, to, snap};
+    switch (gizmo.mode) {
+        case GizmoMode::kMove:
+            return moved(grabbed, handle);
+        case GizmoMode::kRotate:
+            return rotated(grabbed, handle);
+        default:
+            return scaled(grabbed, handle);
+    }
+}
+
+}  // namespace neuvv::viewer

@@ -1,0 +1,185 @@
+// The brush, the stamp and the colour under the pointer.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "editor/paint_task.h"
+#include "editor/pointer.h"
+#include "media/colour.h"
+#include "render/trace.h"
+#include "tools/ui/theme.h"
+#include "tools/viewer/panels/fields.h"
+#include "tools/viewer/tools/paint_tool.h"
+#include "tools/viewer/viewer.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+constexpr uint32_t kPreviewCells = 40;  // of the stamp under the pointer, along its longer side
+constexpr double kRaysAPixel = 2;       // of the window, along each side, that a projected image keeps
+
+ImVec4 colour_of(const uint8_t* rgba) {
+    return {static_cast<float>(rgba[0]) / 255, static_cast<float>(rgba[1]) / 255, static_cast<float>(rgba[2]) / 255,
+            static_cast<float>(rgba[3]) / 255};
+}
+
+// Seen on anything: light over dark.
+void ring(ImDrawList* list, ImVec2 at, float radius, unsigned colour, float width) {
+    list->AddCircle(at, radius, 0xa0000000, 0, width + 2);
+    list->AddCircle(at, radius, colour, 0, width);
+}
+
+uint32_t factor_for(const media::Image& image, double most) {
+    const double longest = std::max(image.width, image.height);
+    return static_cast<uint32_t>(std::max(1.0, std::ceil(longest / std::max(most, 1.0))));
+}
+
+// What the camera sees in a part of its image, as an image of its own of this size.
+stage::Camera part_of(stage::Camera camera, const Area& part, uint32_t width, uint32_t height) {
+    const double across = width / double{part.width}, down = height / double{part.height};
+    camera.fx *= across;
+    camera.fy *= down;
+    camera.cx = (camera.cx - double{part.left}) * across;
+    camera.cy = (camera.cy - double{part.top}) * down;
+    camera.width = width;
+    camera.height = height;
+    return camera;
+}
+
+}  // namespace
+
+void PaintTool::draw_brush(const Viewer& viewer, const PaintedPerformer& performer) const {
+    const glm::dmat3 axes(performer.world_from_performer);
+    const double scale = (glm::length(axes[0]) + glm::length(axes[1]) + glm::length(axes[2])) / 3;
+    const auto radius =
+        static_cast<float>(choice.radius_m * scale * viewer.camera.fy / std::max(hover_.depth_m, editor::kNearest_m));
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool erases =
+        choice.tool == PaintChoice::Tool::kErase || (choice.tool == PaintChoice::Tool::kColour && io.KeyCtrl);
+    const glm::dvec3 own = glm::clamp(media::srgb_from_linear(choice.colour), 0.0, 1.0);
+    unsigned colour = 0xffffffff;
+    if (erases) colour = ui::kWarning;
+    if (!erases && choice.tool == PaintChoice::Tool::kColour)
+        colour = ImGui::ColorConvertFloat4ToU32(
+            {static_cast<float>(own.r), static_cast<float>(own.g), static_cast<float>(own.b), 1});
+    const bool beside = !hover_.world && !stroke_;
+    if (beside) colour = (colour & 0xffffff) | 0x70000000;
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    ring(list, io.MousePos, std::max(radius, 2.0f), colour, viewer.ui(1.5f));
+    if (choice.hardness < 0.99 && radius > viewer.ui(12))
+        list->AddCircle(io.MousePos, radius * static_cast<float>(choice.hardness), (colour & 0xffffff) | 0x60000000);
+}
+
+// As it is seen, light included.
+void PaintTool::take_colour(Viewer& viewer) {
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    const glm::dvec2 pixel =
+        glm::max(glm::dvec2(mouse.x - viewer.image_area.left, mouse.y - viewer.image_area.top), glm::dvec2(0));
+    viewer.render_thread.post([this, &viewer, pixel](editor::OnDevice& on) {
+        const auto image = viewer.render_thread.state().displayed.image;
+        if (!image) return;
+        const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, image->shape.width - 1.0)),
+                            static_cast<int32_t>(std::min(pixel.y, image->shape.height - 1.0))};
+        const gpu::Buffer taken(on.device, "taken colour", 4, gpu::MemoryKind::kReadback);
+        gpu::run_once(on.device, "take a colour", [&](gpu::Commands& commands) {
+            gpu::full_barrier(commands);
+            gpu::copy(commands, *image, {at, {1, 1}}, taken);
+            gpu::host_barrier(commands);
+        });
+        const uint8_t* rgba = taken.as<uint8_t>();
+        const glm::dvec3 linear(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
+                                media::linear_from_srgb_byte(rgba[2]));
+        viewer.jobs.post([this, linear] { choice.colour = linear; });
+    });
+}
+
+void PaintTool::load_image(Viewer& viewer) {
+    viewer.jobs.start("Reading an image", [this, &viewer, path = choice.image]() -> JobQueue::Then {
+        const auto image = std::make_shared<const media::Image>(media::read_png(path));
+        const auto preview =
+            std::make_shared<const media::Image>(editor::reduced(*image, factor_for(*image, kPreviewCells)));
+        return [this, &viewer, path, image, preview] {
+            stamp_path_ = path;
+            stamp_ = image;
+            stamp_preview_ = preview;
+            viewer.redraw();
+        };
+    });
+}
+
+// Its middle at the pointer.
+Area PaintTool::stamp_area(const Viewer& viewer) const {
+    const ImVec2 at = ImGui::GetIO().MousePos;
+    Area area;
+    area.height = static_cast<float>(choice.stamp_share) * viewer.image_area.height;
+    area.width = area.height * static_cast<float>(stamp_->width) / static_cast<float>(stamp_->height);
+    area.left = at.x - 0.5f * area.width;
+    area.top = at.y - 0.5f * area.height;
+    return area;
+}
+
+void PaintTool::draw_stamp(Viewer& viewer) const {
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    const media::Image& cells = *stamp_preview_;
+    const Area area = stamp_area(viewer);
+    if (!task_runs_) {
+        const float width = area.width / static_cast<float>(cells.width),
+                    height = area.height / static_cast<float>(cells.height);
+        for (uint32_t y = 0; y < cells.height; y++)
+            for (uint32_t x = 0; x < cells.width; x++) {
+                ImVec4 colour = colour_of(cells.at(x, y));
+                colour.w *= 0.75f * static_cast<float>(choice.opacity);
+                const ImVec2 low(area.left + width * static_cast<float>(x), area.top + height * static_cast<float>(y));
+                list->AddRectFilled(low, {low.x + width, low.y + height}, ImGui::ColorConvertFloat4ToU32(colour));
+            }
+        list->AddRect({area.left, area.top}, {area.left + area.width, area.top + area.height}, 0xc0ffffff, 0, 0,
+                      viewer.ui(1));
+    } else {
+        list->AddText({area.left, area.top}, 0xffffffff, "Projecting…");
+    }
+    viewer.report.place("paint/stamp-area", area.left, area.top, area.width, area.height);
+}
+
+void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer) {
+    std::filesystem::path path;
+    const auto before = open_target(viewer, performer, path);
+    if (!before) return;
+    begin_task(viewer);
+    viewer.clock.pause();
+    Area area = stamp_area(viewer);
+    const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
+    area.left -= viewer.image_area.left;
+    area.top -= viewer.image_area.top;
+    const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
+    editor::PaintOperation operation;
+    operation.opacity = static_cast<float>(choice.opacity);
+    operation.frames = frames_of(performer);
+    const bool every_frame = choice.every_frame && choice.frames != PaintChoice::Frames::kThis;
+    auto session = std::make_shared<std::optional<editor::PaintSession>>();
+    editor::post_paint_task(
+        viewer.parts(), surface_, performer.clip, clip_,
+        [=, this, &viewer, image = stamp_, subject = subject_of(viewer, performer, false)](
+            editor::PaintSurface& surface,
+            const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
+            if (!*session) {
+                subject.field = field;
+                editor::PaintArea where;
+                where.image = editor::reduced(*image, factor);
+                where.image_camera = part_of(camera, area, where.image.width, where.image.height);
+                where.every_frame = every_frame;
+                session->emplace(subject, before, operation, std::move(where));
+            }
+            if ((*session)->add_projection(surface)) return {};
+            const auto layer = (*session)->layer();
+            return [=, this, &viewer] { put(viewer, performer, path, before, layer, "image projected"); };
+        },
+        [this] {
+            clip_.reset();
+            task_runs_ = false;
+        });
+}
+
+}  // namespace neuvv::viewer
