@@ -212,7 +212,7 @@ void check_buffers(const Source& source, const json& root) {
         const std::filesystem::path path = std::filesystem::path(source.folder) / decoded_uri(uri);
         std::error_code error;
         if (!std::filesystem::is_regular_file(path, error))
-            throw InputError(source.file, place, fmt::format("\"{}\" is not there", uri),
+            throw InputError(source.file, place, fmt::format("\"{}\" does not exist", uri),
                              "put it beside the scene, or export the scene anew as a .glb");
         const uint64_t bytes = std::filesystem::file_size(path, error),
                        needed = buffers[i].value("byteLength", uint64_t{0});

@@ -322,7 +322,7 @@ ordered_json parse_document(std::string_view text, const std::string& file) {
         if (event != ordered_json::parse_event_t::key) return true;
         const auto& key = parsed.get_ref<const std::string&>();
         if (!keys[level].insert(key).second)
-            throw InputError(file, "", fmt::format("says the member \"{}\" of one object twice", key),
+            throw InputError(file, "", fmt::format("has the member \"{}\" of one object twice", key),
                              "keep one of them");
         if (keys[level].size() > kMaxJsonMembers)
             throw InputError(file, "", fmt::format("has an object of more than {} members", kMaxJsonMembers));
