@@ -47,7 +47,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
               largest(capacity).image_tiles(), surroundings_of(set)),
-      image_(device, "picture", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      image_(device, "image", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
       blank_(device, "blank image", set ? 4 : largest(capacity).image_bytes(), gpu::MemoryKind::kDevice),
       lister_(device, target_.rays, target_.ranges),

@@ -93,8 +93,8 @@ bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
 
 }  // namespace
 
-SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* image) : has_image(image != nullptr) {
-    const Environment environment = image ? make_environment(*image) : dark_environment();
+SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* source) : has_image(source != nullptr) {
+    const Environment environment = source ? make_environment(*source) : dark_environment();
     std::vector<std::vector<uint8_t>> levels;
     for (const std::vector<uint16_t>& level : environment.levels) {
         levels.emplace_back(level.size() * sizeof(uint16_t));

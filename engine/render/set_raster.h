@@ -24,7 +24,7 @@ constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cu
 // The image around a set, on the device.
 struct SetEnvironment {
     // environment.h says what the image is; null: no light. It is not needed afterwards.
-    SetEnvironment(const gpu::Device& device, const media::Image* image);
+    SetEnvironment(const gpu::Device& device, const media::Image* source);
 
     gpu::DeviceImage image;
     gpu::Sampler sampler;
