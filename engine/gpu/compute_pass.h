@@ -12,8 +12,8 @@
 namespace neuvv::gpu {
 
 // How many groups of so many hold `items`, the last of them perhaps in part.
-constexpr uint32_t groups_of(uint64_t items, uint32_t of_group) {
-    return static_cast<uint32_t>((items + of_group - 1) / of_group);
+constexpr uint32_t groups_of(uint64_t items, uint32_t group_size) {
+    return static_cast<uint32_t>((items + group_size - 1) / group_size);
 }
 
 class ComputePass {

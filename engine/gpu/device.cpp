@@ -120,7 +120,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
         if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
             summary.memory_bytes = std::max<uint64_t>(summary.memory_bytes, memory.memoryHeaps[i].size);
-    find_lacking_features(physical, summary.missing, summary.lacks);
+    find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
 }
 
@@ -326,13 +326,14 @@ void Device::save_pipeline_cache() const {
     }
 }
 
-uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const {
+uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred,
+                             VkMemoryPropertyFlags required) const {
     VkPhysicalDeviceMemoryProperties memory{};
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
-    for (const VkMemoryPropertyFlags flags : {wanted, needed})
+    for (const VkMemoryPropertyFlags flags : {preferred, required})
         for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
             if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
-    throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, needed));
+    throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, required));
 }
 
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {

@@ -36,9 +36,9 @@ struct DeviceSummary {
     std::string kind;    // "discrete", "integrated", "virtual", "cpu", "other"
     std::string driver;  // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
     uint32_t api_version = 0;
-    uint64_t memory_bytes = 0;         // the largest device-local heap
-    std::vector<std::string> missing;  // required features it lacks, in our table's words; empty: usable
-    std::vector<std::string> lacks;    // optional ones, each with what stands in for it
+    uint64_t memory_bytes = 0;                  // the largest device-local heap
+    std::vector<std::string> missing;           // required features it lacks, in our table's words; empty: usable
+    std::vector<std::string> missing_optional;  // optional ones, each with what stands in for it
 };
 
 // Every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
@@ -90,7 +90,7 @@ class Device {
     void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
 
     // First memory type that has `wanted` among those in `type_bits`, or falls back to `needed`. Throws RuntimeFailure.
-    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const;
+    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred, VkMemoryPropertyFlags required) const;
 
     // Gives a Vulkan object its debug name (no-op without the debug-utils extension).
     void name_object(VkObjectType type, uint64_t object, const std::string& name) const;

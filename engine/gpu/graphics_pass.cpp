@@ -39,7 +39,7 @@ struct FixedState {
         raster.lineWidth = 1;
         multisample.rasterizationSamples = shape.samples;
         depth.depthTestEnable = VK_TRUE;
-        depth.depthCompareOp = shape.nearer;
+        depth.depthCompareOp = shape.depth_compare;
         VkPipelineColorBlendAttachmentState attachment{};
         attachment.blendEnable = shape.blend;
         attachment.srcColorBlendFactor = attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;

@@ -21,7 +21,7 @@ struct GraphicsShape {
     std::vector<VkFormat> colours = {VK_FORMAT_R16G16B16A16_SFLOAT};  // by location; none: depth alone
     bool blend = true;                                                // premultiplied, over what is there
     VkFormat depth = VK_FORMAT_D32_SFLOAT;                            // reversed: near 1, far 0
-    VkCompareOp nearer = VK_COMPARE_OP_GREATER;                       // which depths win
+    VkCompareOp depth_compare = VK_COMPARE_OP_GREATER;                // which depths win
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
 };
 

@@ -44,12 +44,12 @@ class Swapchain {
     void resize(VkExtent2D framebuffer);
 
     // The next image, and the semaphores that its drawing waits for and signals; none where the window has another size
-    // by now (is_old), no size, or nothing came: within 20 ms by the display's pace, at once by a free one.
+    // by now (is_outdated), no size, or nothing came: within 20 ms by the display's pace, at once by a free one.
     std::optional<PresentTarget> acquire(CommandSemaphores& semaphores);
     // After its drawing was submitted.
     void present(const PresentTarget& target);
     // The window has another size by now: resize().
-    bool is_old() const { return old_; }
+    bool is_outdated() const { return outdated_; }
 
   private:
     void choose_format();
@@ -67,8 +67,8 @@ class Swapchain {
     std::vector<VkImageView> views_;
     std::vector<VkSemaphore> acquired_;  // in turn, one more than images
     std::vector<VkSemaphore> drawn_;     // by image
-    size_t turn_ = 0;
-    bool old_ = true;
+    size_t next_acquired_ = 0;
+    bool outdated_ = true;
 };
 
 }  // namespace neuvv::gpu

@@ -12,8 +12,8 @@ namespace neuvv::render {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kMaxAcross = 2048, kLeastDown = 8;
-constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small images count their texels in parts
+constexpr uint32_t kMaxWidth = 2048, kMinHeight = 8;
+constexpr uint32_t kMinRows = 256;  // of the sums over all directions: small images count their texels in parts
 
 struct Level {
     uint32_t width = 0, height = 0;
@@ -23,7 +23,7 @@ struct Level {
 // An image as linear light, taken down by the power of two that makes it narrow enough.
 Level linear_level(const media::Image& image) {
     uint32_t block = 1;
-    while (image.width / block > kMaxAcross) block *= 2;
+    while (image.width / block > kMaxWidth) block *= 2;
     Level level{std::max(1u, image.width / block), std::max(1u, image.height / block), {}};
     level.texels.reserve(size_t{level.width} * level.height);
     for (uint32_t y = 0; y < level.height; y++)
@@ -74,7 +74,7 @@ Irradiance irradiance_of(const Level& level) {
                  y22 = 0.5462742152960396;
     const double constants[9] = {y00, y1, y1, y1, y2, y2, y20, y2, y22};
     Irradiance sums{};
-    const uint32_t parts = std::max(1u, (kLeastRows + level.height - 1) / level.height);  // of a texel, each way
+    const uint32_t parts = std::max(1u, (kMinRows + level.height - 1) / level.height);  // of a texel, each way
     const uint32_t rows = parts * level.height, columns = parts * level.width;
     for (uint32_t row = 0; row < rows; row++) {
         const double band = std::cos(kPi * row / rows) - std::cos(kPi * (row + 1) / rows);
@@ -102,8 +102,8 @@ double radical_inverse(uint32_t i) {
 // stands for (Křivánek and Colbert 2008).
 glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double roughness, uint32_t samples) {
     const double alpha2 = std::pow(roughness, 4);
-    const glm::dvec3 aside = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 t = glm::normalize(glm::cross(aside, n)), b = glm::cross(n, t);
+    const glm::dvec3 helper_axis = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 t = glm::normalize(glm::cross(helper_axis, n)), b = glm::cross(n, t);
     const double texel = 4 * kPi / (double{1} * pyramid[0].width * pyramid[0].height);
     glm::dvec3 sum(0);
     double weights = 0;
@@ -144,7 +144,7 @@ Environment make_environment(const media::Image& image) {
     out.irradiance = irradiance_of(pyramid[0]);
     while (pyramid.back().width > 1 || pyramid.back().height > 1) pyramid.push_back(halved(pyramid.back()));
     size_t count = 1;
-    while (count < pyramid.size() && pyramid[count].height >= kLeastDown) count++;
+    while (count < pyramid.size() && pyramid[count].height >= kMinHeight) count++;
     for (size_t i = 0; i < count; i++) {
         const Level& shape = pyramid[i];
         std::vector<uint16_t>& level = out.levels.emplace_back(4 * shape.texels.size());

@@ -31,7 +31,7 @@ size_t plane_floats(const voctree::VOctree& tree) {
 
 // Between two frames rows mix, so neighbours count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
-    uint32_t most = 1;
+    uint32_t max = 1;
     for (uint32_t t = 0; t < frames; t++) {
         const uint32_t rows = std::min(2u, frames - t);
         uint32_t busy = 0;
@@ -42,15 +42,15 @@ uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uin
                     any |= basis[size_t{row} * bases + c] != 0;
             busy += any ? 1 : 0;
         }
-        most = std::max(most, busy);
+        max = std::max(max, busy);
     }
-    return most;
+    return max;
 }
 
 // Of leaves, as a share of the box's.
 float mean_edge(const std::vector<glm::uvec2>& leaf_positions) {
     double sum = 0;
-    for (const glm::uvec2 place : leaf_positions) sum += std::exp2(-static_cast<double>(place.y >> 16));
+    for (const glm::uvec2 position : leaf_positions) sum += std::exp2(-static_cast<double>(position.y >> 16));
     return leaf_positions.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_positions.size()));
 }
 
@@ -64,7 +64,7 @@ gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vec
 // The coarsest and the finest in the tree; leaf_positions is the walk tree's.
 void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions) {
     if (leaf_positions.empty()) return;
-    const auto level = [](glm::uvec2 place) { return place.y >> 16; };
+    const auto level = [](glm::uvec2 position) { return position.y >> 16; };
     const auto [coarsest, finest] = std::ranges::minmax(leaf_positions, {}, level);
     field.coarsest_level = level(coarsest) - field.levels_above;
     field.finest_level = level(finest) - field.levels_above;
@@ -119,8 +119,8 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.top = uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
     field.leaf_cells = uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
     field.node_cells = uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
-    field.leaf_positions = uploaded(device, "leaf places", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
-    field.node_places = uploaded(device, "node places", walk.node_places, VK_FORMAT_R32G32_UINT);
+    field.leaf_positions = uploaded(device, "leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
+    field.node_positions = uploaded(device, "node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
     field.inner_cells = uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;
     field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);

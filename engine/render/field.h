@@ -13,7 +13,7 @@ struct Field {
     gpu::Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
     gpu::Buffer leaf_cells, node_cells;  // per leaf and node: word of LiveLeaves::node_live and its bits there
     gpu::Buffer leaf_positions,
-        node_places;                    // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
+        node_positions;                 // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
     gpu::Buffer inner_cells;            // per node: mask of the cells that are nodes
     std::vector<uint32_t> level_begin;  // first node of each level; at the end the number of nodes
     glm::vec3 box_min{0}, box_size{1};

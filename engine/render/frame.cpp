@@ -49,7 +49,7 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_
-    for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
+    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
 // What walks are like in place of what they see. The set takes no part.
@@ -57,7 +57,7 @@ void FrameRenderer::record_inspected(const FrameSettings& settings) {
     for (const auto& performer : performers_) record_slices(commands_, *performer);
     record_rays(settings);
     record_inspect(commands_, *inspector_, layout_, settings.resolve);
-    for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
+    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
 // What images of this layout show where nothing is seen, where they were others so far.
@@ -65,12 +65,12 @@ void FrameRenderer::record_blank(const FrameSettings& settings) {
     ViewLayout all_pixels = layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
-    if (blank_is_of_ == shown) return;
+    if (blank_key_ == shown) return;
     record_clear(commands_, target_.rays, all_pixels.ray_tiles());
     record_resolve(commands_, resolver_, all_pixels, settings.resolve);
     gpu::copy(commands_, image_, blank_, layout_.image_bytes());
     gpu::compute_barrier(commands_);
-    blank_is_of_ = shown;
+    blank_key_ = shown;
 }
 
 // The tiles where anything may be seen, in an image that shows nothing yet.
@@ -84,7 +84,7 @@ void FrameRenderer::record_listed() {
 // The instances, near to far.
 void FrameRenderer::record_rays(const FrameSettings& settings) {
     record_clear(commands_, target_.rays, layout_.ray_tiles());
-    record_unseen(commands_, target_.ranges);
+    record_clear_coverage(commands_, target_.ranges);
     for (const std::vector<DrawnInstance>& group : drawn_)
         if (group.size() == 1)
             record_instance(commands_, *performers_[group[0].field], kEyeTarget, group[0], layout_);
@@ -94,7 +94,7 @@ void FrameRenderer::record_rays(const FrameSettings& settings) {
 
 // Instances that have no order: their segments, merged, go under what stands there.
 void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings) {
-    record_unshared(commands_, target_.ranges);
+    record_clear_sharing(commands_, target_.ranges);
     for (const DrawnInstance& instance : group)
         record_sharing(commands_, *performers_[instance.field], kEyeTarget, instance, layout_);
     const auto groups = static_cast<uint32_t>(

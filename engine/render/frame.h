@@ -38,7 +38,7 @@ struct FrameSettings {
     double scale = 1;                    // below 1: so many rays a pixel along each side, upscaled; samples must be 1
     std::vector<Fovea> foveae;           // one a view, or none; as scale
     std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
-    uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each image
+    uint32_t prefetch_parts = 2;         // so many of kSliceParts parts a slice with each image
     ResolveSettings resolve;             // an inspection: the set takes no part, nor do lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
@@ -127,15 +127,15 @@ class FrameRenderer {
     void record_listed();
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
-    enum class To { kDevice, kHost };
-    void draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
-    void place_grids(const FrameSettings& settings, uint32_t views);
+    enum class Destination { kDevice, kHost };
+    void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
+    void make_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
-    void place_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void place_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    std::vector<std::vector<uint32_t>> order_of(std::span<const stage::Camera> cameras,
-                                                const FrameSettings& settings) const;
+    void write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
+                                                      const FrameSettings& settings) const;
     void prepare(const FrameSettings& settings);
     bool enlarge();
     const gpu::Device& device_;
@@ -145,7 +145,7 @@ class FrameRenderer {
     RayTarget target_;
     gpu::Buffer image_, readback_;
     gpu::Buffer blank_;  // what images show where nothing is seen
-    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
+    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;
     std::vector<std::unique_ptr<Paints>> paints_;         // by field
     std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
     std::unique_ptr<Segments> segments_;

@@ -85,10 +85,11 @@ PassValues read_tile_list(const FrameRenderer& renderer) {
     return tiles;
 }
 
-PassValues read_tiles_seen(const FrameRenderer& renderer) {
+PassValues read_covered_tiles(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
-    const auto seen = first_of<uint32_t>(renderer.device(), renderer.ranges().seen, tiles.values.size());
-    std::transform(seen.begin(), seen.end(), tiles.values.begin(), [](uint32_t any) { return any ? 1.0f : 0.0f; });
+    const auto covered = first_of<uint32_t>(renderer.device(), renderer.ranges().covered, tiles.values.size());
+    std::transform(covered.begin(), covered.end(), tiles.values.begin(),
+                   [](uint32_t any) { return any ? 1.0f : 0.0f; });
     return tiles;
 }
 
@@ -178,7 +179,7 @@ constexpr std::array kPasses = {
     FramePass{"tile-far", "Largest distance at which they may meet it", "m", false, read_tile_range<Bound::kFar>},
     FramePass{"tile-list", "Where a tile stands in the list of those that are traced for the last instance", "index",
               false, read_tile_list},
-    FramePass{"tiles-seen", "Tiles in which any instance may be seen", "0 or 1", false, read_tiles_seen},
+    FramePass{"tiles-seen", "Tiles in which any instance may be seen", "0 or 1", false, read_covered_tiles},
     FramePass{"radiance", "Premultiplied light of performers (luminance), a ray", "linear, 1: white", false,
               read_radiance},
     FramePass{"alpha", "Alpha of performers, a ray", "share", false, read_alpha},

@@ -31,7 +31,7 @@ struct DrawnInstance {
     float frame = 0;
     uint32_t paint = 0;
     Shading shading = Shading::kPerRay;
-    Into into = Into::kLayer;
+    RayOutput output = RayOutput::kLayer;
     uint32_t range_level = 0;  // of nodes that tile ranges look at
     InstanceRays rays;
     SliceKey slice() const { return {frame, paint}; }
@@ -43,15 +43,15 @@ struct TargetPasses {
                  const RayTarget& target, uint32_t views);
 
     // Before an image. `segments`: bound where rays become those; null else.
-    void need_tree(Shading shading, Into into, const Segments* segments);
-    void need_direct(Into into, const Segments* segments);
-    void need_ranger();  // of the whole tree
+    void ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments);
+    void ensure_direct_tracer(RayOutput output, const Segments* segments);
+    void ensure_direct_ranger();  // of the whole tree
     // The segments have other buffers now.
     void forget_segments();
 
     const gpu::Buffer* shaded() const { return per_leaf ? &per_leaf->entries : nullptr; }  // null before any was needed
 
-    static size_t place_of(Shading shading, Into into);
+    static size_t tree_tracer_index(Shading shading, RayOutput output);
     struct Shaded {
         gpu::Buffer entries;
         Shader shader;
@@ -65,8 +65,8 @@ struct TargetPasses {
     uint32_t views;
     std::unique_ptr<Shaded> per_leaf;
     std::unique_ptr<TileRanger> tree_ranger, direct_ranger;
-    std::array<std::unique_ptr<TreeTracer>, 15> trees_into;
-    std::array<std::unique_ptr<DirectTracer>, 5> direct_into;
+    std::array<std::unique_ptr<TreeTracer>, 15> tree_tracers;
+    std::array<std::unique_ptr<DirectTracer>, 5> direct_tracers;
 };
 
 // Of a budget of slices, the part of each of so many fields.
@@ -95,7 +95,7 @@ class Performer {
     bool enlarge_slices();
     void forget_segments();
     // Live leaves, and the live nodes above them, of the slices that the last image shows.
-    uint64_t shown_entries() const;
+    uint64_t used_entries() const;
 
     const Field& field() const { return field_; }
     SliceCache* slices() { return slices_.get(); }  // null where there is none
@@ -106,7 +106,7 @@ class Performer {
 
   private:
     void make_slices(uint32_t entries);
-    void make_room(bool any_painted);
+    void make_slices_for_paint(bool any_painted);
     const gpu::Device& device_;
     const Field& field_;
     const Paints& paints_;
@@ -117,15 +117,16 @@ class Performer {
     gpu::Buffer counts_readback_;  // LiveCount of each slice as of the last image
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
-    size_t paints_sliced_ = 0;                           // how many paints the slices were made for
+    size_t slice_paint_count_ = 0;                       // how many paints the slices were made for
 };
 
 // The slices of prepared instances.
 void record_slices(gpu::Commands& commands, Performer& performer);
 // After the image: so many parts (kSliceParts a slice) of those of the next frames.
-void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
+void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts);
 
-// One prepared instance of a group: counts it among those that share the tiles where it may be seen (record_unshared).
+// One prepared instance of a group: counts it among those that share the tiles where it may be seen
+// (record_clear_sharing).
 void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                     const ViewLayout& layout);
 

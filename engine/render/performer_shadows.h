@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "render/place.h"
+#include "render/instance_cameras.h"
 #include "render/set_lights.h"
 #include "render/set_raster.h"
 
@@ -14,9 +14,9 @@ struct PerformerShadows {
     PerformerShadows(const gpu::Device& device, SetRaster& set, uint32_t instances);
 
     // Before a frame, after SetRaster::light: the instances that may cast shadows.
-    void place(std::span<const Field* const> fields, std::span<const Instance> instances);
+    void prepare(std::span<const Field* const> fields, std::span<const Instance> instances);
 
-    void place_lights(std::span<const Field* const> fields, std::span<const Instance> instances);
+    void prepare_lights(std::span<const Field* const> fields, std::span<const Instance> instances);
     SetRaster& set;
     RayTarget target;
     gpu::Buffer rows;

@@ -18,7 +18,7 @@ struct Picked {
 
 // The ray of a place in an image, as pixels count: centres at +0.5. The camera in the performer's space
 // (in_performer).
-PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at);
+PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 
 // For set-up and editing, not for frames: it has a slice of its own, and waits for the device.
 class Picker {
@@ -32,7 +32,7 @@ class Picker {
     std::vector<Picked> pick(std::span<const PickRay> rays, float alpha = kPickAlpha);
 
   private:
-    std::vector<Picked> pick_some(std::span<const PickRay> rays, float alpha);
+    std::vector<Picked> pick_batch(std::span<const PickRay> rays, float alpha);
     const gpu::Device& device_;
     const Field& field_;
     LiveLeaves live_;

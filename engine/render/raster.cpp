@@ -83,10 +83,10 @@ VkRect2D Rasterizer::visible_part(const glm::dmat4& clip_from_world) const {
     const glm::dvec2 size(width_ / kSupersample, height_ / kSupersample);
     glm::dvec2 low = size, high(0);
     for (int corner = 0; corner < 8; corner++) {
-        const glm::dvec3 place(corner & 1 ? geometry_.high.x : geometry_.low.x,
+        const glm::dvec3 point(corner & 1 ? geometry_.high.x : geometry_.low.x,
                                corner & 2 ? geometry_.high.y : geometry_.low.y,
                                corner & 4 ? geometry_.high.z : geometry_.low.z);
-        const glm::dvec4 clip = clip_from_world * glm::dvec4(place, 1);
+        const glm::dvec4 clip = clip_from_world * glm::dvec4(point, 1);
         const bool in_front = clip.w > clip.z && std::isfinite(clip.w);  // beyond the near plane
         if (!in_front) return {{0, 0}, {width_, height_}};
         const glm::dvec2 pixel = (0.5 + 0.5 * glm::dvec2(clip) / clip.w) * size;

@@ -7,7 +7,7 @@
 namespace neuvv::render {
 
 // What a stage does to performers' rays. Null: nothing.
-struct Surroundings {
+struct SetBuffers {
     // Of the opaque set: metres along the camera's axis (R32_SFLOAT), infinity where there is none, in rows of samples
     // · width texels, views behind each other.
     const gpu::Buffer* set_depth = nullptr;
@@ -17,12 +17,12 @@ struct Surroundings {
 
 struct RayTarget {
     RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_tiles, uint32_t image_tiles,
-              const Surroundings& around = {});
+              const SetBuffers& set_buffers = {});
 
     RayBatch rays;
     TileRanges ranges;
     gpu::Buffer no_lights;
-    Surroundings around;  // where there is nothing, what may be bound in its place
+    SetBuffers set_buffers;  // where there is nothing, what may be bound in its place
     bool has_set;
 };
 

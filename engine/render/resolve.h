@@ -35,9 +35,9 @@ struct Resolver {
     // `image`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
     // `set`: behind and before the rays.
     Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& image,
-             const TileRanges* only = nullptr, const SetRaster* set = nullptr);
+             const TileRanges* listed = nullptr, const SetRaster* set = nullptr);
 
-    const TileRanges* only;
+    const TileRanges* listed;
     gpu::ComputePass pass;
     gpu::BindingSet set;
 };

@@ -29,7 +29,7 @@ class Segments {
 
     const gpu::Buffer& pages() const { return pages_; }
     const gpu::Buffer& heads() const { return heads_; }
-    const gpu::Buffer& taken() const { return taken_; }
+    const gpu::Buffer& used_pages() const { return used_pages_; }
     const gpu::ComputePass& pass() const { return pass_; }
     const gpu::BindingSet& bindings() const { return set_; }
 
@@ -42,9 +42,9 @@ class Segments {
     const gpu::Device& device_;
     const RayTarget& target_;
     uint32_t merges_, bands_ = 1;
-    uint64_t page_count_ = 0, most_pages_;
+    uint64_t page_count_ = 0, max_pages_;
     gpu::Buffer pages_, heads_;
-    gpu::Buffer taken_;  // pages of each merge of the frame, readback
+    gpu::Buffer used_pages_;  // pages of each merge of the frame, readback
     uint32_t recorded_ = 0;
     gpu::ComputePass pass_;
     gpu::BindingSet set_;

@@ -75,7 +75,7 @@ class SetRaster {
     void record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras);
 
     // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
-    void shadows_of(const std::optional<WorldBox>& performers);
+    void set_shadow_casters(const std::optional<WorldBox>& performers);
 
     // As light() was given them.
     std::span<const SetLight> given_lights() const { return given_lights_; }
@@ -144,7 +144,7 @@ class SetRaster {
     ShaderLights packed_{};
     std::vector<std::pair<float, uint32_t>> order_;  // of all draws, far to near: −distance, index
     bool has_transparent_ = false;
-    bool shadows_old_ = true;
+    bool shadows_outdated_ = true;
     struct Hidden {
         gpu::GraphicsPass pass;
         gpu::Buffer corners;                                 // of all views

@@ -75,8 +75,8 @@ void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2
 }  // namespace
 
 void SetRaster::record_shadows(gpu::Commands& commands) {
-    if (!shadows_old_) return;
-    shadows_old_ = false;
+    if (!shadows_outdated_) return;
+    shadows_outdated_ = false;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow) record_shadow(commands, packed_.light[i]);
     gpu::compute_barrier(commands);

@@ -31,38 +31,38 @@ class SliceCache {
     // not asked for for longest, the painted first, the first of them first, until all places are this image's. Where
     // the painted do not all find one, some share one of the places, and are built there while the image is drawn
     // (record_slice_of). Throws RuntimeFailure for a paint that is not there.
-    void ask(std::span<const SliceKey> keys);
+    void request(std::span<const SliceKey> keys);
     // Where a slice that was asked for is; none where there was no room.
     std::optional<uint32_t> find(SliceKey key) const;
     // Whether the image that asked last shows it.
-    bool is_shown(uint32_t slice) const { return kept_[slice].key && kept_[slice].shown == images_; }
+    bool is_used(uint32_t slice) const { return slices_[slice].key && slices_[slice].last_used == images_; }
     void forget();
 
     // After ask(): these slices will be needed next. The first of them that is not kept is built in parts
     // (record_ahead), in the place of one that this image does not need, if there is any.
-    void ask_ahead(std::span<const SliceKey> keys);
+    void request_prefetch(std::span<const SliceKey> keys);
 
     // Builds the slices that were asked for and are not there, but for those that share a place.
     void record_slices(gpu::Commands& commands);
     // Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them
     // is. None where there was no room for one without paint.
-    std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceKey key);
+    std::optional<uint32_t> find_or_record(gpu::Commands& commands, SliceKey key);
     // Builds so many parts of those that were asked for ahead.
-    void record_ahead(gpu::Commands& commands, uint32_t parts);
+    void record_prefetch(gpu::Commands& commands, uint32_t parts);
 
     const SliceTrees& trees() const { return trees_; }
 
   private:
-    struct Kept {
+    struct CachedSlice {
         std::optional<SliceKey> key;
-        uint32_t parts = 0;  // of kSliceParts that are built
-        uint64_t shown = 0;  // by which image last
-        uint64_t asked = 0;  // the same, or ahead of one
+        uint32_t parts = 0;           // of kSliceParts that are built
+        uint64_t last_used = 0;       // by which image last
+        uint64_t last_requested = 0;  // the same, or ahead of one
     };
-    Kept* kept_of(SliceKey key);
-    Kept& oldest();
-    Kept* place_for(SliceKey key);
-    void lend_place();
+    CachedSlice* find_cached(SliceKey key);
+    CachedSlice& oldest();
+    CachedSlice* replaceable_for(SliceKey key);
+    void choose_shared();
     void bind(std::span<const SliceKey> keys);
     const SlicePaint* paint_of(SliceKey key) const;
     void build(gpu::Commands& commands, uint32_t slice, uint32_t parts);
@@ -72,9 +72,9 @@ class SliceCache {
     const Paints& paints_;
     SliceTrees trees_;
     TreeSlicer slicer_;
-    std::vector<Kept> kept_;        // per slice; of one at most a part is built, which then has the live leaves
-    std::optional<uint32_t> lent_;  // the place that painted slices share in this image
-    std::vector<SliceKey> ahead_;
+    std::vector<CachedSlice> slices_;  // per slice; of one at most a part is built, which then has the live leaves
+    std::optional<uint32_t> shared_;   // the place that painted slices share in this image
+    std::vector<SliceKey> prefetch_;
     uint64_t images_ = 0;
     std::unique_ptr<Painter> painter_;  // made when first needed
     std::map<uint32_t, SlicePaint> bound_;

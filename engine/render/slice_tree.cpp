@@ -12,7 +12,7 @@
 
 namespace neuvv::render {
 
-uint32_t most_entries(const Field& field) {
+uint32_t max_entries(const Field& field) {
     return field.leaf_count + field.node_count() - 1;
 }
 

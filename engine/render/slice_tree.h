@@ -25,7 +25,7 @@ struct SliceTrees {
 };
 
 // Entries that no slice of the field exceeds, and the bytes of a slice with room for so many.
-uint32_t most_entries(const Field& field);
+uint32_t max_entries(const Field& field);
 uint64_t slice_bytes(const Field& field, uint32_t entries);
 
 struct TreeSlicer {

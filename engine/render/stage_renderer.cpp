@@ -58,7 +58,7 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views, assets_.environment);
     frames_ = std::make_unique<FrameRenderer>(device, fields_of(assets_.clips), capacity, set_.get());
-    take(stage, make_paints(stage, assets_));
+    apply_paints(stage, make_paints(stage, assets_));
 }
 
 void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
@@ -68,7 +68,7 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     frames_->change_fields(fields_of(assets.clips));
     assets_ = std::move(assets);
     stage_ = &stage;
-    take(stage, std::move(paints));
+    apply_paints(stage, std::move(paints));
 }
 
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
@@ -76,16 +76,16 @@ StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, 
     for (size_t i = 0; i < stage.performers.size(); i++) {
         next.of_performer.push_back({assets.clips[stage.performers[i].clip], assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
-        if (key.layers.empty() || paint_numbers_.contains(key) || next.made.contains(key)) continue;
+        if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
         for (const LoadedLayer& layer : key.layers) uses.push_back({layer.edits.get(), layer.blend, layer.opacity});
-        next.made.try_emplace(key, device_, key.clip->field.leaf_count, uses);
+        next.new_paints.try_emplace(key, device_, key.clip->field.leaf_count, uses);
     }
     return next;
 }
 
 // The renderer has the fields of this stage already.
-void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
+void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     std::map<PaintKey, uint32_t> numbers;
     paints_.clear();
     for (size_t i = 0; i < stage.performers.size(); i++) {
@@ -95,7 +95,7 @@ void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
             const auto kept = paint_numbers_.find(key);
             number->second = kept != paint_numbers_.end()
                                  ? kept->second
-                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.made.at(key)));
+                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.new_paints.at(key)));
         }
         paints_.push_back(number->second);
     }

@@ -66,10 +66,10 @@ class StageRenderer {
     };
     struct NextPaints {
         std::vector<PaintKey> of_performer;
-        std::map<PaintKey, Paint> made;  // those that are not on the device yet
+        std::map<PaintKey, Paint> new_paints;  // those that are not on the device yet
     };
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
-    void take(const stage::Stage& stage, NextPaints next);
+    void apply_paints(const stage::Stage& stage, NextPaints next);
     void make_targets(uint32_t width, uint32_t height);
     const gpu::Device& device_;
     const stage::Stage* stage_;

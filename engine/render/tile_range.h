@@ -17,7 +17,7 @@ struct TileRanges {
     gpu::Buffer ranges;                   // per tile (bits of the least distance, complement of those of the largest)
     gpu::Buffer list;                     // tiles of rays where an instance may be seen, then kNoTile
     gpu::Buffer count;                    // LiveCount of these
-    gpu::Buffer seen;                     // per tile of rays: whether any instance of the frame may be seen there
+    gpu::Buffer covered;                  // per tile of rays: whether any instance of the frame may be seen there
     gpu::Buffer sharing;                  // and how many of a group
     gpu::Buffer image_list, image_count;  // tiles of the images that such rays add to, as list and count
 };
@@ -27,7 +27,7 @@ RangeView range_view(const ShaderCamera& camera);
 
 // How many pixels the rectangle around a box covers in the image of such a camera, which is so many pixels large; all
 // of them where the box reaches behind the eye. 0: none of it can be seen.
-double pixels_around(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max);
+double pixels_covered(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max);
 
 // The coarsest level whose nodes look no larger than half a tile from `eye` (performer's space, metres), where a pixel
 // covers 1/focal_pixels of the distance.
@@ -46,7 +46,7 @@ struct TileRanger {
 };
 
 // Before the first instance of a frame: no tile has seen anything.
-void record_unseen(gpu::Commands& commands, const TileRanges& ranges);
+void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges);
 
 // `first_view`: where the instance's views begin, which are those of its cameras. `level`: nodes of finer levels are
 // not looked at, but their parents are as a whole. `slice` is ignored where the ranger has no trees.
@@ -55,6 +55,6 @@ void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint3
                         uint32_t level, const ViewLayout& layout, bool counted = false);
 
 // Before the first instance of a group is counted: none shares any tile.
-void record_unshared(gpu::Commands& commands, const TileRanges& ranges);
+void record_clear_sharing(gpu::Commands& commands, const TileRanges& ranges);
 
 }  // namespace neuvv::render

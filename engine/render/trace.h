@@ -47,16 +47,16 @@ struct Tracer {
 void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
 enum class Walk {
-    kDown,      // from the grid over the upper levels, and within a node in registers
+    kFromGrid,  // from the grid over the upper levels, and within a node in registers
     kFromRoot,  // the paper's: from the root to every cell
 };
 
-// What becomes of the rays of an instance (kInto… of shared/trace.h).
-enum class Into : uint32_t {
-    kLayer = kIntoLayer,                // under all that stands there: instances in draw order
-    kLayerByDepth = kIntoLayerByDepth,  // over or under it: the paper's Algorithm 1 (errata 11)
-    kSegments = kIntoSegments,          // to be merged with others
-    kInspect = kIntoInspect,            // what their walks were like, in place of light (shared/inspect.h)
+// What becomes of the rays of an instance (kRayOutput… of shared/trace.h).
+enum class RayOutput : uint32_t {
+    kLayer = kOutputLayer,                // under all that stands there: instances in draw order
+    kLayerByDepth = kOutputLayerByDepth,  // over or under it: the paper's Algorithm 1 (errata 11)
+    kSegments = kOutputSegments,          // to be merged with others
+    kInspect = kOutputInspect,            // what their walks were like, in place of light (shared/inspect.h)
 };
 
 // Some of a target's tiles of rays: first..end−1.
@@ -81,10 +81,10 @@ class Segments;
 // The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
 struct DirectTracer {
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                 Walk walk = Walk::kDown);
+                 Walk walk = Walk::kFromGrid);
     // For instances. `segments`: not null where these are what rays become.
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
-                 Into into, const Segments* segments);
+                 RayOutput output, const Segments* segments);
 
     const Field& field;
     const gpu::Buffer* tile_count = nullptr;
@@ -104,6 +104,7 @@ TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
 gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays);
 // `segments` only where they are what rays become: they are made anew for more.
-gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments);
+gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
+                                const Segments* segments);
 
 }  // namespace neuvv::render

@@ -16,8 +16,8 @@ struct WalkSteps {
 struct TreeTracer {
     // `entries`: those of the trees, or shaded ones. `segments`: not null where these are what rays become.
     TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& entries,
-               const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
-               const WalkSteps& steps = {});
+               const RayTarget& target, Shading shading, RayOutput output = RayOutput::kLayer,
+               const Segments* segments = nullptr, const WalkSteps& steps = {});
 
     const Field& field;
     const SliceTrees& trees;

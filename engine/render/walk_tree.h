@@ -23,7 +23,7 @@ struct WalkTree {
     std::vector<glm::uvec2> leaf_cells;      // per leaf: (word of the nodes' masks, its bits there)
     std::vector<glm::uvec2> node_cells;      // per node: the same among its parent's; (0, 0) for the root
     std::vector<glm::uvec2> leaf_positions;  // per leaf: (x | y << 16, z | depth << 16), a LeafPosition
-    std::vector<glm::uvec2> node_places;     // per node: the same, in cells of its own size; the depth is its level
+    std::vector<glm::uvec2> node_positions;  // per node: the same, in cells of its own size; the depth is its level
     std::vector<glm::uvec2> inner_cells;     // per node: (mask_lo, mask_hi) of the cells that are nodes
 };
 

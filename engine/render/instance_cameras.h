@@ -21,12 +21,12 @@ struct TargetViews {
 ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& camera, uint32_t view);
 
 // The cameras of the world, one a view; and, as ray tiles of the layout, their tiles.
-void place_cameras(const TargetViews& views);
-void place_tiles(const TargetViews& views);
+void write_cameras(const TargetViews& views);
+void write_tiles(const TargetViews& views);
 
 // Puts the instance's cameras behind those of `place` others. Nothing where no view can see it. Its frame is held
 // within the clip's; it is shaded a leaf where play_shading says so for all views.
-std::optional<DrawnInstance> place_instance(const TargetViews& views, const Field& field, const Instance& instance,
-                                            uint32_t place);
+std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, const Field& field,
+                                                    const Instance& instance, uint32_t place);
 
 }  // namespace neuvv::render
