@@ -47,7 +47,7 @@ MemoryFlags flags_of(MemoryKind kind) {
 
 }  // namespace
 
-// Delegates, so that the destructor frees what is there when a later step throws.
+// Delegates to the default constructor, so that the destructor frees what was created when a later step throws.
 Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format)
     : Buffer() {
     device = &owner;

@@ -55,7 +55,7 @@ void require_bindings(const Device& device, const ShaderInterface& interface, co
 
 }  // namespace
 
-// Delegates, so that the destructor frees what was made before something failed.
+// Delegates, so that the destructor frees what was created when a later step throws.
 ComputePass::ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                          const std::vector<uint32_t>& constants)
     : ComputePass(device, std::move(name)) {

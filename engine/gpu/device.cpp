@@ -46,7 +46,7 @@ VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<con
     std::vector<VkExtensionProperties> available(count);
     vkEnumerateInstanceExtensionProperties(nullptr, &count, available.data());
 
-    std::vector<const char*> extensions = wanted;  // who asks twice gets it once
+    std::vector<const char*> extensions = wanted;  // without duplicates: a wanted one may be added below again
     const auto add = [&](const char* name) {
         if (std::none_of(extensions.begin(), extensions.end(), [&](auto* e) { return std::strcmp(e, name) == 0; }))
             extensions.push_back(name);
@@ -233,7 +233,7 @@ void Device::choose_physical(const std::string& choice, const DeviceMaker& maker
         if (!wanted.empty() && pick(summaries, wanted) != index)
             throw InputError("device", wanted, fmt::format("the headset is driven by \"{}\"", summaries[index].name),
                              "leave --device and NEUVV_DEVICE out");
-        pick({summaries[index]}, "0");  // is it usable?
+        pick({summaries[index]}, "0");  // throws where it is not usable
     } else {
         index = pick(summaries, wanted);
     }
@@ -322,7 +322,7 @@ void Device::save_pipeline_cache() const {
     try {
         write_file_atomically(file, [&](const ByteSink& sink) { sink(bytes.data(), size); });
     } catch (const RuntimeFailure&) {
-        // A cache that cannot be kept costs the next start some compile time, nothing else.
+        // Without the file the next start compiles the pipelines again; nothing else is lost.
     }
 }
 

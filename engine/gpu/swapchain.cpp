@@ -22,7 +22,7 @@ VkSurfaceCapabilitiesKHR capabilities_of(const Device& device, VkSurfaceKHR surf
     return capabilities;
 }
 
-// The window's own size where it says one, else the framebuffer's.
+// The size that the window reports, or else that of the framebuffer, within the limits of the window.
 VkExtent2D extent_for(const VkSurfaceCapabilitiesKHR& capabilities, VkExtent2D framebuffer) {
     if (capabilities.currentExtent.width != UINT32_MAX) return capabilities.currentExtent;
     return {std::clamp(framebuffer.width, capabilities.minImageExtent.width, capabilities.maxImageExtent.width),
@@ -82,7 +82,8 @@ void Swapchain::choose_mode() {
     check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, modes.data()),
           "vkGetPhysicalDeviceSurfacePresentModesKHR", "window");
     for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR})
-        if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) mode_ = wanted;  // the last: it does not tear
+        if (std::find(modes.begin(), modes.end(), wanted) != modes.end())
+            mode_ = wanted;  // the last one is preferred: it does not tear
 }
 
 void Swapchain::destroy_images() {
@@ -139,7 +140,8 @@ void Swapchain::resize(VkExtent2D framebuffer) {
     make_semaphores();
 }
 
-// An acquired image's semaphore is free again only after the frame that waited for it: one more than images.
+// There is one more semaphore for acquired images than images: such a semaphore is free again only after the frame that
+// waited for it.
 void Swapchain::make_semaphores() {
     for (size_t i = 0; i <= images_.size(); i++) acquired_.push_back(make_semaphore(device_, "window acquired"));
     for (size_t i = 0; i < images_.size(); i++) drawn_.push_back(make_semaphore(device_, "window drawn"));
