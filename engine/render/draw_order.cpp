@@ -10,7 +10,8 @@ namespace {
 
 enum class Order { kEither, kFirstBefore, kSecondBefore, kNone };
 
-// What a plane across this axis says: kNone where it does not part the boxes, or eyes stand on both of its sides.
+// The order by a plane perpendicular to this axis (unit length). kNone where no such plane separates the boxes, or
+// where eyes are on both sides of it.
 Order order_along(const TransformedBox& a, const TransformedBox& b, std::span<const glm::dvec3> eyes, glm::dvec3 axis) {
     const auto half_extent = [axis](const TransformedBox& box) {
         return std::abs(glm::dot(axis, box.half[0])) + std::abs(glm::dot(axis, box.half[1])) +
@@ -41,7 +42,7 @@ Order order_of(const TransformedBox& a, const TransformedBox& b, std::span<const
         return order != Order::kNone;
     };
     Order order = Order::kNone;
-    if (known(b.middle - a.middle, order)) return order;  // most pairs
+    if (known(b.middle - a.middle, order)) return order;  // true for most pairs
     for (const TransformedBox* box : {&a, &b})
         for (int i = 0; i < 3; i++)
             if (known(glm::cross(box->half[i], box->half[(i + 1) % 3]), order)) return order;
@@ -51,8 +52,8 @@ Order order_of(const TransformedBox& a, const TransformedBox& b, std::span<const
     return Order::kNone;
 }
 
-// Tarjan's strongly connected components. An edge leads from a box to each that must come before it, so components come
-// out in draw order. Boxes are visited near to far.
+// Tarjan's strongly connected components. An edge leads from a box to each box that must be drawn before it, so the
+// components are found in draw order. Boxes are visited near to far.
 struct Components {
     size_t count;
     std::vector<bool> before;  // [i * count + j]: i must be drawn before j

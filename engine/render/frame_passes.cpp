@@ -32,7 +32,7 @@ std::vector<T> first_of(const gpu::Device& device, const gpu::Buffer& buffer, si
     return values;
 }
 
-// Per ray.
+// Buffers with a number per ray.
 
 PassValues of_rays(const FrameRenderer& renderer, std::vector<float> values) {
     return {renderer.layout().rays_across(), renderer.layout().rays_down(), std::move(values)};
@@ -56,7 +56,7 @@ PassValues read_depth(const FrameRenderer& renderer) {
     return of_rays(renderer, std::move(values));
 }
 
-// Per tile of 8×8 rays.
+// Buffers with a number per tile of 8×8 rays.
 
 PassValues of_tiles(const FrameRenderer& renderer) {
     const uint32_t width = renderer.layout().tiles_across(), height = renderer.layout().tiles_down();
@@ -93,7 +93,7 @@ PassValues read_covered_tiles(const FrameRenderer& renderer) {
     return tiles;
 }
 
-// Per texel of the set's image.
+// Buffers with a number per texel of the set's image.
 
 PassValues of_texels(const FrameRenderer& renderer) {
     const ViewLayout& layout = renderer.layout();
@@ -120,7 +120,7 @@ PassValues read_set_metres(const FrameRenderer& renderer) {
     return texels;
 }
 
-// Shadow maps, beside each other in the order of their lights.
+// Shadow maps, side by side in the order of their lights.
 
 std::vector<uint32_t> shadow_maps(const SetRaster& set) {
     std::vector<uint32_t> maps;
@@ -129,7 +129,8 @@ std::vector<uint32_t> shadow_maps(const SetRaster& set) {
     return maps;
 }
 
-// `value` of texel i of all maps. One empty map where no light casts a shadow.
+// Maps side by side, where value(i) is the number of texel i of the buffer of all maps. One map without numbers where
+// no light casts a shadow.
 template <typename Value>
 PassValues beside_each_other(const std::vector<uint32_t>& maps, uint32_t side, const Value& value) {
     PassValues texels{side * std::max(static_cast<uint32_t>(maps.size()), 1u), side, {}};

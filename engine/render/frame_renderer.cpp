@@ -1,4 +1,4 @@
-// FrameRenderer: what a frame needs on the device is made and placed; recording is in frame.cpp.
+// FrameRenderer: creates and fills what a frame needs on the device. Recording is in frame.cpp.
 #include "render/frame.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace neuvv::render {
 
 namespace {
 
-// Three of an instance and five of its slice, seen by the eye and by the lights, and the rest.
+// Three scopes for an instance and five for its slice, for the views and again for the lights, and the other passes.
 constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
 
 ViewLayout largest(const FrameCapacity& capacity) {
@@ -26,7 +26,7 @@ SetBuffers set_buffers_of(const SetRaster* set) {
     return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
 }
 
-// Alone, whatever it overlaps, as if there were neither set nor lights.
+// The instance as an inspection draws it: not merged with others, without set and lights.
 DrawnInstance inspected(DrawnInstance instance) {
     instance.shading = Shading::kNone;
     instance.output = RayOutput::kInspect;
@@ -70,7 +70,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
         if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
 }
 
-// Slices are made anew where each field's share of the budget is another now.
+// Where the number of fields changes, each field's share of the budget changes too, and slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     if (fields == fields_) return;
     std::vector<std::unique_ptr<Paints>> paints(fields.size());
@@ -88,7 +88,7 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     }
     inspector_.reset();
     drawn_.clear();
-    performers_ = std::move(performers);  // before the paints that they show
+    performers_ = std::move(performers);  // before the paints that they refer to
     paints_ = std::move(paints);
     fields_ = std::move(fields);
 }
@@ -123,7 +123,7 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
     }
 }
 
-// Where rays stand, and how many there are in each view: as many as in the one that has most.
+// Sets the ray grids of the views, and the number of rays of a view, which is that of the view with the most rays.
 void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
     layout_ = {settings.width, settings.height, settings.samples, views};
     grids_.clear();
@@ -143,7 +143,7 @@ TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, cons
     return {target_, layout_, cameras, grids_, settings.scale};
 }
 
-// The cameras of the world, one a view, and their tiles.
+// Writes the cameras of the views and their tiles.
 void FrameRenderer::write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     const ViewLayout last = layout_;
     make_grids(settings, static_cast<uint32_t>(cameras.size()));
@@ -153,7 +153,7 @@ void FrameRenderer::write_rays(std::span<const stage::Camera> cameras, const Fra
     for (const stage::Camera& camera : cameras) set_cameras_.push_back(stage::enlarged(camera, layout_.samples));
 }
 
-// Near to far, so that rays that have met something solid need not look behind it.
+// Groups of instances, near to far, so that rays end at the first solid surface.
 std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const stage::Camera> cameras,
                                                                  const FrameSettings& settings) const {
     std::vector<glm::dvec3> eyes;
@@ -174,7 +174,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const
     return order;
 }
 
-// Those that may be seen.
+// Writes the cameras of the visible instances and fills drawn_.
 void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     drawn_.clear();
     uint32_t placed = 0;
@@ -217,7 +217,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
     for (const auto& group : drawn_)
         for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
-    if (shadows_)  // these last: a slice shows more where the eye sees it
+    if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const NextSlice& one : settings.next_slices)
         if (one.field < fields_.size()) next[one.field].push_back(one.slice);
@@ -233,7 +233,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     }
 }
 
-// Whether something on the device had less room than the image asked for; now there is more.
+// Returns whether the image needed more room on the device than there was. Then there is more room now.
 bool FrameRenderer::enlarge() {
     bool any = false;
     for (const auto& performer : performers_) any |= performer->enlarge_slices();

@@ -6,7 +6,7 @@ namespace neuvv::render {
 
 namespace {
 
-// A part of a clip's leaves live in one of its frames, all those of a still.
+// A first guess: a quarter of the leaves of a clip live at a time, but all leaves of a single frame.
 uint32_t likely_entries(const Field& field) {
     const uint32_t max = max_entries(field);
     return field.frames == 1 ? max : std::min(max, max / 4 + 4096);
@@ -15,9 +15,10 @@ uint32_t likely_entries(const Field& field) {
 }  // namespace
 
 Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
-    // Measured on lavapipe, degree 1: shading pays from a ray for three leaves.
+    // Measured on lavapipe at degree 1: shading a leaf pays where there is at least one ray for three leaves.
     if (3 * rays < likely_entries(field)) return Shading::kPerRay;
-    // Of half a leaf, in radians. Functions of degree n turn n times as fast as those of degree 1.
+    // The angle under which half a leaf may be seen, in radians. Functions of degree n change n times as fast with the
+    // direction as those of degree 1.
     constexpr float kSmallAngle = 0.02f;
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
     const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
@@ -80,7 +81,7 @@ Performer::Performer(const gpu::Device& device, const Field& field, const Paints
 
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
-    slices_.reset();  // before there are others
+    slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     counts_readback_ =
         gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
@@ -89,7 +90,7 @@ void Performer::make_slices(uint32_t entries) {
     slice_paint_count_ = paints_.count();
 }
 
-// Slices where paint needs one, and more of them where there are more paints than they were made for.
+// Creates slices where paint needs one and there are none, and more slices where there are more paints than before.
 void Performer::make_slices_for_paint(bool any_painted) {
     if (!slices_ && any_painted) {
         passes_.clear();  // they are bound to the live leaves
@@ -100,7 +101,8 @@ void Performer::make_slices_for_paint(bool any_painted) {
     }
     if (!slices_ || paints_.count() <= slice_paint_count_) return;
     const SliceTrees& trees = slices_->trees();
-    const bool all_of_clip = trees.slices >= (1 + slice_paint_count_) * field_.frames;  // there may be budget for more
+    const bool all_of_clip =
+        trees.slices >= (1 + slice_paint_count_) * field_.frames;  // the clip, not the budget, set their number
     const uint32_t entries = trees.capacity;
     slice_paint_count_ = paints_.count();
     if (!all_of_clip || slice_bytes(field_, entries) * (trees.slices + uint64_t{1}) > slice_budget_) return;
@@ -125,7 +127,7 @@ void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceK
         std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
     if (!slices_) return;
     slices_->request(slices);
-    // Else there is no room, and live leaves serve others.
+    // Otherwise there is no room for more slices, and the buffers of live leaves are used for other slices.
     if (std::all_of(slices.begin(), slices.end(),
                     [this](const SliceKey& key) { return slices_->find(key).has_value(); }))
         slices_->request_prefetch(next);
@@ -176,12 +178,14 @@ void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t par
 
 namespace {
 
-// Where the instance may be seen. Its slice; none: it is drawn without, and its rows are there.
+// Computes the tile ranges of an instance and returns its slice. Without a slice, the rows A_t and B_t are recorded in
+// place of it (unless the instance is only counted).
 std::optional<uint32_t> record_ranges(gpu::Commands& commands, Performer& performer, uint32_t target,
                                       const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
     const TargetPasses& passes = performer.passes(target);
     SliceCache* cache = performer.slices();
-    // To be counted, a slice that is still to be built may be the whole tree: more tiles are merged than need be.
+    // An instance that is counted before its slice is built takes the ranges of the whole tree: then more tiles are
+    // merged than need be.
     const std::optional<uint32_t> slice = !cache    ? std::nullopt
                                           : counted ? cache->find(instance.slice())
                                                     : cache->find_or_record(commands, instance.slice());

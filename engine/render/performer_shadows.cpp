@@ -37,14 +37,14 @@ PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_s
       along_columns(device, "shadow blur", shadow_blur_comp, {1}),
       rows_set(along_rows, {{kBlurRadiance, &target.rays.radiance},
                             {kBlurDepth, &target.rays.depth},
-                            {kBlurFrom, &set.performer_shadows},  // not read
+                            {kBlurFrom, &set.performer_shadows},  // bound but not read
                             {kBlurTo, &rows}}),
       columns_set(along_columns, {{kBlurRadiance, &target.rays.radiance},
                                   {kBlurDepth, &target.rays.depth},
                                   {kBlurFrom, &rows},
                                   {kBlurTo, &set.performer_shadows}}) {}
 
-// The lights that see performers, and from where.
+// Finds the lights that cast performers' shadows, and their cameras.
 void PerformerShadows::prepare_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
     cameras.clear();
     maps.clear();

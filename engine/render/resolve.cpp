@@ -7,7 +7,7 @@
 
 namespace neuvv::render {
 
-// What is not there is bound to buffers of the same kinds.
+// Bindings of buffers that do not exist get other buffers of the same formats.
 Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
                    const gpu::Buffer& image, const TileRanges* given_listed, const SetRaster* given_set)
     : listed(given_listed),

@@ -17,7 +17,7 @@ constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
 uint64_t max_pages(const gpu::Device& device, uint64_t budget) {
     const uint64_t bytes =
         std::min({uint64_t{device.limits().maxStorageBufferRange}, device.max_allocation_bytes(), budget});
-    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 is none
+    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 means no page
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t 
 }
 
 void Segments::make_pages(uint64_t pages) {
-    pages_ = gpu::Buffer();  // before there is another
+    pages_ = gpu::Buffer();  // frees its memory before the new buffer is created
     pages_ = gpu::Buffer(device_, "segments", kPageBytes * pages, gpu::MemoryKind::kDevice);
     page_count_ = pages;
     set_ = gpu::BindingSet(pass_, {{kMergePages, &pages_},
@@ -46,14 +46,15 @@ void Segments::make_pages(uint64_t pages) {
                                    {kMergeDepth, &target_.rays.depth}});
 }
 
-// Twice as many as there are; false: there were not so many, and will not be.
+// Doubles the number of pages, up to the limit. Returns false where there was no memory for more; then the present
+// number is the limit from now on.
 bool Segments::make_more_pages() {
     const uint64_t before = page_count_;
     if (before >= max_pages_) return false;
     try {
         make_pages(std::min(max_pages_, 2 * before));
         return true;
-    } catch (const RuntimeFailure&) {  // what is allocated elsewhere is not in the device's limits
+    } catch (const RuntimeFailure&) {  // the limits do not count other allocations
         max_pages_ = before;
         make_pages(before);
         return false;
@@ -62,7 +63,7 @@ bool Segments::make_more_pages() {
 
 bool Segments::overflowed() const {
     const uint32_t* counts = used_pages_.as<uint32_t>();
-    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;  // page 0 is none
+    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;  // page 0 means no page
 }
 
 void Segments::enlarge() {

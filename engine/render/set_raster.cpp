@@ -51,7 +51,7 @@ gpu::GraphicsShape background_shape() {
     shape.fragment_spirv = set_background_frag;
     shape.colours = {kColour, kMetres};
     shape.blend = false;
-    shape.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // infinity where nothing stands
+    shape.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // so that it fills where the depth is infinite
     return shape;
 }
 
@@ -81,7 +81,7 @@ bool is_srgb(size_t map) {
     return map == static_cast<size_t>(stage::GltfMap::kEmissive);
 }
 
-// Whether materials, by index, are drawn alike with textures that are alike.
+// Whether the materials of two scenes look the same at each index if the textures do.
 bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
     const auto same = [](const stage::GltfMaterial& one, const stage::GltfMaterial& other) {
         const SetMaterial packed = packed_material(one), other_packed = packed_material(other);
@@ -146,7 +146,7 @@ void SetRaster::change(const stage::GltfScene& scene, std::shared_ptr<const SetE
         surfaces_ =
             make_surfaces(scene, *environment,
                           same_maps ? surfaces_.textures : std::make_shared<SceneTextures>(make_textures(device_)));
-    // Nothing fails from here on.
+    // Nothing may fail from here on.
     if (geometry)
         geometry_ = std::move(*geometry);
     else
@@ -166,7 +166,7 @@ void SetRaster::resize(uint32_t width, uint32_t height) {
     surfaces_ = make_surfaces(*scene_, *environment_, surfaces_.textures);
 }
 
-// All that is of the images' size.
+// Creates the buffers and images that have the size of a view.
 void SetRaster::make_targets(uint32_t views) {
     const uint64_t texels = uint64_t{views} * width_ * height_;
     colour = gpu::Buffer(device_, "set colour", 8 * texels, gpu::MemoryKind::kDevice, kColour);
@@ -210,7 +210,8 @@ void SetRaster::make_light_buffers() {
     });
 }
 
-// `textures` of this scene, which may lack some. Material 0 is glTF's default one.
+// `textures` may be empty or have textures of this scene; missing ones are added. Material 0 is glTF's default
+// material.
 SetRaster::Surfaces SetRaster::make_surfaces(const stage::GltfScene& scene, const SetEnvironment& environment,
                                              std::shared_ptr<SceneTextures> textures) const {
     Surfaces surfaces;
@@ -228,7 +229,7 @@ SetRaster::Surfaces SetRaster::make_surfaces(const stage::GltfScene& scene, cons
         std::vector<size_t> entries{add_texture(device_, scene, *surfaces.textures, material.texture, true)};
         for (size_t map = 0; map < stage::kGltfMaps; map++)
             entries.push_back(add_texture(device_, scene, *surfaces.textures, material.maps[map], is_srgb(map)));
-        std::vector<Texture> bound;  // of entries that do not move any more
+        std::vector<Texture> bound;  // taken once no more entries are added, as adding may move them
         for (const size_t entry : entries)
             bound.emplace_back(&surfaces.textures->entries[entry].image, &surfaces.textures->entries[entry].sampler);
         bound.push_back(environment_texture);
@@ -280,7 +281,7 @@ void SetRaster::set_shadow_casters(const std::optional<WorldBox>& performers) {
     pack();
 }
 
-// Lights as shaders see them; maps are drawn again where one's matrix is another than before.
+// Packs the lights for shaders. Shadow maps are drawn again where the matrix of one has changed.
 void SetRaster::pack() {
     const ShaderLights before = packed_;
     packed_ = pack_lights(given_lights_, ambient_, shadows_, environment_->irradiance, box(), performers_);

@@ -10,7 +10,7 @@ namespace neuvv::render {
 
 namespace {
 
-// As many slices as budget, clip and device have room for, one at least.
+// The number of slices for which the budget, the clip and the device have room, at least one.
 uint32_t slice_count(const gpu::Device& device, const Field& field, size_t paints, uint32_t entries,
                      uint64_t budget_bytes) {
     const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
@@ -46,7 +46,8 @@ SliceCache::CachedSlice& SliceCache::oldest() {
     });
 }
 
-// The place that a slice may take which is not cached; a painted one may take that of one that is not.
+// The slice that a new one may replace, or null. A painted slice may even replace one without paint that this image
+// needs.
 SliceCache::CachedSlice* SliceCache::replaceable_for(SliceKey key) {
     CachedSlice& slice = oldest();
     if (slice.last_requested < images_) return &slice;
@@ -56,7 +57,7 @@ SliceCache::CachedSlice* SliceCache::replaceable_for(SliceKey key) {
     return plain == slices_.end() ? nullptr : &*plain;
 }
 
-// Where least is lost.
+// The one with the fewest built parts, so that the least work is lost.
 void SliceCache::choose_shared() {
     const auto least_built = std::min_element(
         slices_.begin(), slices_.end(), [](const CachedSlice& a, const CachedSlice& b) { return a.parts < b.parts; });
@@ -64,7 +65,7 @@ void SliceCache::choose_shared() {
     shared_ = static_cast<uint32_t>(least_built - slices_.begin());
 }
 
-// Descriptors are written before the image, not in it.
+// Writes the descriptors of paints, before the image is recorded.
 void SliceCache::bind(std::span<const SliceKey> keys) {
     std::erase_if(bound_, [this](const auto& one) { return !paints_.find(one.first); });
     for (const SliceKey& key : keys) {
@@ -119,7 +120,7 @@ const SlicePaint* SliceCache::paint_of(SliceKey key) const {
 void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) {
     CachedSlice& cached = slices_[slice];
     const SliceKey key = *cached.key;
-    for (uint32_t i = 0; i < slices_.size(); i++)  // who else has a part gives up the live leaves
+    for (uint32_t i = 0; i < slices_.size(); i++)  // another partly built slice loses the live leaves
         if (i != slice && slices_[i].parts < kSliceParts) slices_[i].parts = 0;
     if (cached.parts == 0 && parts >= kSliceParts) {
         record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
@@ -133,7 +134,7 @@ void SliceCache::record_slices(gpu::Commands& commands) {
     const auto is_missing = [this](const CachedSlice& cached) {
         return cached.key && cached.last_used == images_ && cached.parts < kSliceParts;
     };
-    for (const bool begun : {true, false})  // first the one that has a part
+    for (const bool begun : {true, false})  // first the slice that is partly built
         for (uint32_t i = 0; i < slices_.size(); i++)
             if (is_missing(slices_[i]) && (slices_[i].parts > 0) == begun) build(commands, i, kSliceParts);
 }

@@ -64,7 +64,7 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
 void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
-    // Nothing fails from here on.
+    // Nothing may fail from here on.
     frames_->change_fields(fields_of(assets.clips));
     assets_ = std::move(assets);
     stage_ = &stage;
@@ -84,7 +84,7 @@ StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, 
     return next;
 }
 
-// The renderer has the fields of this stage already.
+// Adds the new paints and removes unused ones. The renderer must have the fields of this stage already.
 void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     std::map<PaintKey, uint32_t> numbers;
     paints_.clear();
@@ -143,7 +143,7 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
     set_->light(lights, ambient, {stage_->settings.shadows, stage_->settings.shadows});
 }
 
-// As show.glsl's with_set.
+// Composites as with_set of show.glsl does.
 media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, const glm::vec4& background) const {
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();

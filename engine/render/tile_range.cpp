@@ -11,7 +11,7 @@ namespace neuvv::render {
 
 namespace {
 
-// The dispatch over a list rounds its number up to whole rows.
+// A dispatch over a list rounds the number of tiles up to whole rows.
 uint64_t list_bytes(uint32_t tiles) {
     return uint64_t{4} * tiles + uint64_t{4} * kListRow;
 }
@@ -19,11 +19,11 @@ uint64_t list_bytes(uint32_t tiles) {
 }  // namespace
 
 RangeView range_view(const ShaderCamera& camera) {
-    // A place p is seen by the pixel (x, y) with p − eye = z (corner + x·right + y·down).
+    // The pixel (x, y) shows the points p with p − eye = z (corner + x·right + y·down).
     const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
     const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
     const auto row = [&rows](int i) { return glm::vec4(glm::vec3(rows[i]), 0); };
-    double longest_m = 0;  // lines are linear in x and y: the longest is at a corner
+    double longest_m = 0;  // the vector of a pixel is linear in x and y, so the longest one is at a corner
     for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(1, 1)}) {
         const glm::dvec2 at = corner * glm::dvec2(pixel_of_ray(camera.across, camera.right.w),
                                                   pixel_of_ray(camera.downwards, camera.down.w));

@@ -80,7 +80,7 @@ gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays) {
             {kTraceDepth, &rays.depth}};
 }
 
-// What is not there is bound to a buffer of the same format, and not read.
+// Bindings of buffers that do not exist get other buffers of the same formats, which are not read.
 gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
                                 const Segments* segments) {
     assert(output != RayOutput::kSegments || segments);
@@ -109,7 +109,7 @@ void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles,
     gpu::compute_barrier(commands);
 }
 
-// What a field alone does not read is bound to buffers of the same formats.
+// Bindings that only instances need get other buffers of the same formats, which are not read.
 DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
                            const RayBatch& rays, Walk walk)
     : field(given_field),

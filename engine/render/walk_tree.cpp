@@ -18,7 +18,7 @@ uint64_t mask_of(const TreeNode& node) {
     return uint64_t{node.mask_hi} << 32 | node.mask_lo;
 }
 
-// One leaf fills all of the octant, whose first child stands at `slot`.
+// Whether one leaf fills the whole octant. `slot` is the index of the octant's first child.
 bool is_wide(const voctree::VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
     if ((mask >> (8 * octant) & kOctant) != kOctant || !(tree.children[slot] & kLeafBit)) return false;
     return std::all_of(&tree.children[slot], &tree.children[slot] + 8,
@@ -33,7 +33,7 @@ glm::uvec3 unpacked(glm::uvec2 position) {
     return {position.x & 0xffff, position.x >> 16, position.y & 0xffff};
 }
 
-// Takes the nodes level by level; child nodes get the next free number.
+// Visits the nodes level by level and numbers them in this order.
 class Walker {
   public:
     explicit Walker(const voctree::VOctree& tree) : tree_(tree) {
@@ -101,7 +101,7 @@ class Walker {
     WalkTree walk_;
 };
 
-// The cells that hold all leaves, of a grid of 4^levels cells a side.
+// The bounds of all leaves in the cells of a grid with 4^levels cells along each side.
 struct Bounds {
     glm::uvec3 low{0}, last{0};
     uint64_t cells() const {
@@ -133,7 +133,8 @@ class TopGrid {
     std::vector<uint32_t> take() { return std::move(cells_); }
 
   private:
-    // `level`: the node's side is 4^level finest cells; `corner` in those.
+    // The side of a node of level `level` is 4^level finest cells. `corner` is the node's position in units of its own
+    // size.
     void fill_node(uint32_t node, uint32_t level, glm::uvec3 corner) {
         const uint32_t size = 1u << (2 * (level - lowest_));
         const glm::uvec3 first = glm::max(corner * size, walk_.top_low) - walk_.top_low;
