@@ -101,8 +101,8 @@ void Performer::make_slices_for_paint(bool any_painted) {
     }
     if (!slices_ || paints_.count() <= slice_paint_count_) return;
     const SliceTrees& trees = slices_->trees();
-    const bool all_of_clip =
-        trees.slices >= (1 + slice_paint_count_) * field_.frames;  // the clip, not the budget, set their number
+    // Whether the number of slices was limited by the clip, not by the budget.
+    const bool all_of_clip = trees.slices >= (1 + slice_paint_count_) * field_.frames;
     const uint32_t entries = trees.capacity;
     slice_paint_count_ = paints_.count();
     if (!all_of_clip || slice_bytes(field_, entries) * (trees.slices + uint64_t{1}) > slice_budget_) return;

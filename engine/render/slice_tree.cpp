@@ -84,8 +84,8 @@ void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t sl
 
 void record_slice_begin(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
     gpu::fill(commands, slicer.live.node_live, 0);
-    const LiveCount none{0, 1, 1, 0,
-                         0};  // the overflow is kept: trees that have any are replaced (Performer::enlarge_slices)
+    // The overflow is not cleared: trees that have any are replaced (Performer::enlarge_slices).
+    const LiveCount none{0, 1, 1, 0, 0};
     gpu::update(commands, slicer.trees.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
     record_rows(commands, slicer.finder, frame);
 }

@@ -8,7 +8,7 @@ namespace neuvv::render {
 // SH along each ray, the colours of record_shade, or black where only alpha and depth are needed.
 enum class Shading { kPerRay, kPerLeaf, kNone };
 
-// Optimisations of the walk (march.glsl) that the benchmark turns off to measure them. The defaults are the fastest
+// Variants of the walk (march.glsl), by which the benchmark measures its optimisations. The defaults are the fastest
 // walk.
 struct WalkSteps {
     bool restart = false;    // true: reads the node again at every step
