@@ -184,7 +184,7 @@ TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
     const gpu::ComputePass pass(device(), "resolve", resolve_comp);
     const gpu::Buffer radiance(device(), "radiance", 1024, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
     const gpu::Buffer depth(device(), "depth", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    const gpu::Buffer image(device(), "picture", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer image(device(), "image", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     const gpu::Buffer plain(device(), "plain", 256, gpu::MemoryKind::kDevice), none;
     const auto bind = [&](const gpu::Buffer& in, uint32_t last) {
         gpu::BindingSet(pass, {{kResolveRadiance, &in},

@@ -343,7 +343,7 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
     const auto render = [&](render::FrameRenderer& renderer, float frame) {
         return renderer.render(camera, {.instances = {{frame}}, .width = kWidth, .height = kHeight}).rgba;
     };
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const uint32_t slices : {1u, 2u, 3u}) {
         render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slices * one});
         render::FrameRenderer reference(device(), field, {kWidth, kHeight, 1, 1, 1});
@@ -367,7 +367,7 @@ TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
-    ASSERT_GT(field.leaf_count, render::most_entries(field) / 4 + 4096);
+    ASSERT_GT(field.leaf_count, render::max_entries(field) / 4 + 4096);
     Renderers renderers(device(), field);
     expect_agreement(tree, views(tree)[0], renderers, 1.3f);
 }

@@ -112,7 +112,7 @@ TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget)
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const Traced truth = compose_by_reference(tree, a_stage(), stage_camera());
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const auto& [budget, slices] : {std::pair(render::kSliceBudget, size_t{4}), std::pair(2 * one, size_t{2}),
                                          std::pair(uint64_t{0}, size_t{0})}) {
         SCOPED_TRACE("budget " + std::to_string(budget));
@@ -190,7 +190,7 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
         copies.push_back({2.4f * static_cast<float>(i),
                           placed({2.5f * static_cast<float>(i % 4), 0, -2.5f * static_cast<float>(i / 4)},
                                  static_cast<float>(i), glm::vec3(1))});
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const uint64_t budget : {uint64_t{0}, one, 3 * one}) {
         const auto bytes_with = [&](const std::vector<render::Instance>& instances) {
             const uint64_t before = device().buffer_bytes();
@@ -214,7 +214,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const auto draw = [&](render::FrameRenderer& renderer, float frame, const std::vector<float>& next) {
         render::FrameSettings settings = settings_of({{frame}}, render::TraceMode::kTree);
         for (const float later : next) settings.next_slices.push_back({later});
-        settings.parts_ahead = 1;
+        settings.prefetch_parts = 1;
         return renderer.render(stage_camera(), settings).rgba;
     };
     const auto slice_passes = [](const render::FrameRenderer& renderer) {

@@ -228,15 +228,15 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
 }
 
-render::PlacedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
+render::TransformedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
     const glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), at), turn, glm::dvec3(0, 1, 0));
-    return render::placed_box(-half, half, place);
+    return render::transformed_box(-half, half, place);
 }
 
 using Groups = std::vector<std::vector<uint32_t>>;
 
 TEST(DrawOrder, IsNearToFarWhereBoxesStandApart) {
-    const std::vector<render::PlacedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
+    const std::vector<render::TransformedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
     EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0)}), (Groups{{1}, {2}, {0}}));
     EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0, 0, -10)}), (Groups{{0}, {2}, {1}}));
     EXPECT_EQ(render::draw_order({}, std::vector{glm::dvec3(0)}), Groups{});
@@ -244,13 +244,13 @@ TEST(DrawOrder, IsNearToFarWhereBoxesStandApart) {
 
 // A long wall whose middle is nearer than a box before its far end.
 TEST(DrawOrder, IsNotThatOfMiddles) {
-    const render::PlacedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
+    const render::TransformedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
     EXPECT_EQ(render::draw_order(std::vector{wall, before}, std::vector{glm::dvec3(0)}), (Groups{{1}, {0}}));
 }
 
 TEST(DrawOrder, BoxesThatOverlapAreOneGroup) {
-    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
-                                                  box_at({3, 0, -5})};
+    const std::vector<render::TransformedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
+                                                       box_at({3, 0, -5})};
     EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0, 1, 2}, {3}}));
     // Touching is not overlapping.
     EXPECT_EQ(
@@ -259,14 +259,14 @@ TEST(DrawOrder, BoxesThatOverlapAreOneGroup) {
 
 TEST(DrawOrder, TurnedBoxesPartAlongAnEdgeOfEach) {
     // Boxes whose boxes along the axes overlap.
-    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4),
-                                                  box_at({1.15, 0, -5.75}, 0.9)};
+    const std::vector<render::TransformedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4),
+                                                       box_at({1.15, 0, -5.75}, 0.9)};
     EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0}, {1}}));
 }
 
 // Three beams, each before the next at one end and behind the third at the other.
 TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
-    std::vector<render::PlacedBox> beams;
+    std::vector<render::TransformedBox> beams;
     for (int i = 0; i < 3; i++) {
         const double angle = 2 * std::numbers::pi * i / 3;
         const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.35), across(-std::sin(angle), std::cos(angle), 0);
@@ -279,7 +279,7 @@ TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
 }
 
 TEST(DrawOrder, MustHoldForAllEyes) {
-    const std::vector<render::PlacedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
+    const std::vector<render::TransformedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
     EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(-5, 0, 1)}), (Groups{{0}, {1}}));
     EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(5, 0, 0)}), (Groups{{0, 1}}));
 }
@@ -289,7 +289,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
     Random random(5);
     uint32_t met = 0, groups_of_one = 0;
     for (int scene = 0; scene < 20; scene++) {
-        std::vector<render::PlacedBox> boxes;
+        std::vector<render::TransformedBox> boxes;
         for (int i = 0; i < 12; i++) {
             const auto vector = [&](double size) {
                 return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size),

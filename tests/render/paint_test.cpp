@@ -67,7 +67,7 @@ struct PaintTest : GpuTest {
                               bool in_parts, const std::vector<render::PaintUse>& expected_uses) {
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         const render::LiveLeaves live(device(), field, field.leaf_count);
-        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
         const render::TreeSlicer slicer(device(), field, live, sliced);
         const render::Paint paint(device(), tree.leaf_count, uses);
         const render::Painter painter(device(), field, live, sliced);
@@ -219,7 +219,7 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
     const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
     const render::PaintUse red{&copies.red, stage::PaintBlend::kNormal, 0.5f}, gone{&copies.gone},
         both[] = {{&copies.red}, {&copies.gone}};
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     std::pmr::vector<uint8_t> truth;
     for (const uint64_t budget : {render::kSliceBudget, 3 * one, 2 * one, one, uint64_t{0}}) {
         SCOPED_TRACE(testing::Message() << "budget " << budget);
@@ -297,7 +297,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     ASSERT_EQ(fresh.paints().add(uses), paint);
     render::FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
     settings.next_slices = {{2.5f, paint}};
-    settings.parts_ahead = 1;
+    settings.prefetch_parts = 1;
     for (uint32_t part = 0; part < render::kSliceParts; part++) ahead.render(stage_camera(), settings);
     const render::FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});
     EXPECT_EQ(ahead.render(stage_camera(), later).rgba, fresh.render(stage_camera(), later).rgba);
@@ -311,7 +311,7 @@ TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 10) layer.edits.push_back({leaf, 0, 0, {0, 0, 1}, 1});
     render::FrameRenderer renderer(device(), field,
-                                   {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
+                                   {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
     renderer.render(stage_camera(), settings_of({{}, {0, at(2)}}));
     const uint64_t before = device().buffer_bytes();
     const render::PaintUse use{&layer};

@@ -32,14 +32,14 @@ media::Image resolve(const gpu::Device& device, const Rays& rays, const render::
                      uint32_t samples = 1) {
     const render::RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
     media::Image image(rays.width / samples, rays.height / samples);
-    const gpu::Buffer image(device, "picture", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer pixels(device, "image", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     gpu::upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     gpu::upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
-    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, image);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, pixels);
     gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
         render::record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
-    gpu::download(device, image, image.rgba.data(), image.rgba.size());
+    gpu::download(device, pixels, image.rgba.data(), image.rgba.size());
     return image;
 }
 
@@ -169,7 +169,7 @@ TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     light[0] = light.back() = glm::vec4(1);
     gpu::upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
     gpu::run_once(device(), "depth", [&](gpu::Commands& commands) { gpu::fill(commands, batch.depth, 0); });
-    const gpu::Buffer image(device(), "picture", 2 * layout.image_bytes(), gpu::MemoryKind::kDevice,
+    const gpu::Buffer image(device(), "image", 2 * layout.image_bytes(), gpu::MemoryKind::kDevice,
                             VK_FORMAT_R32_UINT);
     const render::Resolver resolver(device(), render::RaysPerPixel::kWhole, batch, image);
     gpu::run_once(device(), "resolve", [&](gpu::Commands& commands) {

@@ -381,7 +381,7 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
     const auto bytes_with = [&](int copies) {
         const uint64_t before = device().buffer_bytes();
         OnSet stage(device(), glb, {&field},
-                    {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
+                    {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
         stage.set.light(std::span(&light, 1), {});
         std::vector<render::Instance> instances;
         for (int i = 0; i < copies; i++) {

@@ -178,7 +178,7 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     Lighting lighting{{sun(), spot_above()}, {}};
     set.light(lighting.lights, lighting.ambient);
     const render::WorldBox performers{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)};
-    set.shadows_of(performers);
+    set.set_shadow_casters(performers);
     const uint32_t side = kPerformerShadowSide;
     const auto worst = [&](const Lighting& wanted) {
         return compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), kMaterial, wanted)

@@ -27,7 +27,7 @@ TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
             {.seed = degree + 20, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         const render::LiveLeaves live(device(), field, field.leaf_count);
-        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
         const render::TreeSlicer slicer(device(), field, live, sliced);
         for (const float frame : {0.0f, 2.5f, 4.0f}) {
             gpu::run_once(device(), "slice",
@@ -83,7 +83,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const render::LiveLeaves live(device(), field, field.leaf_count);
-    const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+    const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
     const render::TreeSlicer slicer(device(), field, live, sliced);
     const render::RayBatch rays(device(), 1, kAcross * kDown);
     const render::TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
@@ -110,7 +110,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
             *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
             *ranges.views.as<RangeView>() = render::range_view(render::shader_camera(camera));
             render::record_slice_tree(commands, slicer, 0, 1);
-            render::record_unseen(commands, ranges);
+            render::record_clear_coverage(commands, ranges);
             render::record_tile_ranges(commands, ranger, 0, 0, level, {kWidth, kHeight});
         });
         std::vector<glm::uvec2> words(kAcross * kDown);
@@ -157,8 +157,8 @@ TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideThePictureIsSeen) {
         last = level;
     }
     const auto pixels = [&](glm::dvec3 eye, glm::dvec3 at) {
-        return render::pixels_around(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
-                                     field.leaves_min, field.leaves_max);
+        return render::pixels_covered(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
+                                      field.leaves_min, field.leaves_max);
     };
     const glm::dvec3 centre(middle), far(0, 0, 20 * edge);
     EXPECT_EQ(pixels(centre, centre + glm::dvec3(1, 0, 0)), 40 * 30) << "around the eye";
