@@ -55,7 +55,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
     settings.steps = options.psi_steps;
     double printed = -1e9;
     voctree::VOctree tree =
-        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbove, settings,
+        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbovePixel, settings,
                            [&](const training::PsiProgress& now) {
                                if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
                                    print_psi_progress(now, !stderr_is_terminal());

@@ -204,7 +204,8 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
         state_path(nvv), checkpoint.tree,
         {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
          chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
-         chunk("rech", checkpoint.use.reach), chunk("pull", checkpoint.use.pull), chunk("frms", checkpoint.use.frames)},
+         chunk("rech", checkpoint.use.max_weight), chunk("pull", checkpoint.use.opacity_sensitivity),
+         chunk("frms", checkpoint.use.frames)},
         1);
     return save_shown(nvv, checkpoint.tree);
 }
@@ -229,8 +230,8 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.second = read_bfloats(path, chunks, "mom2", plane_numbers(tree));
     checkpoint.rows_first = read_floats(path, chunks, "row1", rows);
     checkpoint.rows_second = read_floats(path, chunks, "row2", rows);
-    checkpoint.use.reach = read_floats(path, chunks, "rech", tree.leaf_count);
-    checkpoint.use.pull = read_floats(path, chunks, "pull", tree.leaf_count);
+    checkpoint.use.max_weight = read_floats(path, chunks, "rech", tree.leaf_count);
+    checkpoint.use.opacity_sensitivity = read_floats(path, chunks, "pull", tree.leaf_count);
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     return checkpoint;

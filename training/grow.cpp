@@ -130,12 +130,12 @@ double footprint_at(const Dataset& dataset, glm::dvec3 place) {
     return least;
 }
 
-bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& place, float reach,
-                const GrowSettings& settings) {
-    if (place.depth >= settings.max_depth || reach < settings.divide_from) return false;
-    if (settings.divide_pixels <= 0) return true;
+bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& place,
+                float max_weight, const GrowSettings& settings) {
+    if (place.depth >= settings.max_depth || max_weight < settings.min_weight_to_divide) return false;
+    if (settings.min_pixels_to_divide <= 0) return true;
     const double edge = static_cast<double>(tree.box_size.x) / (1u << place.depth);
-    return edge >= settings.divide_pixels * footprint_at(dataset, hull_cell(tree, place, 0).centre);
+    return edge >= settings.min_pixels_to_divide * footprint_at(dataset, hull_cell(tree, place, 0).centre);
 }
 
 // Which leaves divide; the tree stays within max_leaves.
@@ -143,17 +143,17 @@ std::vector<bool> choose_divided(const Dataset& dataset, const voctree::VOctree&
                                  const std::vector<voctree::LeafPosition>& places, const LeafUse& use,
                                  const GrowSettings& settings) {
     std::vector<uint32_t> wanted;
-    const bool by_pull = settings.divide_share < 1;
+    const bool by_sensitivity = settings.divide_share < 1;
     for (uint32_t i = 0; i < places.size(); i++) {
-        if (by_pull && use.pull[i] <= 0) continue;
-        if (may_divide(dataset, tree, places[i], use.reach[i], settings)) wanted.push_back(i);
+        if (by_sensitivity && use.opacity_sensitivity[i] <= 0) continue;
+        if (may_divide(dataset, tree, places[i], use.max_weight[i], settings)) wanted.push_back(i);
     }
     size_t room = wanted.size();
-    if (by_pull) room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
+    if (by_sensitivity) room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
     if (settings.max_leaves > 0)
         room = std::min(room, settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0);
     if (wanted.size() > room) {
-        const std::vector<float>& worth = by_pull ? use.pull : use.reach;
+        const std::vector<float>& worth = by_sensitivity ? use.opacity_sensitivity : use.max_weight;
         std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
         wanted.resize(room);
     }
@@ -174,15 +174,16 @@ void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t paren
 }
 
 // Which leaves stay, or divide.
-std::vector<bool> choose_kept(const std::vector<float>& reach, const GrowSettings& settings) {
+std::vector<bool> choose_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
     std::vector<uint32_t> chosen;
-    for (uint32_t i = 0; i < reach.size(); i++)
-        if (reach[i] >= settings.prune_below) chosen.push_back(i);
+    for (uint32_t i = 0; i < max_weight.size(); i++)
+        if (max_weight[i] >= settings.prune_below) chosen.push_back(i);
     if (settings.max_leaves > 0 && chosen.size() > settings.max_leaves) {
-        std::stable_sort(chosen.begin(), chosen.end(), [&](uint32_t a, uint32_t b) { return reach[a] > reach[b]; });
+        std::stable_sort(chosen.begin(), chosen.end(),
+                         [&](uint32_t a, uint32_t b) { return max_weight[a] > max_weight[b]; });
         chosen.resize(settings.max_leaves);
     }
-    std::vector<bool> kept(reach.size());
+    std::vector<bool> kept(max_weight.size());
     for (const uint32_t i : chosen) kept[i] = true;
     return kept;
 }
@@ -253,7 +254,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
                       const GrowSettings& settings) {
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const std::vector<bool> divided = choose_divided(dataset, tree, places, use, settings);
-    const std::vector<bool> stays = choose_kept(use.reach, settings);
+    const std::vector<bool> stays = choose_kept(use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, dividing;
     for (uint32_t i = 0; i < places.size(); i++) {

@@ -45,7 +45,7 @@ std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& pla
 }
 
 bool was_used(const LeafUse& use, uint32_t leaf, uint32_t frame) {
-    return use.frames[frame / 32 * use.reach.size() + leaf] >> frame % 32 & 1;
+    return use.frames[frame / 32 * use.max_weight.size() + leaf] >> frame % 32 & 1;
 }
 
 Shares users(const LeafUse& use, const Siblings& leaves, uint32_t frame) {
@@ -180,18 +180,19 @@ std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUs
 // `origins`: of a new leaf the old one, or its family's first.
 LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, const std::vector<Family>& families,
                   const std::vector<uint32_t>& family_of) {
-    const size_t before = use.reach.size(), after = origins.size(), words = before > 0 ? use.frames.size() / before : 0;
+    const size_t before = use.max_weight.size(), after = origins.size(),
+                 words = before > 0 ? use.frames.size() / before : 0;
     LeafUse result{std::vector<float>(after), std::vector<float>(after), std::vector<uint32_t>(words * after)};
     for (size_t i = 0; i < after; i++) {
         const auto take = [&](uint32_t leaf) {
-            result.reach[i] = std::max(result.reach[i], use.reach[leaf]);
+            result.max_weight[i] = std::max(result.max_weight[i], use.max_weight[leaf]);
             for (size_t word = 0; word < words; word++)
                 result.frames[word * after + i] |= use.frames[word * before + leaf];
         };
         const uint32_t family = family_of[origins[i]];
         if (family == kNoFamily) {
             take(origins[i]);
-            result.pull[i] = use.pull[origins[i]];
+            result.opacity_sensitivity[i] = use.opacity_sensitivity[origins[i]];
         } else {
             for (const uint32_t leaf : families[family].leaves) take(leaf);
         }

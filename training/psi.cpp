@@ -41,11 +41,11 @@ std::vector<uint32_t> network_constants(const PsiShape& shape) {
 // Rounds: uniform in ±√(6 / inputs), He's variance.
 void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t outputs, double gain,
                 std::mt19937_64& random) {
-    const double reach = gain * std::sqrt(6.0 / real_inputs);
+    const double bound = gain * std::sqrt(6.0 / real_inputs);
     for (uint32_t k = 0; k < inputs; k++)
         for (uint32_t o = 0; o < outputs; o++) {
             const double uniform = static_cast<double>(random() >> 11) * 0x1p-53;
-            matrix[size_t{k} * outputs + o] = static_cast<float>(reach * (2 * uniform - 1));
+            matrix[size_t{k} * outputs + o] = static_cast<float>(bound * (2 * uniform - 1));
         }
 }
 

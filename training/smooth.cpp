@@ -16,7 +16,7 @@ Smoother::Smoother(const gpu::Device& device, const render::Field& given_field, 
                  {kTraceHead, &slice.head},
                  {kTraceSh, &slice.sh},
                  {kSmoothLeaves, &slice.slot_leaf},
-                 {kSmoothPlaces, &field.leaf_positions},
+                 {kSmoothPositions, &field.leaf_positions},
                  {kSmoothTouched, &gradients.touched},
                  {kSmoothCount, &gradients.touched_count},
                  {kSmoothGradients, &gradients.gradients}}) {}

@@ -12,9 +12,9 @@ struct SliceGradients {
     // Starts out clear.
     SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice);
 
-    gpu::Buffer gradients;  // per slot gradient_stride floats
-    gpu::Buffer reach;      // per slot bits of the largest blending weight of the step
-    gpu::Buffer touched;    // slots that rays of the step reached
+    gpu::Buffer gradients;   // per slot gradient_stride floats
+    gpu::Buffer max_weight;  // per slot bits of the largest blending weight of the step
+    gpu::Buffer touched;     // slots that rays of the step reached
     gpu::Buffer touched_count;
     gpu::Buffer partials;  // per workgroup of slots: sums for the rows
 };

@@ -131,7 +131,8 @@ const Dataset& Run::begin() {
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
         run_.program = settings_.program;
-        tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        tree_ =
+            settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
             throw InputError("--max-leaves", std::to_string(run_.max_leaves),
                              fmt::format("already the first tree has {} leaves", tree_.leaf_count),
@@ -141,7 +142,7 @@ const Dataset& Run::begin() {
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
                                          tree_.leaf_count, max_leaves()),
                              "choose a lower resolution or --hh-degree");
-        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbove;
+        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbovePixel;
         make_step();
     }
     if (settings_.minutes > 0 || settings_.steps > 0) {
@@ -162,7 +163,7 @@ uint32_t Run::max_leaves() const {
     most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
     if (run_.max_bytes > 0 && file_bytes_ > 0) {
-        const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytes : 1);
+        const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytesFactor : 1);
         most = std::min(most, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
     }
     return static_cast<uint32_t>(most);
@@ -185,7 +186,7 @@ void Run::make_step() {
 void Run::begin_stage_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
     const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
-    const bool covered = epochs > kCoverage, coarse = run_.phase < kLevelsAbove;
+    const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
     if (!covered && !coarse) return;  // it waits until it knows
     if (run_.max_bytes > 0) save();   // to know how well this tree packs
     const Phase& phase = kPhases[++run_.phase];
@@ -194,16 +195,17 @@ void Run::begin_stage_if_due() {
     GrowSettings settings;
     settings.max_leaves = max_leaves();
     settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
-    settings.empty_unused = epochs > kFrameCoverage && !coarse;
+    settings.empty_unused = epochs > kMinEpochsForFrameUse && !coarse;
     settings.divide_share = phase.divide_share;
-    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
-    settings.divide_pixels = coarse ? 0 : kDividePixels;
+    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelowPixel);
+    settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
     // Finer leaves need rays: a run too short to see its images once a phase is better off without.
-    if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
+    if (!coarse && epochs < kMinEpochsForFrameUse) settings.divide_share = 0;
     // Where few rays came yet, reach says nothing: then everything divides.
-    settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
+    settings.min_weight_to_divide =
+        run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
-    if (phase.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, phase.merge_within);
+    if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse) merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
     if (!coarse) revive_holes(tree_);
     make_step();
@@ -247,9 +249,9 @@ StepSettings Run::step_settings(double time) const {
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction());
-    if (run_.phase < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
+    if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
-    settings.adam.used_from = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
+    settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
     // With as many bases as frames the first bases already span every course.

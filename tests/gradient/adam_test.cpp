@@ -115,7 +115,7 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     ASSERT_GE(scene.tree.frames, 3u);
     training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
     training::StepSettings settings = settings_of(scene);
-    settings.adam.used_from = 0.05f;
+    settings.adam.min_used_weight = 0.05f;
     const auto run_at = [&](float frame) {
         load_scene(step, scene);
         settings.frame = frame;
@@ -126,14 +126,15 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     const training::LeafUse once = run_at(0.5f), twice = run_at(2);
     size_t reached = 0, weakly = 0, grown = 0;
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
-        EXPECT_EQ(once.frames[leaf], once.reach[leaf] >= 0.05f ? 0b011u : 0u);
+        EXPECT_EQ(once.frames[leaf], once.max_weight[leaf] >= 0.05f ? 0b011u : 0u);
         EXPECT_EQ(once.frames[leaf] & ~twice.frames[leaf], 0u);
-        EXPECT_GE(twice.reach[leaf], once.reach[leaf]);
-        EXPECT_GE(twice.pull[leaf], once.pull[leaf]);
-        EXPECT_TRUE(once.reach[leaf] > 0 || once.pull[leaf] == 0);
+        EXPECT_GE(twice.max_weight[leaf], once.max_weight[leaf]);
+        EXPECT_GE(twice.opacity_sensitivity[leaf], once.opacity_sensitivity[leaf]);
+        EXPECT_TRUE(once.max_weight[leaf] > 0 || once.opacity_sensitivity[leaf] == 0);
         reached += once.frames[leaf] != 0 ? 1 : 0;
-        weakly += once.reach[leaf] > 0 && once.frames[leaf] == 0 ? 1 : 0;
-        grown += twice.frames[leaf] == 0b111u && twice.pull[leaf] > once.pull[leaf] ? 1 : 0;
+        weakly += once.max_weight[leaf] > 0 && once.frames[leaf] == 0 ? 1 : 0;
+        grown +=
+            twice.frames[leaf] == 0b111u && twice.opacity_sensitivity[leaf] > once.opacity_sensitivity[leaf] ? 1 : 0;
     }
     EXPECT_GT(reached, 20u);
     EXPECT_GT(weakly, 5u);

@@ -64,8 +64,8 @@ std::vector<float> fill_moments(const gpu::Device& device, const training::Train
     put(moments.rows_second, rows, 0);
     training::LeafUse use;
     for (uint32_t i = 0; i < step.field().leaf_count; i++) {
-        use.reach.push_back(static_cast<float>(random.uniform()));
-        use.pull.push_back(static_cast<float>(random.uniform()));
+        use.max_weight.push_back(static_cast<float>(random.uniform()));
+        use.opacity_sensitivity.push_back(static_cast<float>(random.uniform()));
     }
     for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; i++)
         use.frames.push_back(static_cast<uint32_t>(random.below(1u << 31)));
@@ -137,8 +137,8 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     EXPECT_EQ(after.second, before.second);
     EXPECT_EQ(after.rows_first, before.rows_first);
     EXPECT_EQ(after.rows_second, before.rows_second);
-    EXPECT_EQ(after.use.reach, before.use.reach);
-    EXPECT_EQ(after.use.pull, before.use.pull);
+    EXPECT_EQ(after.use.max_weight, before.use.max_weight);
+    EXPECT_EQ(after.use.opacity_sensitivity, before.use.opacity_sensitivity);
     EXPECT_EQ(after.use.frames, before.use.frames);
 }
 
@@ -154,8 +154,8 @@ struct StateFile {
         checkpoint.second = checkpoint.first;
         checkpoint.rows_first.resize(size_t{2} * tree.frames * tree.bases);
         checkpoint.rows_second = checkpoint.rows_first;
-        checkpoint.use.reach.resize(tree.leaf_count);
-        checkpoint.use.pull.resize(tree.leaf_count);
+        checkpoint.use.max_weight.resize(tree.leaf_count);
+        checkpoint.use.opacity_sensitivity.resize(tree.leaf_count);
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
         training::save_checkpoint(nvv, checkpoint);
     }

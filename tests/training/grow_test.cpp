@@ -34,8 +34,8 @@ float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
 }
 
 // Every frame used every leaf, with these reaches and as much pull.
-training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> reach) {
-    return {reach, reach, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
+training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> max_weight) {
+    return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
@@ -108,10 +108,10 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
 TEST(Grow, PrunesWhatIsNotReached) {
     voctree::VOctree tree = first_tree();
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
-    std::vector<float> reach(tree.leaf_count, 0.5f);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) reach[leaf] = 0.001f;
+    std::vector<float> max_weight(tree.leaf_count, 0.5f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) max_weight[leaf] = 0.001f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
@@ -134,10 +134,10 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
     Random random(2);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
-    std::vector<float> reach(tree.leaf_count, 0.01f);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) reach[leaf] = 0.9f;
+    std::vector<float> max_weight(tree.leaf_count, 0.01f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) max_weight[leaf] = 0.9f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .min_weight_to_divide = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
@@ -164,13 +164,14 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
 
 TEST(Grow, StaysWithinDepthAndLeafLimits) {
     const voctree::VOctree tree = first_tree();
-    std::vector<float> reach(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
-    const training::GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
-    EXPECT_EQ(training::grow(capture(), tree, use_of(tree, reach), at_depth).leaf_count, tree.leaf_count);
+    std::vector<float> max_weight(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) max_weight[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
+    const training::GrowSettings at_depth{.max_depth = 3, .min_weight_to_divide = 0.01f};
+    EXPECT_EQ(training::grow(capture(), tree, use_of(tree, max_weight), at_depth).leaf_count, tree.leaf_count);
 
-    const training::GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
-    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, reach), limited);
+    const training::GrowSettings limited{
+        .max_depth = 5, .min_weight_to_divide = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
+    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, max_weight), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
@@ -183,10 +184,11 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
 
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
     const voctree::VOctree tree = first_tree();
-    std::vector<float> reach(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
+    std::vector<float> max_weight(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        max_weight[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
     for (const voctree::LeafPosition& place : voctree::leaf_positions(grown))
@@ -196,18 +198,19 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
 TEST(Grow, DividesWhereTheLossPullsHardest) {
     const voctree::VOctree tree = first_tree();
     training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.pull[leaf] = static_cast<float>(leaf * 7 % 101);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        use.opacity_sensitivity[leaf] = static_cast<float>(leaf * 7 % 101);
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use, {.max_depth = 5, .divide_from = 0.1f, .divide_share = 0.25f});
+        training::grow(capture(), tree, use, {.max_depth = 5, .min_weight_to_divide = 0.1f, .divide_share = 0.25f});
     expect_sound(grown);
     float least_divided = 1000, most_whole = 0;
     size_t whole = 0;
     for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) {
-        const float pull = use.pull[voctree::find_leaf(tree, middle_of(place))];
+        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(place))];
         if (place.depth == 4)
-            least_divided = std::min(least_divided, pull);
+            least_divided = std::min(least_divided, opacity_sensitivity);
         else {
-            most_whole = std::max(most_whole, pull);
+            most_whole = std::max(most_whole, opacity_sensitivity);
             whole++;
         }
     }
@@ -221,9 +224,10 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     const double edge = static_cast<double>(tree.box_size.x) / 8;
     const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // in the middle of the ring
     const training::GrowSettings too_small{
-        .max_depth = 5, .divide_from = 0.1f, .divide_pixels = 2.5 * edge / footprint};
+        .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 2.5 * edge / footprint};
     EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
-    const training::GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
+    const training::GrowSettings large{
+        .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 0.3 * edge / footprint};
     const voctree::VOctree grown = training::grow(capture(), tree, use, large);
     for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) EXPECT_EQ(place.depth, 4u);
 }
