@@ -115,9 +115,9 @@ stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     expect_array(node["R"], 4);
     expect_array(node["T"], 3);
     double r[4];
-    glm::dvec3 place;
+    glm::dvec3 position;
     for (size_t i = 0; i < 4; ++i) r[i] = json_number(node["R"][i]);
-    for (size_t i = 0; i < 3; ++i) place[static_cast<int>(i)] = json_number(node["T"][i]);
+    for (size_t i = 0; i < 3; ++i) position[static_cast<int>(i)] = json_number(node["T"][i]);
     const glm::dquat turn(r[3], r[0], r[1], r[2]);
     if (std::abs(glm::length(turn) - 1) > kUnitTolerance)
         node["R"].fail("is not a unit quaternion", "give x, y, z, w of a rotation");
@@ -126,7 +126,7 @@ stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     const glm::dmat3 axes = glm::mat3_cast(glm::normalize(turn));
     glm::dmat4 pose(
         glm::dvec4(kYUpFromZUp * turned.outside(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.outside(-axes[1]), 0),
-        glm::dvec4(kYUpFromZUp * turned.outside(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.outside(place), 1));
+        glm::dvec4(kYUpFromZUp * turned.outside(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.outside(position), 1));
     expect_rigid(node, pose);
     stage::CameraPathKey key;
     set_pose(key, pose);

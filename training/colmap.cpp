@@ -17,8 +17,8 @@ namespace {
 constexpr const char* kModelFolders[] = {"sparse/0", "sparse", "colmap/sparse/0", "."};
 
 std::filesystem::path model_folder(const std::filesystem::path& folder) {
-    for (const char* place : kModelFolders)
-        if (holds_colmap_model(folder / place)) return (folder / place).lexically_normal();
+    for (const char* name : kModelFolders)
+        if (holds_colmap_model(folder / name)) return (folder / name).lexically_normal();
     return {};
 }
 
@@ -119,11 +119,11 @@ bool has_colmap_files(const std::filesystem::path& folder) {
 }
 
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path place = model_folder(folder);
-    if (place.empty())
+    const std::filesystem::path model_path = model_folder(folder);
+    if (model_path.empty())
         throw InputError(folder.string(), "", "holds no sparse model of COLMAP",
                          "put cameras and images (.bin or .txt) into its sparse/0");
-    const ColmapModel model = read_colmap_model(place);
+    const ColmapModel model = read_colmap_model(model_path);
     Rig rig;
     rig.folder = folder;
     rig.format = "colmap";

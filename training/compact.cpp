@@ -29,13 +29,13 @@ float rounded_share(float value, float share) {
 
 void drop_empty_leaves(voctree::VOctree& tree) {
     if (!frames_have_own_bases(tree)) return;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     std::vector<voctree::LeafPosition> kept;
     std::vector<const float*> weights;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const float* sigma = tree.leaf(i);
         if (std::none_of(sigma, sigma + tree.bases, [](float value) { return value > 0; })) continue;
-        kept.push_back(places[i]);
+        kept.push_back(positions[i]);
         weights.push_back(sigma);
     }
     voctree::replace_leaves(tree, kept, weights);

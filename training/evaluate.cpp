@@ -95,8 +95,8 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
     // Instants follow the golden ratio: however many are taken, they lie evenly.
     for (size_t i = 0; i < count; ++i) {
         const std::vector<size_t>& views = by_camera[i * turns / count % cameras];
-        const double place = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
-        chosen.insert(views[static_cast<size_t>(place * static_cast<double>(views.size()))]);
+        const double fraction = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
+        chosen.insert(views[static_cast<size_t>(fraction * static_cast<double>(views.size()))]);
     }
     return {chosen.begin(), chosen.end()};
 }

@@ -147,15 +147,15 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
 }
 
 media::Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
-    std::vector<ImageSource> places{{what_.from / (shot.name + ".png"), -1}};
-    if (shot.image.video_frame < 0) places.push_back({what_.from / shot.image.path.filename(), -1});
-    places.back().path.replace_extension(".png");
+    std::vector<ImageSource> candidates{{what_.from / (shot.name + ".png"), -1}};
+    if (shot.image.video_frame < 0) candidates.push_back({what_.from / shot.image.path.filename(), -1});
+    candidates.back().path.replace_extension(".png");
     for (const char* extension : {".mov", ".webm", ".mkv", ".mp4"})
-        places.push_back(
+        candidates.push_back(
             {what_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
     std::error_code ignored;
-    for (const ImageSource& place : places)
-        if (std::filesystem::is_regular_file(place.path, ignored)) return foreign_.read(place);
+    for (const ImageSource& candidate : candidates)
+        if (std::filesystem::is_regular_file(candidate.path, ignored)) return foreign_.read(candidate);
     throw InputError(what_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
                      "name it after its image, or give a video named after its camera");
 }

@@ -26,17 +26,18 @@ struct Family {
 };
 
 // Leaves of one parent get one key.
-uint64_t parent_key(const voctree::LeafPosition& place) {
-    return uint64_t{place.depth} << 36 | uint64_t{place.x / 2} << 24 | uint64_t{place.y / 2} << 12 | place.z / 2;
+uint64_t parent_key(const voctree::LeafPosition& position) {
+    return uint64_t{position.depth} << 36 | uint64_t{position.x / 2} << 24 | uint64_t{position.y / 2} << 12 |
+           position.z / 2;
 }
 
-std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& places) {
-    std::vector<std::pair<uint64_t, uint32_t>> keyed(places.size());
-    for (uint32_t i = 0; i < places.size(); i++) keyed[i] = {parent_key(places[i]), i};
+std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& positions) {
+    std::vector<std::pair<uint64_t, uint32_t>> keyed(positions.size());
+    for (uint32_t i = 0; i < positions.size(); i++) keyed[i] = {parent_key(positions[i]), i};
     std::sort(keyed.begin(), keyed.end());
     std::vector<Family> families;
     for (size_t i = 0; i + 8 <= keyed.size(); i++) {
-        if (keyed[i].first != keyed[i + 7].first || places[keyed[i].second].depth < 2) continue;
+        if (keyed[i].first != keyed[i + 7].first || positions[keyed[i].second].depth < 2) continue;
         Family& family = families.emplace_back();
         for (size_t j = 0; j < 8; j++) family.leaves[j] = keyed[i + j].second;
         i += 7;
@@ -164,12 +165,12 @@ bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, fl
 }
 
 std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
-                                      const std::vector<voctree::LeafPosition>& places, float within) {
-    std::vector<Family> families = whole_families(places);
+                                      const std::vector<voctree::LeafPosition>& positions, float within) {
+    std::vector<Family> families = whole_families(positions);
     const bool own_frames = frames_have_own_bases(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
-            const float edge_m = tree.box_size.x / static_cast<float>(1u << places[families[i].leaves[0]].depth);
+            const float edge_m = tree.box_size.x / static_cast<float>(1u << positions[families[i].leaves[0]].depth);
             if (!agree(tree, use, own_frames, edge_m, within, families[i])) families[i].parent.clear();
         }
     });
@@ -203,26 +204,26 @@ LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, cons
 }  // namespace
 
 size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    const std::vector<Family> families = agreeing_families(tree, use, places, within);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const std::vector<Family> families = agreeing_families(tree, use, positions, within);
     std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
     for (uint32_t i = 0; i < families.size(); i++)
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
-    std::vector<voctree::LeafPosition> places_after;
+    std::vector<voctree::LeafPosition> positions_after;
     std::vector<const float*> weights;
     std::vector<uint32_t> origins;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const uint32_t family = family_of[i];
         if (family != kNoFamily && families[family].leaves[0] != i) continue;
-        const voctree::LeafPosition& place = places[i];
-        places_after.push_back(family == kNoFamily
-                                   ? place
-                                   : voctree::LeafPosition{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        const voctree::LeafPosition& position = positions[i];
+        positions_after.push_back(family == kNoFamily ? position
+                                                      : voctree::LeafPosition{position.x / 2, position.y / 2,
+                                                                              position.z / 2, position.depth - 1});
         weights.push_back(family == kNoFamily ? tree.leaf(i) : families[family].parent.data());
         origins.push_back(i);
     }
-    voctree::replace_leaves(tree, places_after, weights);
+    voctree::replace_leaves(tree, positions_after, weights);
     use = use_after(use, origins, families, family_of);
     return families.size();
 }

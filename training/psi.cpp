@@ -280,17 +280,17 @@ std::vector<glm::vec4> PsiStep::values() const {
     return values;
 }
 
-std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world) {
+std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& positions_world) {
     const uint32_t width = network_.shape.width;
-    std::vector<float> result(places_world.size() * width);
+    std::vector<float> result(positions_world.size() * width);
     std::vector<glm::vec4> points;
     std::vector<float> rows;
-    for (size_t first = 0; first < places_world.size(); first += samples()) {
-        const size_t count = std::min<size_t>(samples(), places_world.size() - first);
+    for (size_t first = 0; first < positions_world.size(); first += samples()) {
+        const size_t count = std::min<size_t>(samples(), positions_world.size() - first);
         const auto blocks = static_cast<uint32_t>((count + kPsiBlock - 1) / kPsiBlock);
         points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
         for (size_t i = 0; i < count; i++)
-            points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
+            points[i] = glm::vec4((positions_world[first + i] - network_.centre()) * network_.scale(), 0);
         gpu::upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
         gpu::run_once(device_, "psi hidden layer", [&](gpu::Commands& commands) {
             gpu::dispatch_groups(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});

@@ -85,7 +85,7 @@ class PsiStep {
     std::vector<glm::vec4> values() const;
 
     // The last hidden layer at places in the world, `width` floats each, in as many runs as its memory needs.
-    std::vector<float> hidden_at(const std::vector<glm::vec3>& places_world);
+    std::vector<float> hidden_at(const std::vector<glm::vec3>& positions_world);
 
   private:
     // The whole step, pass by pass.

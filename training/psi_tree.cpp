@@ -36,33 +36,34 @@ struct Output {
     }
 };
 
-glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
-    return tree.box_min + tree.box_size / static_cast<float>(1u << place.depth) * glm::vec3(place.x, place.y, place.z);
+glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
+    return tree.box_min +
+           tree.box_size / static_cast<float>(1u << position.depth) * glm::vec3(position.x, position.y, position.z);
 }
 
-float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
-    return tree.box_size.x / static_cast<float>(1u << place.depth);
+float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
+    return tree.box_size.x / static_cast<float>(1u << position.depth);
 }
 
 // Places in leaf number i: `side`³ cells' centres, or random ones.
-std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t side) {
+std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t side) {
     std::vector<glm::vec3> centres;
-    const float cell = leaf_edge(tree, place) / static_cast<float>(side);
+    const float cell = leaf_edge(tree, position) / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++)
-        centres.push_back(leaf_corner(tree, place) +
+        centres.push_back(leaf_corner(tree, position) +
                           cell * (glm::vec3(i % side, i / side % side, i / side / side) + 0.5f));
     return centres;
 }
 
-std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t count,
+std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t count,
                                  std::mt19937_64& random) {
-    std::vector<glm::vec3> places(count);
+    std::vector<glm::vec3> positions(count);
     const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
-    for (glm::vec3& at : places) {
+    for (glm::vec3& at : positions) {
         const float x = uniform(), y = uniform(), z = uniform();
-        at = leaf_corner(tree, place) + leaf_edge(tree, place) * glm::vec3(x, y, z);
+        at = leaf_corner(tree, position) + leaf_edge(tree, position) * glm::vec3(x, y, z);
     }
-    return places;
+    return positions;
 }
 
 // Runs `use(leaf, hidden layers at its points)` for every place, on all cores, a chunk of leaves at a time.
@@ -104,14 +105,15 @@ Output output_of(const PsiNetwork& network) {
 }
 
 // Of the hull's cells those with a finest cell that is ever dense.
-std::vector<voctree::LeafPosition> dense_places(PsiStep& psi, const PsiNetwork& network, const voctree::VOctree& hull,
-                                                uint32_t levels_above, float threshold) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(hull);
+std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwork& network,
+                                                   const voctree::VOctree& hull, uint32_t levels_above,
+                                                   float threshold) {
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(hull);
     const Output output = output_of(network);
     const uint32_t side = 1u << levels_above, cells = side * side * side;
-    std::vector<uint8_t> dense(places.size());
+    std::vector<uint8_t> dense(positions.size());
     for_each_leaf(
-        psi, places.size(), cells, [&](size_t i) { return centres_in(hull, places[i], side); },
+        psi, positions.size(), cells, [&](size_t i) { return centres_in(hull, positions[i], side); },
         [&](size_t i, const float* hidden) {
             std::vector<double> outputs(output.columns);
             for (uint32_t cell = 0; cell < cells && dense[i] == 0; cell++) {
@@ -120,19 +122,19 @@ std::vector<voctree::LeafPosition> dense_places(PsiStep& psi, const PsiNetwork& 
             }
         });
     std::vector<voctree::LeafPosition> kept;
-    for (size_t i = 0; i < places.size(); i++)
-        if (dense[i] != 0) kept.push_back(places[i]);
+    for (size_t i = 0; i < positions.size(); i++)
+        if (dense[i] != 0) kept.push_back(positions[i]);
     return kept;
 }
 
 // A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
 void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const Output output = output_of(network);
     std::mt19937_64 random(settings.seed);
     const uint32_t count = settings.points_per_leaf;
     for_each_leaf(
-        psi, places.size(), count, [&](size_t i) { return random_in(tree, places[i], count, random); },
+        psi, positions.size(), count, [&](size_t i) { return random_in(tree, positions[i], count, random); },
         [&](size_t i, const float* hidden) {
             std::vector<float> mean(output.width);
             for (uint32_t k = 0; k < output.width; k++) {
@@ -229,11 +231,11 @@ PsiSettings default_psi_settings(const gpu::Device& device) {
 voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint32_t levels_above,
                                const PsiSettings& settings) {
     const PsiNetwork network = psi.network();
-    const std::vector<voctree::LeafPosition> places =
-        dense_places(psi, network, hull, levels_above, settings.threshold);
-    if (places.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
+    const std::vector<voctree::LeafPosition> positions =
+        dense_positions(psi, network, hull, levels_above, settings.threshold);
+    if (positions.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
     voctree::VOctree tree = hull;
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     set_mean_weights(psi, network, tree, settings);
     const auto rows = [&](uint32_t first) {
         const auto at = network.parameters.begin() + first;

@@ -177,7 +177,8 @@ double Run::fraction() const {
 
 void Run::make_step() {
     finest_ = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree_)) finest_ = std::max(finest_, place.depth);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
+        finest_ = std::max(finest_, position.depth);
     step_.reset();  // the old one's memory first
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            run_.tiles_per_step);

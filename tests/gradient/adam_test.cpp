@@ -72,12 +72,13 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     const training::LearningRates rates{
         .sigma = 0.3f, .gamma = 0.01f, .colour = 0.2f, .detail = 0.05f, .sigma_rows = 1e-2f, .gamma_rows = 2e-2f};
     const uint32_t basis_planes = step.field().basis_planes(), leaves = all.tree.leaf_count;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(all.tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(all.tree);
     const auto weight_rate = [&](size_t i) {
         const size_t plane = i / (size_t{4} * leaves);
         if (plane < basis_planes) {  // against the leaf's edge
-            const voctree::LeafPosition& place = places[i / 4 % leaves];
-            return static_cast<double>(rates.sigma) * std::exp2(place.depth) / static_cast<double>(all.tree.box_size.x);
+            const voctree::LeafPosition& position = positions[i / 4 % leaves];
+            return static_cast<double>(rates.sigma) * std::exp2(position.depth) /
+                   static_cast<double>(all.tree.box_size.x);
         }
         if (plane < 2 * basis_planes) return static_cast<double>(rates.gamma);
         const size_t function = plane - 2 * basis_planes;

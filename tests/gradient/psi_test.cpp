@@ -253,12 +253,12 @@ TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
         if (scene.target[r].a < 0) continue;
         const reference::Ray ray = ray_of(scene, scene.tiles[r / kTilePixels], r % kTilePixels);
         const auto [enter, leave] = box_range(scene, ray);
-        const auto place = [&](double t) { return (ray.origin + t * ray.direction - centre) * scale; };
+        const auto position = [&](double t) { return (ray.origin + t * ray.direction - centre) * scale; };
         const double stride = (leave - enter) / kSampling.coarse;
         std::vector<double> sigmas;
         for (uint32_t i = 0; i < kSampling.coarse; i++)
             sigmas.push_back(reference::psi_sample(chain.psi, chain.row_a, chain.row_b,
-                                                   place(enter + (i + random_at(77, r, i)) * stride), ray.direction)
+                                                   position(enter + (i + random_at(77, r, i)) * stride), ray.direction)
                                  .sigma);
         const auto edges = reference::importance_edges(sigmas, enter, leave, kSampling.fine, 0.2);
         for (uint32_t i = 0; i < kSampling.fine; i++) {
@@ -266,7 +266,7 @@ TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
             const double length = edges[i + 1] - edges[i];
             const double t = edges[i] + length * random_at(77, r, kSampling.coarse + i);
             ASSERT_NEAR(static_cast<double>(found.w), length, 2e-4) << r << ' ' << i;
-            const double off = leave > enter ? glm::length(glm::dvec3(found) - place(t)) : 0;
+            const double off = leave > enter ? glm::length(glm::dvec3(found) - position(t)) : 0;
             ASSERT_LT(off, 2e-4 * scale) << r << ' ' << i;
             uneven += std::abs(length - (leave - enter) / kSampling.fine) > 0.05 * (leave - enter) ? 1 : 0;
         }
@@ -392,17 +392,17 @@ TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
     const Scene scene = psi_scene(45, 1);
     const training::PsiNetwork network = random_psi(scene, {});
     training::PsiStep step(device(), network, kSampling, 2, 1);  // smaller than the places: several runs
-    std::vector<glm::vec3> places;
+    std::vector<glm::vec3> positions;
     Random random(3);
     for (size_t i = 0; i < 1000; i++)
-        places.push_back(network.box_min +
-                         network.box_size * glm::vec3(random.uniform(), random.uniform(), random.uniform()));
-    const std::vector<float> found = step.hidden_at(places);
+        positions.push_back(network.box_min +
+                            network.box_size * glm::vec3(random.uniform(), random.uniform(), random.uniform()));
+    const std::vector<float> found = step.hidden_at(positions);
     const reference::Psi psi = reference_of(network);
     double worst = 0, largest = 0;
-    for (size_t i = 0; i < places.size(); i++) {
-        const auto truth =
-            reference::psi_hidden(psi, glm::dvec3(places[i] - network.centre()) * static_cast<double>(network.scale()));
+    for (size_t i = 0; i < positions.size(); i++) {
+        const auto truth = reference::psi_hidden(
+            psi, glm::dvec3(positions[i] - network.centre()) * static_cast<double>(network.scale()));
         for (size_t o = 0; o < truth.size(); o++) {
             worst = std::max(worst, std::abs(truth[o] - static_cast<double>(found[i * truth.size() + o])));
             largest = std::max(largest, truth[o]);

@@ -20,12 +20,12 @@ voctree::VOctree first_tree() {
     return training::initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
 }
 
-glm::dvec3 middle_of(const voctree::LeafPosition& place) {
-    return (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
+glm::dvec3 middle_of(const voctree::LeafPosition& position) {
+    return (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
 }
 
-glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
-    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 position) {
+    return glm::dvec3(tree.box_min) + position * glm::dvec3(tree.box_size);
 }
 
 // σ before relu, with as many hat bases as frames: the weight itself.
@@ -41,9 +41,9 @@ training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> max_we
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    for (uint32_t leaf = 0; leaf < places.size(); leaf++)
-        ASSERT_EQ(voctree::find_leaf(tree, middle_of(places[leaf])), leaf);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    for (uint32_t leaf = 0; leaf < positions.size(); leaf++)
+        ASSERT_EQ(voctree::find_leaf(tree, middle_of(positions[leaf])), leaf);
 }
 
 TEST(Grow, DepthOfAResolution) {
@@ -71,14 +71,15 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
     EXPECT_EQ(tree.frames, 3u);
     EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
     EXPECT_EQ(tree.fps, 25);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    for (const voctree::LeafPosition& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
-    EXPECT_LT(places.size(), 512u);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    for (const voctree::LeafPosition& position : positions)
+        EXPECT_EQ(position.depth, 3u);  // 5 for 32 cells, less two levels
+    EXPECT_LT(positions.size(), 512u);
     for (uint32_t frame = 0; frame < 3; frame++) {
         const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
         for (const glm::dvec3 off : {glm::dvec3(0), glm::dvec3(0.38, 0, 0), glm::dvec3(-0.2, 0.2, 0.2)}) {
-            const glm::dvec3 place = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
-            const uint32_t leaf = voctree::find_leaf(tree, place);
+            const glm::dvec3 position = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
+            const uint32_t leaf = voctree::find_leaf(tree, position);
             ASSERT_NE(leaf, UINT32_MAX);
             EXPECT_GT(sigma_at(tree, leaf, frame), 0);
         }
@@ -87,10 +88,10 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
 
 TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
     const voctree::VOctree tree = first_tree();
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     size_t forbidden = 0;
-    for (uint32_t leaf = 0; leaf < places.size(); leaf++) {
-        const glm::dvec3 middle = world_of(tree, middle_of(places[leaf]));
+    for (uint32_t leaf = 0; leaf < positions.size(); leaf++) {
+        const glm::dvec3 middle = world_of(tree, middle_of(positions[leaf]));
         bool ever = false;
         for (uint32_t frame = 0; frame < 3; frame++) {
             ever |= sigma_at(tree, leaf, frame) > 0;
@@ -102,7 +103,7 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
         }
         EXPECT_TRUE(ever) << "a leaf that is never allowed";
     }
-    EXPECT_GT(forbidden, places.size() / 10);
+    EXPECT_GT(forbidden, positions.size() / 10);
 }
 
 TEST(Grow, PrunesWhatIsNotReached) {
@@ -114,9 +115,9 @@ TEST(Grow, PrunesWhatIsNotReached) {
         training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
         EXPECT_NE(before % 3, 0u);
         EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
     }
@@ -140,11 +141,11 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
         training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .min_weight_to_divide = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const glm::dvec3 middle = middle_of(places[leaf]);
+        const glm::dvec3 middle = middle_of(positions[leaf]);
         const uint32_t parent = voctree::find_leaf(tree, middle);
-        const bool child = places[leaf].depth == 4;
+        const bool child = positions[leaf].depth == 4;
         EXPECT_EQ(child, parent % 2 == 0);
         children += child ? 1 : 0;
         EXPECT_TRUE(
@@ -174,12 +175,13 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
     const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, max_weight), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
-    for (const voctree::LeafPosition& place : places)  // the ten of most reach, which are the last
-        if (place.depth > 3) {
-            EXPECT_GE(voctree::find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
+    for (const voctree::LeafPosition& position : positions)  // the ten of most reach, which are the last
+        if (position.depth > 3) {
+            EXPECT_GE(voctree::find_leaf(tree, middle_of(position)), tree.leaf_count - 10);
         }
-    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
+    EXPECT_TRUE(
+        std::any_of(positions.begin(), positions.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
 }
 
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
@@ -191,8 +193,8 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
         training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown))
-        EXPECT_LE(voctree::find_leaf(tree, middle_of(place)), 20u);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown))
+        EXPECT_LE(voctree::find_leaf(tree, middle_of(position)), 20u);
 }
 
 TEST(Grow, DividesWhereTheLossPullsHardest) {
@@ -205,9 +207,9 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
     expect_sound(grown);
     float least_divided = 1000, most_whole = 0;
     size_t whole = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) {
-        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(place))];
-        if (place.depth == 4)
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) {
+        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(position))];
+        if (position.depth == 4)
             least_divided = std::min(least_divided, opacity_sensitivity);
         else {
             most_whole = std::max(most_whole, opacity_sensitivity);
@@ -229,7 +231,7 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     const training::GrowSettings large{
         .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 0.3 * edge / footprint};
     const voctree::VOctree grown = training::grow(capture(), tree, use, large);
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) EXPECT_EQ(place.depth, 4u);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) EXPECT_EQ(position.depth, 4u);
 }
 
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
@@ -238,10 +240,10 @@ TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
     const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
     ASSERT_EQ(grown.leaf_count, tree.leaf_count);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     size_t emptied = 0;
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
         for (uint32_t frame = 0; frame < 3; frame++) {
             const bool unused = before % 2 == 1 && frame == 1;
             const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);

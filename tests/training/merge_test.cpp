@@ -23,12 +23,12 @@ voctree::VOctree families_tree(uint32_t families) {
     tree.hh_degree = 1;
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, kFrames);
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     for (uint32_t family = 0; family < families; family++)
-        for (uint32_t i = 0; i < 8; i++) places.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
-    places.pop_back();
-    places.push_back({1, 1, 1, 1});
-    voctree::build_topology(tree, places);
+        for (uint32_t i = 0; i < 8; i++) positions.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
+    positions.pop_back();
+    positions.push_back({1, 1, 1, 1});
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         for (uint32_t c = 0; c < kFrames; c++) {
@@ -51,8 +51,8 @@ training::LeafUse use_of(const voctree::VOctree& tree) {
     return use;
 }
 
-uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPosition place) {
-    return voctree::find_leaf(tree, (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth));
+uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPosition position) {
+    return voctree::find_leaf(tree, (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth));
 }
 
 TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
@@ -202,9 +202,9 @@ TEST(Merge, LeavesOfTheRootStay) {
     tree.bases = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
-    voctree::build_topology(tree, places);
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 8; i++) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
+    voctree::build_topology(tree, positions);
     training::LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};
     EXPECT_EQ(training::merge_alike(tree, use, 1), 0u);
     EXPECT_EQ(tree.leaf_count, 8u);

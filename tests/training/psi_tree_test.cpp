@@ -61,20 +61,21 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
 
     const std::vector<voctree::LeafPosition> before = voctree::leaf_positions(hull()),
                                              after = voctree::leaf_positions(tree);
-    const auto x_at = [&](const voctree::LeafPosition& place, double inside) {
-        const double edge = static_cast<double>(tree.box_size.x) / std::exp2(place.depth);
-        const double world = static_cast<double>(tree.box_min.x) + edge * (place.x + inside);
+    const auto x_at = [&](const voctree::LeafPosition& position, double inside) {
+        const double edge = static_cast<double>(tree.box_size.x) / std::exp2(position.depth);
+        const double world = static_cast<double>(tree.box_min.x) + edge * (position.x + inside);
         return (world - static_cast<double>(network.centre().x)) * static_cast<double>(network.scale());
     };
     size_t kept = 0;
-    for (const voctree::LeafPosition& place : before) {
-        const double x = x_at(place, 0.875);  // the centre of its last finest cell along x
+    for (const voctree::LeafPosition& position : before) {
+        const double x = x_at(position, 0.875);  // the centre of its last finest cell along x
         double sum = 0;
         for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
         const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPosition& other) {
-            return other.x == place.x && other.y == place.y && other.z == place.z && other.depth == place.depth;
+            return other.x == position.x && other.y == position.y && other.z == position.z &&
+                   other.depth == position.depth;
         });
-        EXPECT_EQ(found, sum >= 0.3) << place.x << ' ' << place.y << ' ' << place.z;
+        EXPECT_EQ(found, sum >= 0.3) << position.x << ' ' << position.y << ' ' << position.z;
         kept += found ? 1 : 0;
     }
     EXPECT_EQ(kept, after.size());

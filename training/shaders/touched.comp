@@ -18,12 +18,12 @@ void main() {
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();
     const bool touched = slot < min(live.slots, uint(max_weight.length())) && max_weight[slot] != 0u;
-    const uint place = touched ? atomicAdd(group_count, 1u) : 0u;
+    const uint index_in_group = touched ? atomicAdd(group_count, 1u) : 0u;
     barrier();
     if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
         group_first = atomicAdd(count.slots, group_count);
         atomicMax(count.groups_x, (group_first + group_count + kSliceGroup - 1u) / kSliceGroup);
     }
     barrier();
-    if (touched) imageStore(touched_slots, int(group_first + place), uvec4(slot));
+    if (touched) imageStore(touched_slots, int(group_first + index_in_group), uvec4(slot));
 }
