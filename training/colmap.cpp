@@ -91,15 +91,15 @@ std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model
 
 // About nearly all points, with room for what moves: a performer may leave the place where it was reconstructed.
 std::optional<std::pair<glm::dvec3, glm::dvec3>> box_of(const std::vector<glm::dvec3>& points) {
-    constexpr size_t kFewest = 100;
+    constexpr size_t kMinPoints = 100;
     constexpr double kOutliers = 0.01, kRoom = 0.5;
-    if (points.size() < kFewest) return {};
+    if (points.size() < kMinPoints) return {};
     std::pair<glm::dvec3, glm::dvec3> box;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> along;
         for (const glm::dvec3& point : points)
             if (std::abs(point[axis]) <= 1e6) along.push_back(point[axis]);
-        if (along.size() < kFewest) return {};
+        if (along.size() < kMinPoints) return {};
         const auto cut = static_cast<ptrdiff_t>(kOutliers * static_cast<double>(along.size()));
         std::nth_element(along.begin(), along.begin() + cut, along.end());
         const double low = along[static_cast<size_t>(cut)];

@@ -79,11 +79,11 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
 
 // Empties a leaf's course of σ in the frames that the hull forbids.
 void fit_to_hull(const Dataset& dataset, const voctree::VOctree& tree, const Carved& carved, size_t i,
-                 std::vector<float>& course) {
+                 std::vector<float>& values) {
     const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
     const float below = -density_of(tree, carved.positions[i].depth, kForbiddenOpacity);
-    for (size_t t = 0; t < course.size(); t++)
-        if (!(allowed[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
+    for (size_t t = 0; t < values.size(); t++)
+        if (!(allowed[t / 32] >> t % 32 & 1)) values[t] = std::min(values[t], below);
 }
 
 // The weight of the constant function H_000 = 1/(π√2) that gives this linear value after the sigmoid.
@@ -93,7 +93,7 @@ float constant_weight(float linear) {
 }
 
 void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const Carved& carved) {
-    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     const std::vector<float> gamma = initial_gamma_weights(tree.bases);
     const float sigma = density_of(tree, carved.positions[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
@@ -101,12 +101,12 @@ void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const C
     for (size_t i = 0; i < centres.size(); i++) centres[i] = hull_cell(tree, carved.positions[i], 0).centre;
     const std::vector<glm::vec3> colours = first_colours(dataset, centres, carved.bits);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
-        std::vector<float> course(tree.frames);
+        std::vector<float> values(tree.frames);
         for (size_t i = begin; i < end; i++) {
-            std::fill(course.begin(), course.end(), sigma);
-            fit_to_hull(dataset, tree, carved, i, course);
+            std::fill(values.begin(), values.end(), sigma);
+            fit_to_hull(dataset, tree, carved, i, values);
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            solver.solve(course.data(), leaf);
+            solver.solve(values.data(), leaf);
             std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
             for (uint32_t channel = 0; channel < 3; channel++)
                 leaf[2 * tree.bases + channel * hh_count(tree.hh_degree)] =
@@ -116,19 +116,19 @@ void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const C
 }
 
 // The σ of a leaf in every frame before relu.
-void sigma_course(const voctree::VOctree& tree, const float* leaf, std::vector<float>& course) {
+void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values) {
     for (uint32_t t = 0; t < tree.frames; t++) {
-        course[t] = 0;
-        for (uint32_t c = 0; c < tree.bases; c++) course[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
+        values[t] = 0;
+        for (uint32_t c = 0; c < tree.bases; c++) values[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
     }
 }
 
 // Metres that a pixel covers at a place, in the camera where it covers least.
 double footprint_at(const Dataset& dataset, glm::dvec3 position) {
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (const stage::Camera& camera : dataset.cameras)
-        least = std::min(least, glm::length(glm::dvec3(camera.world_from_camera[3]) - position) / camera.fx);
-    return least;
+        smallest = std::min(smallest, glm::length(glm::dvec3(camera.world_from_camera[3]) - position) / camera.fx);
+    return smallest;
 }
 
 bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& position,
@@ -140,53 +140,53 @@ bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voct
 }
 
 // Which leaves divide; the tree stays within max_leaves.
-std::vector<bool> choose_divided(const Dataset& dataset, const voctree::VOctree& tree,
+std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree& tree,
                                  const std::vector<voctree::LeafPosition>& positions, const LeafUse& use,
                                  const GrowSettings& settings) {
-    std::vector<uint32_t> wanted;
+    std::vector<uint32_t> selected;
     const bool by_sensitivity = settings.divide_share < 1;
     for (uint32_t i = 0; i < positions.size(); i++) {
         if (by_sensitivity && use.opacity_sensitivity[i] <= 0) continue;
-        if (may_divide(dataset, tree, positions[i], use.max_weight[i], settings)) wanted.push_back(i);
+        if (may_divide(dataset, tree, positions[i], use.max_weight[i], settings)) selected.push_back(i);
     }
-    size_t room = wanted.size();
+    size_t room = selected.size();
     if (by_sensitivity) room = static_cast<size_t>(settings.divide_share * static_cast<float>(positions.size()));
     if (settings.max_leaves > 0)
         room =
             std::min(room, settings.max_leaves > positions.size() ? (settings.max_leaves - positions.size()) / 7 : 0);
-    if (wanted.size() > room) {
+    if (selected.size() > room) {
         const std::vector<float>& worth = by_sensitivity ? use.opacity_sensitivity : use.max_weight;
-        std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
-        wanted.resize(room);
+        std::stable_sort(selected.begin(), selected.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
+        selected.resize(room);
     }
     std::vector<bool> divided(positions.size());
-    for (const uint32_t i : wanted) divided[i] = true;
+    for (const uint32_t i : selected) divided[i] = true;
     return divided;
 }
 
 // Empties a leaf's course of σ in the frames that did not use the leaf it comes from. Where fewer bases than frames
 // span the course, emptying some frames would thin the others: it stays.
 void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth,
-                std::vector<float>& course) {
+                std::vector<float>& values) {
     if (tree.bases < tree.frames) return;
     const float below = -density_of(tree, depth, kForbiddenOpacity);
     for (uint32_t t = 0; t < tree.frames; t++)
         if (!(use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1))
-            course[t] = std::min(course[t], below);
+            values[t] = std::min(values[t], below);
 }
 
 // Which leaves stay, or divide.
-std::vector<bool> choose_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
-    std::vector<uint32_t> chosen;
+std::vector<bool> select_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
+    std::vector<uint32_t> selected;
     for (uint32_t i = 0; i < max_weight.size(); i++)
-        if (max_weight[i] >= settings.prune_below) chosen.push_back(i);
-    if (settings.max_leaves > 0 && chosen.size() > settings.max_leaves) {
-        std::stable_sort(chosen.begin(), chosen.end(),
+        if (max_weight[i] >= settings.prune_below) selected.push_back(i);
+    if (settings.max_leaves > 0 && selected.size() > settings.max_leaves) {
+        std::stable_sort(selected.begin(), selected.end(),
                          [&](uint32_t a, uint32_t b) { return max_weight[a] > max_weight[b]; });
-        chosen.resize(settings.max_leaves);
+        selected.resize(settings.max_leaves);
     }
     std::vector<bool> kept(max_weight.size());
-    for (const uint32_t i : chosen) kept[i] = true;
+    for (const uint32_t i : selected) kept[i] = true;
     return kept;
 }
 
@@ -255,8 +255,8 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
 voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
                       const GrowSettings& settings) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    const std::vector<bool> divided = choose_divided(dataset, tree, positions, use, settings);
-    const std::vector<bool> stays = choose_kept(use.max_weight, settings);
+    const std::vector<bool> divided = select_divided(dataset, tree, positions, use, settings);
+    const std::vector<bool> stays = select_kept(use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, dividing;
     for (uint32_t i = 0; i < positions.size(); i++) {
@@ -280,18 +280,18 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
         result.node_levels = std::max(result.node_levels, (position.depth + 1) / 2);
     voctree::build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
-    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
-        std::vector<float> course(tree.frames);
+        std::vector<float> values(tree.frames);
         for (size_t i = begin; i < end; i++) {
             const float* parent = tree.leaf(parents[i]);
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
             if (i < kept && !settings.empty_unused) continue;
-            sigma_course(tree, parent, course);
-            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, course);
-            if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, course);
-            solver.solve(course.data(), leaf);
+            sigma_of_frames(tree, parent, values);
+            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, values);
+            if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, values);
+            solver.solve(values.data(), leaf);
         }
     });
     return result;

@@ -31,7 +31,7 @@ uint64_t parent_key(const voctree::LeafPosition& position) {
            position.z / 2;
 }
 
-std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& positions) {
+std::vector<Family> complete_families(const std::vector<voctree::LeafPosition>& positions) {
     std::vector<std::pair<uint64_t, uint32_t>> keyed(positions.size());
     for (uint32_t i = 0; i < positions.size(); i++) keyed[i] = {parent_key(positions[i]), i};
     std::sort(keyed.begin(), keyed.end());
@@ -105,14 +105,14 @@ float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t
 }
 
 // Density is the mean of all, as the parent fills the space of all; colour is that of what was seen.
-std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, const Siblings& leaves,
-                             const Shares& seen) {
+std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame,
+                             const Siblings& leaves, const Shares& seen) {
     std::vector<float> parent(tree.weights_per_leaf());
     for (uint32_t w = 0; w < parent.size(); w++) {
         const bool is_gamma = w >= tree.bases && w < 2 * tree.bases;
-        const Shares shares = w < tree.bases           ? Shares{}
-                              : is_gamma && own_frames ? users(use, leaves, w - tree.bases)
-                                                       : seen;
+        const Shares shares = w < tree.bases                ? Shares{}
+                              : is_gamma && basis_per_frame ? users(use, leaves, w - tree.bases)
+                                                            : seen;
         parent[w] = mean_weight(tree, leaves, w, shares);
     }
     return parent;
@@ -138,7 +138,7 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
 }
 
 // Bounds what functions that turn with the direction make of the difference; the sigmoid's slope is 1/4 at most.
-bool turns_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
+bool varies_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
     for (size_t i = 0; i < 8; i++) {
         if (seen[i] <= 0) continue;
         for (uint32_t channel = 0; channel < 3; channel++) {
@@ -154,11 +154,11 @@ bool turns_alike(const voctree::VOctree& tree, const Family& family, const Share
 }
 
 // Gives the family its parent where that looks like each of the siblings.
-bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, float edge_m, float within,
+bool agree(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame, float edge_m, float within,
            Family& family) {
     const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
-    family.parent = parent_of(tree, use, own_frames, family.leaves, seen);
-    if (!turns_alike(tree, family, seen, within)) return false;
+    family.parent = parent_of(tree, use, basis_per_frame, family.leaves, seen);
+    if (!varies_alike(tree, family, seen, within)) return false;
     for (uint32_t frame = 0; frame < tree.frames; frame++)
         if (!looks_alike(tree, use, family, frame, edge_m, within)) return false;
     return true;
@@ -166,12 +166,12 @@ bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, fl
 
 std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
                                       const std::vector<voctree::LeafPosition>& positions, float within) {
-    std::vector<Family> families = whole_families(positions);
-    const bool own_frames = frames_have_own_bases(tree);
+    std::vector<Family> families = complete_families(positions);
+    const bool basis_per_frame = has_basis_per_frame(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             const float edge_m = tree.box_size.x / static_cast<float>(1u << positions[families[i].leaves[0]].depth);
-            if (!agree(tree, use, own_frames, edge_m, within, families[i])) families[i].parent.clear();
+            if (!agree(tree, use, basis_per_frame, edge_m, within, families[i])) families[i].parent.clear();
         }
     });
     std::erase_if(families, [](const Family& family) { return family.parent.empty(); });

@@ -23,7 +23,7 @@ double seconds_now() {
 }
 
 // The output layer as a matrix over the last hidden layer, one row a column of it: y = W h + b.
-struct Output {
+struct OutputLayer {
     uint32_t width, columns;
     const float* numbers;  // (width + 1) × columns
 
@@ -46,7 +46,8 @@ float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& posit
 }
 
 // Places in leaf number i: `side`³ cells' centres, or random ones.
-std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t side) {
+std::vector<glm::vec3> cell_centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
+                                       uint32_t side) {
     std::vector<glm::vec3> centres;
     const float cell = leaf_edge(tree, position) / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++)
@@ -55,8 +56,8 @@ std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::L
     return centres;
 }
 
-std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t count,
-                                 std::mt19937_64& random) {
+std::vector<glm::vec3> random_points_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
+                                        uint32_t count, std::mt19937_64& random) {
     std::vector<glm::vec3> positions(count);
     const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
     for (glm::vec3& at : positions) {
@@ -100,7 +101,7 @@ double density_over_time(const PsiNetwork& network, const double* outputs) {
     return sum * static_cast<double>(network.density);
 }
 
-Output output_of(const PsiNetwork& network) {
+OutputLayer output_of(const PsiNetwork& network) {
     return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_first()]};
 }
 
@@ -109,11 +110,11 @@ std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwor
                                                    const voctree::VOctree& hull, uint32_t levels_above,
                                                    float threshold) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(hull);
-    const Output output = output_of(network);
+    const OutputLayer output = output_of(network);
     const uint32_t side = 1u << levels_above, cells = side * side * side;
     std::vector<uint8_t> dense(positions.size());
     for_each_leaf(
-        psi, positions.size(), cells, [&](size_t i) { return centres_in(hull, positions[i], side); },
+        psi, positions.size(), cells, [&](size_t i) { return cell_centres_in(hull, positions[i], side); },
         [&](size_t i, const float* hidden) {
             std::vector<double> outputs(output.columns);
             for (uint32_t cell = 0; cell < cells && dense[i] == 0; cell++) {
@@ -130,11 +131,11 @@ std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwor
 // A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
 void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    const Output output = output_of(network);
+    const OutputLayer output = output_of(network);
     std::mt19937_64 random(settings.seed);
     const uint32_t count = settings.points_per_leaf;
     for_each_leaf(
-        psi, positions.size(), count, [&](size_t i) { return random_in(tree, positions[i], count, random); },
+        psi, positions.size(), count, [&](size_t i) { return random_points_in(tree, positions[i], count, random); },
         [&](size_t i, const float* hidden) {
             std::vector<float> mean(output.width);
             for (uint32_t k = 0; k < output.width; k++) {
@@ -152,7 +153,7 @@ void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree&
 }
 
 // Where the training of Ψ stands, and its sums since the last report.
-struct Course {
+struct PsiRun {
     double began = seconds_now(), reported = began, pixels = 0, loss = 0, rgb = 0;
     uint64_t step = 0, steps = 0;
 
@@ -182,36 +183,36 @@ struct Course {
     }
 };
 
-PsiStepSettings step_settings(const PsiSettings& settings, const Course& course, const Batch& batch, uint32_t frames) {
+PsiStepSettings step_settings(const PsiSettings& settings, const PsiRun& run, const Batch& batch, uint32_t frames) {
     PsiStepSettings step;
     step.frame = static_cast<float>(frame_of_time(batch.time, frames));
     step.tiles = static_cast<uint32_t>(batch.tiles.size());
-    step.seed = static_cast<uint32_t>(settings.seed * 0x9e3779b9u + course.step);
-    const double rate = kFirstRate * std::pow(kLastRate / kFirstRate, course.fraction(settings));
+    step.seed = static_cast<uint32_t>(settings.seed * 0x9e3779b9u + run.step);
+    const double rate = kFirstRate * std::pow(kLastRate / kFirstRate, run.fraction(settings));
     step.rate = static_cast<float>(rate);
     step.rows_rate = static_cast<float>(kRowsShare * rate);
-    step.adam.step = static_cast<uint32_t>(course.step);
+    step.adam.step = static_cast<uint32_t>(run.step);
     return step;
 }
 
 void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings, const PsiCallback& callback) {
     BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed);
-    Course course;
+    PsiRun run;
     Batch batch = sampler.next();
     bool go_on = true;
-    while (go_on && course.fraction(settings) < 1) {
+    while (go_on && run.fraction(settings) < 1) {
         load_batch(dataset, batch, psi.rays(), psi.batch());
-        course.step++;
-        const PsiStepSettings step = step_settings(settings, course, batch, psi.shape().frames);
+        run.step++;
+        const PsiStepSettings step = step_settings(settings, run, batch, psi.shape().frames);
         psi.submit(step);
         batch = sampler.next();
         const StepResult result = psi.wait();
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure("training of Ψ diverged: the loss is not a number; begin with --init hull");
-        course.add(result, step.weights);
-        if (seconds_now() - course.reported >= 1) go_on = callback(course.report(settings, psi));
+        run.add(result, step.weights);
+        if (seconds_now() - run.reported >= 1) go_on = callback(run.report(settings, psi));
     }
-    if (course.steps > 0) callback(course.report(settings, psi));  // else the last step has been reported
+    if (run.steps > 0) callback(run.report(settings, psi));  // else the last step has been reported
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ uint32_t four_of(const std::array<uint32_t, 6>& leaves, const std::vector<uint32
 }  // namespace
 
 size_t revive_holes(voctree::VOctree& tree) {
-    if (!frames_have_own_bases(tree)) return 0;
+    if (!has_basis_per_frame(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
     const std::vector<uint32_t> live = live_frames(tree, words);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);

@@ -78,11 +78,11 @@ class Run {
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
     uint32_t max_leaves() const;
-    uint32_t samples_of(uint64_t step) const { return step < run_.several_from ? 1 : kSeveralRays; }
+    uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
-    void fit_to_memory();
+    void fit_to_max_bytes();
     void make_step();
-    void begin_stage_if_due();
+    void begin_phase_if_due();
     void save();
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
@@ -157,16 +157,16 @@ const Dataset& Run::begin() {
 // So many that all of them can be live at once, and that the file will stay within its bounds: leaves to come take as
 // many bytes as those of the last checkpoint, or fewer.
 uint32_t Run::max_leaves() const {
-    uint64_t most = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
+    uint64_t limit = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
-    most = std::min<uint64_t>(most, device_.limits().maxTexelBufferElements / planes);
-    most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
-    if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
+    limit = std::min<uint64_t>(limit, device_.limits().maxTexelBufferElements / planes);
+    limit = std::min(limit, device_.max_allocation_bytes() / (16 * planes));
+    if (run_.max_leaves > 0) limit = std::min<uint64_t>(limit, run_.max_leaves);
     if (run_.max_bytes > 0 && file_bytes_ > 0) {
         const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytesFactor : 1);
-        most = std::min(most, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
+        limit = std::min(limit, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
     }
-    return static_cast<uint32_t>(most);
+    return static_cast<uint32_t>(limit);
 }
 
 double Run::fraction() const {
@@ -184,7 +184,7 @@ void Run::make_step() {
                                            run_.tiles_per_step);
 }
 
-void Run::begin_stage_if_due() {
+void Run::begin_phase_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
     const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
     const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
@@ -226,7 +226,7 @@ void Run::save() {
 }
 
 // Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole.
-void Run::fit_to_memory() {
+void Run::fit_to_max_bytes() {
     if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
     step_->download(tree_);
     const LeafUse use = read_use(device_, step_->tally(), tree_);
@@ -234,15 +234,15 @@ void Run::fit_to_memory() {
         GrowSettings settings;
         const auto fitting = static_cast<uint32_t>(run_.max_bytes * written_leaves_ / file_bytes_);
         settings.max_leaves = std::clamp(fitting, 1u, written_leaves_ - 1);
-        written_leaves_ = save_shown(output_, grow(dataset_, tree_, use, settings));
+        written_leaves_ = save_compact(output_, grow(dataset_, tree_, use, settings));
         file_bytes_ = std::filesystem::file_size(output_);
     }
 }
 
 Batch Run::next_batch(uint64_t step) {
     const double epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
-    if (run_.several_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
-        run_.several_from = step;
+    if (run_.several_rays_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
+        run_.several_rays_from = step;
     return sampler_.next(samples_of(step));
 }
 
@@ -294,7 +294,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
-        begin_stage_if_due();
+        begin_phase_if_due();
         load_batch(dataset_, batch, step_->rays(), step_->batch());
         run_.step++;
         run_.adam_step++;
@@ -336,7 +336,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     }
     save();
     TrainProgress last = progress();
-    if (last.fraction >= 1) fit_to_memory();
+    if (last.fraction >= 1) fit_to_max_bytes();
     last.leaves = written_leaves_;
     if (run_.step > began_at_step_) callback(last);
     last.field = nullptr;

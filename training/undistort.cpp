@@ -59,7 +59,7 @@ Undistortion make_undistortion(const Lens& lens) {
             map.positions[size_t{y} * lens.width + x] = position;
             ++seen;
         }
-    map.seen = static_cast<double>(seen) / static_cast<double>(map.positions.size());
+    map.seen_share = static_cast<double>(seen) / static_cast<double>(map.positions.size());
     return map;
 }
 

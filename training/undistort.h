@@ -14,7 +14,7 @@ namespace neuvv::training {
 struct Undistortion {
     uint32_t width = 0, height = 0;
     std::vector<glm::vec2> positions;
-    double seen = 1;          // share of the pixels
+    double seen_share = 1;    // share of the pixels
     double fold_degrees = 0;  // off the axis, where within the image the distortion folds over; 0: nowhere
 
     bool sees(size_t pixel) const { return positions[pixel].x >= 0; }

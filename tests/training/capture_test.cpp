@@ -237,7 +237,7 @@ TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     run(folder.path, settings);
     const training::Dataset truth = training::load_dataset(folder.path, training::Split::kTrain);
     std::filesystem::create_directories(folder.path / "mattes");
-    const training::MattesMade made =
+    const training::MatteSummary made =
         training::make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
     EXPECT_EQ(made.images, 18u);
     EXPECT_EQ(made.cameras_with_plate, 6u);

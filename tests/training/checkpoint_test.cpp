@@ -34,7 +34,7 @@ training::RunState some_run() {
             .phase_rays = 1u << 31,
             .dataset_hash = 987654321,
             .max_depth = 4,
-            .several_from = 77,
+            .several_rays_from = 77,
             .max_leaves = 123456,
             .max_bytes = 60000000,
             .adaptive = false,
@@ -103,7 +103,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.phase_rays, run.phase_rays);
     EXPECT_EQ(loaded.run.dataset_hash, run.dataset_hash);
     EXPECT_EQ(loaded.run.max_depth, run.max_depth);
-    EXPECT_EQ(loaded.run.several_from, run.several_from);
+    EXPECT_EQ(loaded.run.several_rays_from, run.several_rays_from);
     EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);

@@ -106,7 +106,7 @@ media::Image noise(uint32_t width, uint32_t height) {
 
 TEST(Undistort, APinholeChangesNothing) {
     const training::Undistortion map = training::make_undistortion(make_lens(training::LensModel::kPinhole, {}));
-    EXPECT_EQ(map.seen, 1);
+    EXPECT_EQ(map.seen_share, 1);
     EXPECT_EQ(map.fold_degrees, 0);
     const media::Image image = noise(640, 480);
     EXPECT_EQ(training::undistort(image, map, training::ColourOf::kCapture).rgba, image.rgba);
@@ -159,8 +159,8 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
             error += std::abs(straight.rgba[4 * i] - truth.rgba[4 * i]);
             without += std::abs(bent.rgba[4 * i] - truth.rgba[4 * i]);
         }
-        EXPECT_EQ(map.seen, static_cast<double>(seen) / (200 * 150));
-        EXPECT_GT(map.seen, 0.8);
+        EXPECT_EQ(map.seen_share, static_cast<double>(seen) / (200 * 150));
+        EXPECT_GT(map.seen_share, 0.8);
         EXPECT_LT(error / static_cast<double>(seen), 1) << without / static_cast<double>(seen);
         EXPECT_GT(without / static_cast<double>(seen), 4) << "the comparison must be able to fail";
     }
@@ -182,7 +182,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
     const training::Undistortion folded = training::make_undistortion(make_lens(training::LensModel::kBrown, {-2}));
     EXPECT_NEAR(folded.fold_degrees, std::atan(std::sqrt(1.0 / 6)) * 180 / 3.14159265, 0.1);
     EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the image";
-    EXPECT_LT(folded.seen, 0.8);
+    EXPECT_LT(folded.seen_share, 0.8);
 }
 
 // Colour beside a clear pixel must not be darkened by it, in foregrounds; in captures it is light like all other.
