@@ -128,10 +128,10 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
     const glm::vec3 colour = colour_of(tree, parent, frame);
     for (size_t i = 0; i < 8; i++) {
         const float* leaf = tree.leaf(family.leaves[i]);
-        const float own = opacity_of(tree, leaf, frame, edge_m);
-        if (std::abs(own - opacity) > within) return false;
-        if (used[i] <= 0 || own <= 0) continue;
-        const glm::vec3 off = own * glm::abs(colour_of(tree, leaf, frame) - colour);
+        const float leaf_opacity = opacity_of(tree, leaf, frame, edge_m);
+        if (std::abs(leaf_opacity - opacity) > within) return false;
+        if (used[i] <= 0 || leaf_opacity <= 0) continue;
+        const glm::vec3 off = leaf_opacity * glm::abs(colour_of(tree, leaf, frame) - colour);
         if (std::max({off.x, off.y, off.z}) > within) return false;
     }
     return true;

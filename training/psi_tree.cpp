@@ -90,7 +90,7 @@ void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const Po
 // Σ_t relu(A_t·w^σ) with w^σ in 1/m.
 double density_over_time(const PsiNetwork& network, const double* outputs) {
     const PsiShape& shape = network.shape;
-    const float* basis = &network.parameters[shape.sigma_first()];
+    const float* basis = &network.parameters[shape.sigma_rows_offset()];
     double sum = 0;
     for (uint32_t t = 0; t < shape.frames; t++) {
         double raw = 0;
@@ -102,7 +102,7 @@ double density_over_time(const PsiNetwork& network, const double* outputs) {
 }
 
 OutputLayer output_of(const PsiNetwork& network) {
-    return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_first()]};
+    return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_offset()]};
 }
 
 // Of the hull's cells those with a finest cell that is ever dense.
@@ -242,8 +242,8 @@ voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint3
         const auto at = network.parameters.begin() + first;
         return std::vector<float>(at, at + tree.frames * tree.bases);
     };
-    tree.sigma_basis = rows(network.shape.sigma_first());
-    tree.gamma_basis = rows(network.shape.gamma_first());
+    tree.sigma_basis = rows(network.shape.sigma_rows_offset());
+    tree.gamma_basis = rows(network.shape.gamma_rows_offset());
     return tree;
 }
 

@@ -39,7 +39,8 @@ std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::
 }
 
 // Frames in which at least four of six leaves live.
-uint32_t four_of(const std::array<uint32_t, 6>& leaves, const std::vector<uint32_t>& live, size_t words, size_t word) {
+uint32_t at_least_four(const std::array<uint32_t, 6>& leaves, const std::vector<uint32_t>& live, size_t words,
+                       size_t word) {
     uint32_t ones = 0, twos = 0, fours = 0;  // the count of each frame, in binary
     for (const uint32_t leaf : leaves) {
         const uint32_t bits = leaf == UINT32_MAX ? 0 : live[leaf * words + word];
@@ -62,10 +63,10 @@ size_t revive_holes(voctree::VOctree& tree) {
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;
         for (size_t leaf = begin; leaf < end; leaf++) {
-            const std::array<uint32_t, 6> around = neighbours(tree, positions[leaf]);
+            const std::array<uint32_t, 6> adjacent = neighbours(tree, positions[leaf]);
             const float sigma = kRevivedDepth * static_cast<float>(1u << positions[leaf].depth) / tree.box_size.x;
             for (size_t word = 0; word < words; word++) {
-                uint32_t holes = four_of(around, live, words, word) & ~live[leaf * words + word];
+                uint32_t holes = at_least_four(adjacent, live, words, word) & ~live[leaf * words + word];
                 found += static_cast<size_t>(std::popcount(holes));
                 for (; holes; holes &= holes - 1) {
                     const auto t = static_cast<uint32_t>(32 * word + static_cast<size_t>(std::countr_zero(holes)));

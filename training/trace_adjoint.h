@@ -39,6 +39,6 @@ struct TraceAdjoint {
 // takes of its pixel, times which its point loss (trace_adjoint.glsl) weighs; rays without an ∂L/∂ray take no part in
 // that loss.
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          const LossWeights& weights, float share);
+                          const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -36,8 +36,8 @@ struct TraceAdjointPush {
     vec4 box_size;
     TopBox top;
     LossWeights weights;
-    float share;      // what a ray takes of its pixel
-    uint leaf_count;  // direct_adjoint.comp alone reads it
+    float pixel_share;  // what a ray takes of its pixel
+    uint leaf_count;    // direct_adjoint.comp alone reads it
 };
 
 // Floats of one slot's gradient: ∂L/∂σ, the pull Σ |α ∂L/∂α| of its samples, then ∂L/∂k_lm (R, G, B) per SH function.
@@ -66,7 +66,7 @@ struct SmoothPush {
     TopBox top;
     float box_size;  // the tree's edge, metres
     LossWeights weights;
-    float share;  // as in TraceAdjointPush
+    float pixel_share;  // as in TraceAdjointPush
 };
 
 // slice_adjoint.comp

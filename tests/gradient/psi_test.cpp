@@ -31,10 +31,10 @@ training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
     training::PsiNetwork network = training::initial_psi(shape, scene.tree.box_min, scene.tree.box_size, options.seed);
     network.density = 3;
     Random random(options.seed + 1);
-    for (uint32_t i = shape.output_first(); i < shape.count(); i++)
-        network.parameters[i] = static_cast<float>((i < shape.sigma_first() ? 0.4 : 0.6) * random.bell());
+    for (uint32_t i = shape.output_offset(); i < shape.parameter_count(); i++)
+        network.parameters[i] = static_cast<float>((i < shape.sigma_rows_offset() ? 0.4 : 0.6) * random.bell());
     for (uint32_t layer = 0; layer < shape.layers; layer++) {
-        float* bias = &network.parameters[psi_layer_first(layer + 1, shape.inputs(), shape.width) - shape.width];
+        float* bias = &network.parameters[psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width];
         for (uint32_t o = 0; o < shape.width; o++) bias[o] = static_cast<float>(0.3 * random.bell());
     }
     return network;
@@ -56,10 +56,10 @@ reference::Psi reference_of(const training::PsiNetwork& network) {
     };
     reference::Psi psi{shape.frequencies, shape.bases, shape.hh_degree, static_cast<double>(network.density), {}, {}};
     for (uint32_t layer = 0; layer < shape.layers; layer++)
-        psi.hidden.push_back(layer_at(psi_layer_first(layer, shape.inputs(), shape.width),
+        psi.hidden.push_back(layer_at(psi_layer_offset(layer, shape.inputs(), shape.width),
                                       layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
                                       layer == 0 ? shape.inputs() : shape.width, shape.width));
-    psi.output = layer_at(shape.output_first(), shape.width, shape.width, shape.outputs());
+    psi.output = layer_at(shape.output_offset(), shape.width, shape.width, shape.outputs());
     return psi;
 }
 
@@ -85,8 +85,8 @@ class PsiChain {
             return reference::basis_row({at, at + network.shape.frames * network.shape.bases}, network.shape.bases,
                                         rows);
         };
-        row_a = basis(network.shape.sigma_first());
-        row_b = basis(network.shape.gamma_first());
+        row_a = basis(network.shape.sigma_rows_offset());
+        row_b = basis(network.shape.gamma_rows_offset());
         for (const Tile& tile : scene.tiles)
             for (uint32_t lane = 0; lane < kTilePixels; lane++)
                 directions_.push_back(ray_of(scene, tile, lane).direction);
@@ -179,14 +179,14 @@ struct PsiGroup {
 std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain) {
     std::vector<PsiGroup> groups;
     for (uint32_t layer = 0; layer < shape.layers; layer++) {
-        const uint32_t first = psi_layer_first(layer, shape.inputs(), shape.width);
+        const uint32_t first = psi_layer_offset(layer, shape.inputs(), shape.width);
         reference::PsiLayer& truth = chain.psi.hidden[layer];
         PsiGroup weights{"weights of layer " + std::to_string(layer), {}},
             bias{"bias of layer " + std::to_string(layer), {}};
         const auto inputs = static_cast<uint32_t>(truth.inputs);
         for (uint32_t i = 0; i < inputs * shape.width; i++) weights.numbers.emplace_back(first + i, &truth.numbers[i]);
         for (uint32_t o = 0; o < shape.width; o++)
-            bias.numbers.emplace_back(psi_layer_first(layer + 1, shape.inputs(), shape.width) - shape.width + o,
+            bias.numbers.emplace_back(psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width + o,
                                       &truth.numbers[inputs * shape.width + o]);
         groups.push_back(weights);
         groups.push_back(bias);
@@ -198,7 +198,7 @@ std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain
                           : column < shape.bases             ? sigma
                           : column < 2 * shape.bases         ? gamma
                                                              : hh;
-        group.numbers.emplace_back(shape.output_first() + i, &chain.psi.output.numbers[i]);
+        group.numbers.emplace_back(shape.output_offset() + i, &chain.psi.output.numbers[i]);
     }
     groups.insert(groups.end(), {sigma, gamma, hh, bias});
     return groups;
@@ -367,18 +367,18 @@ TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     first_layer.insert(first_layer.end() - shape.width, (shape.inputs() - real) * shape.width, 0.0);
     compare("layer 0", 0, first_layer, 1);
     for (uint32_t layer = 1; layer < shape.layers; layer++)
-        compare("hidden layer", psi_layer_first(layer, shape.inputs(), shape.width),
+        compare("hidden layer", psi_layer_offset(layer, shape.inputs(), shape.width),
                 truth.network.hidden[layer].numbers, 1);
-    compare("output", shape.output_first(), truth.network.output.numbers, 1);
+    compare("output", shape.output_offset(), truth.network.output.numbers, 1);
     const double blend = static_cast<double>(scene.frame) - 1;
-    compare("A before", shape.sigma_first() + shape.bases, truth.row_a, 1 - blend);
-    compare("A after", shape.sigma_first() + 2 * shape.bases, truth.row_a, blend);
+    compare("A before", shape.sigma_rows_offset() + shape.bases, truth.row_a, 1 - blend);
+    compare("A after", shape.sigma_rows_offset() + 2 * shape.bases, truth.row_a, blend);
     if (shape.hh_degree > 0) {
-        compare("B before", shape.gamma_first() + shape.bases, truth.row_b, 1 - blend);
-        compare("B after", shape.gamma_first() + 2 * shape.bases, truth.row_b, blend);
+        compare("B before", shape.gamma_rows_offset() + shape.bases, truth.row_b, 1 - blend);
+        compare("B after", shape.gamma_rows_offset() + 2 * shape.bases, truth.row_b, blend);
     }
-    for (uint32_t i = shape.sigma_first(); i < shape.count(); i++) {
-        const uint32_t row = (i - shape.sigma_first()) % (shape.frames * shape.bases) / shape.bases;
+    for (uint32_t i = shape.sigma_rows_offset(); i < shape.parameter_count(); i++) {
+        const uint32_t row = (i - shape.sigma_rows_offset()) % (shape.frames * shape.bases) / shape.bases;
         if (row == 1 || row == 2) continue;
         ASSERT_EQ(found[i], 0) << i;
     }
@@ -442,9 +442,9 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
     step.wait();
     const std::vector<float> gradients = step.gradients(), after = step.network().parameters;
     size_t moved = 0;
-    for (uint32_t i = 0; i < shape.count(); i++) {
-        if (i >= shape.head_first() && i < shape.output_first()) continue;
-        const double rate = static_cast<double>(i < shape.sigma_first() ? settings.rate : settings.rows_rate);
+    for (uint32_t i = 0; i < shape.parameter_count(); i++) {
+        if (i >= shape.head_offset() && i < shape.output_offset()) continue;
+        const double rate = static_cast<double>(i < shape.sigma_rows_offset() ? settings.rate : settings.rows_rate);
         reference::AdamElement truth{before.parameters[i], 0, 0};
         reference::adam_update(
             truth, gradients[i], {rate, settings.adam.beta1, settings.adam.beta2, settings.adam.epsilon},
@@ -452,7 +452,7 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
         ASSERT_NEAR(after[i], truth.weight, 1e-3 * rate + 1e-6 * std::abs(truth.weight)) << i;
         moved += after[i] != before.parameters[i] ? 1 : 0;
     }
-    EXPECT_GT(moved, shape.count() / 2);
+    EXPECT_GT(moved, shape.parameter_count() / 2);
 }
 
 // A ramp of colours under full alpha where rays meet the box by half a metre at least: the fog becomes matter.

@@ -50,7 +50,7 @@ TEST(Bases, GammaSweepsItsRangeAndNeverStartsAtTheZeroOfOddDegrees) {
     }
 }
 
-TEST(BasisSolver, FindsTheWeightsOfACourseInTheSpan) {
+TEST(CourseSolver, FindsTheWeightsOfACourseInTheSpan) {
     Random random(1);
     for (const auto& [frames, bases] : {std::pair(1u, 1u), {10u, 4u}, {24u, 24u}, {75u, 31u}}) {
         const std::vector<float> basis = training::hat_basis(frames, bases);
@@ -63,7 +63,7 @@ TEST(BasisSolver, FindsTheWeightsOfACourseInTheSpan) {
     }
 }
 
-TEST(BasisSolver, ComesNearACourseOutsideTheSpan) {
+TEST(CourseSolver, ComesNearACourseOutsideTheSpan) {
     const std::vector<float> basis = training::hat_basis(9, 2);  // straight lines
     const std::vector<float> values = {0, 0, 0, 0, 1, 0, 0, 0, 0};
     std::vector<float> weights(2);
@@ -72,7 +72,7 @@ TEST(BasisSolver, ComesNearACourseOutsideTheSpan) {
     EXPECT_NEAR(weights[1], 1.0 / 9, 1e-4);
 }
 
-TEST(BasisSolver, ColumnsThatBecameAlikeShare) {
+TEST(CourseSolver, ColumnsThatBecameAlikeShare) {
     const std::vector<float> basis = {1, 1, 1, 1, 1, 1}, values = {2, 2, 2};  // 3 frames × 2 equal columns
     std::vector<float> weights(2);
     training::BasisSolver(basis, 3, 2).solve(values.data(), weights.data());

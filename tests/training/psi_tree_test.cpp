@@ -35,13 +35,13 @@ training::PsiNetwork ramp_network() {
     std::fill(network.parameters.begin(), network.parameters.end(), 0.0f);
     network.parameters[0] = 1;  // hidden 0 = relu(x + 2), never at its kink
     network.parameters[shape.inputs() * shape.width] = 2;
-    float* output = &network.parameters[shape.output_first()];
+    float* output = &network.parameters[shape.output_offset()];
     float* bias = output + size_t{shape.width} * shape.outputs();
     for (uint32_t t = 0; t < 3; t++) {
         output[t] = 1;
         bias[t] = -2 - 0.1f * static_cast<float>(t);
-        network.parameters[shape.sigma_first() + 3 * t + t] = 0.5f;
-        network.parameters[shape.gamma_first() + 3 * t + t] = 0.25f;
+        network.parameters[shape.sigma_rows_offset() + 3 * t + t] = 0.5f;
+        network.parameters[shape.gamma_rows_offset() + 3 * t + t] = 0.25f;
     }
     for (uint32_t i = shape.bases; i < shape.outputs(); i++) bias[i] = 0.01f * static_cast<float>(i);
     return network;

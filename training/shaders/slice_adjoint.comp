@@ -52,9 +52,9 @@ void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
 }
 
 // The workgroup's sum of its threads' shares of one plane of the rows' gradient.
-void sum_partial(uint plane, vec4 own) {
+void sum_partial(uint plane, vec4 value) {
     const uint lane = gl_LocalInvocationID.x;
-    share[lane] = own;
+    share[lane] = value;
     barrier();
     if (lane == 0u) {
         vec4 sum = vec4(0.0);
