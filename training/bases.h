@@ -13,16 +13,16 @@ namespace neuvv::training {
 std::vector<float> hat_basis(uint32_t frames, uint32_t bases);
 
 // Whether A and B are identities: then a leaf's c-th w^σ and w^γ are those of frame c, and of no other.
-bool frames_have_own_bases(const voctree::VOctree& tree);
+bool has_basis_per_frame(const voctree::VOctree& tree);
 
 // w^γ that sweeps γ from 0.1π to 0.9π over the clip under hat_basis: H_n·· then differ from the first frame to the
 // last, and no leaf starts at γ = π/2, where odd n vanish.
 std::vector<float> initial_gamma_weights(uint32_t bases);
 
 // Least squares: weights w with basis·w ≈ a course of values over the frames.
-class CourseSolver {
+class BasisSolver {
   public:
-    CourseSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases);
+    BasisSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases);
     // `values`: frames; `weights`: bases.
     void solve(const float* values, float* weights) const;
 

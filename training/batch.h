@@ -60,12 +60,12 @@ class BatchSampler {
 
     const Dataset& dataset_;
     uint32_t tiles_per_batch_;
-    uint64_t seed_, drawn_ = 0;
+    uint64_t seed_, batches_drawn_ = 0;
     uint32_t in_a_row_;
     std::mt19937_64 random_;
     std::vector<FrameViews> frames_;
-    std::vector<uint32_t> round_;                    // times left of this round, the last one drawn from
-    uint32_t left_ = 0;                              // batches that it still gives
+    std::vector<uint32_t> times_left_;               // times left of this round, the last one drawn from
+    uint32_t left_of_time_ = 0;                      // batches that it still gives
     std::vector<std::vector<bool>> has_foreground_;  // per view, per tile
     uint64_t rays_per_epoch_ = 0;
 };

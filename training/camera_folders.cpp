@@ -94,10 +94,10 @@ Frames images_in(const std::filesystem::path& folder) {
 }
 
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps) {
-    for (const auto& place : {folder / "images" / camera, folder / camera})
-        if (Frames frames = images_in(place); !frames.empty()) return frames;
-    for (const auto& place : {folder / "videos", folder})
-        if (const auto video = find_video(place, camera); !video.empty()) return frames_of_video(video, fps);
+    for (const auto& candidate : {folder / "images" / camera, folder / camera})
+        if (Frames frames = images_in(candidate); !frames.empty()) return frames;
+    for (const auto& candidate : {folder / "videos", folder})
+        if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video, fps);
     return {};
 }
 

@@ -115,9 +115,9 @@ stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     expect_array(node["R"], 4);
     expect_array(node["T"], 3);
     double r[4];
-    glm::dvec3 place;
+    glm::dvec3 position;
     for (size_t i = 0; i < 4; ++i) r[i] = json_number(node["R"][i]);
-    for (size_t i = 0; i < 3; ++i) place[static_cast<int>(i)] = json_number(node["T"][i]);
+    for (size_t i = 0; i < 3; ++i) position[static_cast<int>(i)] = json_number(node["T"][i]);
     const glm::dquat turn(r[3], r[0], r[1], r[2]);
     if (std::abs(glm::length(turn) - 1) > kUnitTolerance)
         node["R"].fail("is not a unit quaternion", "give x, y, z, w of a rotation");
@@ -125,8 +125,8 @@ stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     const NgpCube turned{1, glm::dvec3(0)};
     const glm::dmat3 axes = glm::mat3_cast(glm::normalize(turn));
     glm::dmat4 pose(
-        glm::dvec4(kYUpFromZUp * turned.outside(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.outside(-axes[1]), 0),
-        glm::dvec4(kYUpFromZUp * turned.outside(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.outside(place), 1));
+        glm::dvec4(kYUpFromZUp * turned.to_world(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.to_world(-axes[1]), 0),
+        glm::dvec4(kYUpFromZUp * turned.to_world(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.to_world(position), 1));
     expect_rigid(node, pose);
     stage::CameraPathKey key;
     set_pose(key, pose);
@@ -250,9 +250,9 @@ void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
     for (size_t i = 0; i < keys.value.size(); ++i) {
         const JsonNode node = keys[i];
         stage::CameraPathKey key = nerfstudio_key(node, "matrix", world);
-        const bool own = node.has("override_transition_enabled") && json_flag(node["override_transition_enabled"]) &&
-                         node.has("override_transition_sec");
-        const double step = own ? nerfstudio_seconds(node, "override_transition_sec") : usual;
+        const bool overridden = node.has("override_transition_enabled") &&
+                                json_flag(node["override_transition_enabled"]) && node.has("override_transition_sec");
+        const double step = overridden ? nerfstudio_seconds(node, "override_transition_sec") : usual;
         if (i == 0)
             first_step = step;
         else

@@ -49,8 +49,8 @@ void check_settings(const CaptureSettings& s) {
            "choose --holdout 0 or more cameras");
 }
 
-int32_t choose_animation(const stage::GltfScene& scene, const std::string& wanted) {
-    if (!wanted.empty()) return static_cast<int32_t>(stage::find_animation(scene, wanted));
+int32_t choose_animation(const stage::GltfScene& scene, const std::string& name) {
+    if (!name.empty()) return static_cast<int32_t>(stage::find_animation(scene, name));
     return scene.animations.empty() ? stage::kNoAnimation : 0;
 }
 
@@ -107,7 +107,7 @@ json matrix_rows(const glm::dmat4& matrix) {
 }
 
 void write_transforms(const std::filesystem::path& file, const CaptureStage& stage, const CaptureSettings& settings,
-                      const std::vector<bool>& held, bool test) {
+                      const std::vector<bool>& is_test, bool test) {
     const stage::Camera& first = stage.cameras.front();
     const glm::dvec3 low = stage.box.first, high = stage.box.second;
     json root = {{"w", first.width},
@@ -121,7 +121,7 @@ void write_transforms(const std::filesystem::path& file, const CaptureStage& sta
                  {"aabb", {{low.x, low.y, low.z}, {high.x, high.y, high.z}}},
                  {"frames", json::array()}};
     for (size_t c = 0; c < stage.cameras.size(); ++c) {
-        if (held[c] != test) continue;
+        if (is_test[c] != test) continue;
         const json pose = matrix_rows(stage.cameras[c].world_from_camera);
         for (uint32_t f = 0; f < settings.frames; ++f) {
             json frame = {{"file_path", fmt::format("images/{}.png", image_name(c, f))},
@@ -265,12 +265,12 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     const stage::GltfScene scene = stage::load_gltf(model);
     const int32_t animation = choose_animation(scene, settings.animation);
     const CaptureStage stage = make_stage(scene, animation, settings);
-    const std::vector<bool> held = held_out(settings.cameras, settings.holdout);
+    const std::vector<bool> is_test = held_out(settings.cameras, settings.holdout);
     prepare_folder(folder, settings);
 
     CaptureResult result;
     result.images = uint64_t{settings.frames} * settings.cameras;
-    result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
+    result.test_cameras = static_cast<uint32_t>(std::count(is_test.begin(), is_test.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
     const uint64_t image_bytes =
@@ -279,8 +279,8 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_images(session, device, scene, animation, progress)) return result;
-    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, held, true);
-    write_transforms(folder / "transforms_train.json", stage, settings, held, false);
+    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, is_test, true);
+    write_transforms(folder / "transforms_train.json", stage, settings, is_test, false);
     result.complete = true;
     return result;
 }

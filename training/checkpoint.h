@@ -13,11 +13,11 @@ struct RunState {
     uint64_t step = 0;
     uint32_t adam_step = 0;  // since the moments were 0
     uint32_t phase = 0;
-    uint64_t phase_rays = 0;             // traced since the phase began
-    uint64_t dataset_hash = 0;           // tells the data set from others
-    uint32_t max_depth = 0;              // octree depth of leaves of a pixel's size
-    uint64_t several_from = UINT64_MAX;  // the first step that took several rays a pixel
-    uint32_t max_leaves = 0;             // the run's bounds; 0: none
+    uint64_t phase_rays = 0;                  // traced since the phase began
+    uint64_t dataset_hash = 0;                // tells the data set from others
+    uint32_t max_depth = 0;                   // octree depth of leaves of a pixel's size
+    uint64_t several_rays_from = UINT64_MAX;  // the first step that took several rays a pixel
+    uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;
     bool adaptive = true;
     double elapsed_s = 0;
@@ -48,7 +48,7 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
 
 // Writes the .nvv alone, made compact. Returns how many leaves it has.
-uint32_t save_shown(const std::filesystem::path& nvv, voctree::VOctree tree);
+uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree);
 
 // Throws InputError where the state file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);

@@ -17,8 +17,8 @@ namespace {
 constexpr const char* kModelFolders[] = {"sparse/0", "sparse", "colmap/sparse/0", "."};
 
 std::filesystem::path model_folder(const std::filesystem::path& folder) {
-    for (const char* place : kModelFolders)
-        if (holds_colmap_model(folder / place)) return (folder / place).lexically_normal();
+    for (const char* name : kModelFolders)
+        if (holds_colmap_model(folder / name)) return (folder / name).lexically_normal();
     return {};
 }
 
@@ -91,15 +91,15 @@ std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model
 
 // About nearly all points, with room for what moves: a performer may leave the place where it was reconstructed.
 std::optional<std::pair<glm::dvec3, glm::dvec3>> box_of(const std::vector<glm::dvec3>& points) {
-    constexpr size_t kFewest = 100;
+    constexpr size_t kMinPoints = 100;
     constexpr double kOutliers = 0.01, kRoom = 0.5;
-    if (points.size() < kFewest) return {};
+    if (points.size() < kMinPoints) return {};
     std::pair<glm::dvec3, glm::dvec3> box;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> along;
         for (const glm::dvec3& point : points)
             if (std::abs(point[axis]) <= 1e6) along.push_back(point[axis]);
-        if (along.size() < kFewest) return {};
+        if (along.size() < kMinPoints) return {};
         const auto cut = static_cast<ptrdiff_t>(kOutliers * static_cast<double>(along.size()));
         std::nth_element(along.begin(), along.begin() + cut, along.end());
         const double low = along[static_cast<size_t>(cut)];
@@ -119,11 +119,11 @@ bool has_colmap_files(const std::filesystem::path& folder) {
 }
 
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path place = model_folder(folder);
-    if (place.empty())
+    const std::filesystem::path model_path = model_folder(folder);
+    if (model_path.empty())
         throw InputError(folder.string(), "", "holds no sparse model of COLMAP",
                          "put cameras and images (.bin or .txt) into its sparse/0");
-    const ColmapModel model = read_colmap_model(place);
+    const ColmapModel model = read_colmap_model(model_path);
     Rig rig;
     rig.folder = folder;
     rig.format = "colmap";

@@ -126,9 +126,9 @@ struct BinaryFile {
         at += count;
     }
     // Of things of at least so many bytes.
-    uint64_t take_count(uint64_t least_bytes) {
+    uint64_t take_count(uint64_t min_bytes) {
         const auto count = take<uint64_t>();
-        if (count > (bytes.size() - at) / least_bytes)
+        if (count > (bytes.size() - at) / min_bytes)
             throw InputError(file, place, fmt::format("says that {} things follow, more than it can hold", count),
                              "copy the sparse model again");
         return count;

@@ -21,6 +21,6 @@ struct DirectAdjoint {
 
 // As record_trace_adjoint, after record_direct. Adds to the gradients. Needs only the rows of a slice.
 void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
-                           const LossWeights& weights, float share);
+                           const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -53,28 +53,28 @@ std::vector<DomeCamera> dome_cameras(uint32_t count) {
 }
 
 std::vector<bool> held_out(uint32_t count, double share) {
-    std::vector<bool> out(count, false);
-    if (share <= 0) return out;
+    std::vector<bool> is_test(count, false);
+    if (share <= 0) return is_test;
     assert(count >= 2 && "one camera cannot be shared between training and test");
-    const auto wanted = static_cast<uint32_t>(std::lround(share * count));
-    const uint32_t held = std::clamp(wanted, 1u, count - 1);
+    const auto rounded = static_cast<uint32_t>(std::lround(share * count));
+    const uint32_t test_count = std::clamp(rounded, 1u, count - 1);
     // One camera from each of `held` equal stretches of the dome, which follow its rings; in a stretch that one which
     // is farthest from those held out before.
     const std::vector<DomeCamera> dome = dome_cameras(count);
-    std::vector<size_t> chosen{count / held / 2};
-    for (uint32_t k = 1; k < held; ++k) {
+    std::vector<size_t> selected{count / test_count / 2};
+    for (uint32_t k = 1; k < test_count; ++k) {
         size_t best = 0;
         double best_distance = -1;
-        for (size_t i = size_t{k} * count / held; i < size_t{k + 1} * count / held; ++i) {
+        for (size_t i = size_t{k} * count / test_count; i < size_t{k + 1} * count / test_count; ++i) {
             double nearest = 2;
-            for (const size_t c : chosen) nearest = std::min(nearest, glm::length(dome[i].outward - dome[c].outward));
+            for (const size_t c : selected) nearest = std::min(nearest, glm::length(dome[i].outward - dome[c].outward));
             if (nearest > best_distance) best = i;
             best_distance = std::max(best_distance, nearest);
         }
-        chosen.push_back(best);
+        selected.push_back(best);
     }
-    for (const size_t c : chosen) out[c] = true;
-    return out;
+    for (const size_t c : selected) is_test[c] = true;
+    return is_test;
 }
 
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points) {

@@ -90,15 +90,15 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
         std::iota(all.begin(), all.end(), size_t{0});
         return all;
     }
-    std::set<size_t> chosen;
+    std::set<size_t> selected;
     const size_t cameras = by_camera.size(), turns = std::max(cameras, count);
     // Instants follow the golden ratio: however many are taken, they lie evenly.
     for (size_t i = 0; i < count; ++i) {
         const std::vector<size_t>& views = by_camera[i * turns / count % cameras];
-        const double place = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
-        chosen.insert(views[static_cast<size_t>(place * static_cast<double>(views.size()))]);
+        const double fraction = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
+        selected.insert(views[static_cast<size_t>(fraction * static_cast<double>(views.size()))]);
     }
-    return {chosen.begin(), chosen.end()};
+    return {selected.begin(), selected.end()};
 }
 
 media::Image truth_over_white(const Dataset& dataset, const View& view) {

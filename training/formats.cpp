@@ -46,7 +46,7 @@ void expect_sound(const Rig& rig) {
     if (rig.shots.empty())
         throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no image of this split");
     std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> images;
-    std::map<std::pair<uint32_t, double>, const Shot*> instants;
+    std::map<std::pair<uint32_t, double>, const Shot*> shots_by_time;
     std::map<std::string, const Shot*> names;
     for (const Shot& shot : rig.shots) {
         const auto fail = [&](const std::string& problem, const std::string& fix) {
@@ -56,7 +56,7 @@ void expect_sound(const Rig& rig) {
         const auto image = std::pair(shot.image.path.lexically_normal(), shot.image.video_frame);
         if (const auto [same, fresh] = images.try_emplace(image, &shot); !fresh)
             fail("is the image of " + same->second->place + " again", "give each frame its own image");
-        if (const auto [twin, alone] = instants.try_emplace({shot.camera, shot.time}, &shot); !alone)
+        if (const auto [twin, alone] = shots_by_time.try_emplace({shot.camera, shot.time}, &shot); !alone)
             fail("has the camera and the time of " + twin->second->place,
                  "remove the duplicate, or give each frame its time");
         if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)

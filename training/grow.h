@@ -30,11 +30,12 @@ struct GrowSettings {
     uint32_t max_depth = 0;
     float prune_below = 0;      // leaves whose reach stays under it go (0: none)
     bool empty_unused = false;  // leaves that stay are emptied in frames that did not use them, where C = frames
-    float divide_from = 2;      // leaves of at least this reach may become their children, those that the hull allows;
-    float divide_share = 1;     // of those that may, the share at which the loss pulls hardest,
-    double divide_pixels = 0;   // and whose edge is at least so many pixels in the camera that is nearest to them
-    uint32_t max_leaves = 0;    // where more would be kept, those of least reach go; where dividing would pass it, only
-                                // those of most reach, or of most pull, are divided (0: no bound)
+    float min_weight_to_divide =
+        2;                   // leaves of at least this reach may become their children, those that the hull allows;
+    float divide_share = 1;  // of those that may, the share at which the loss pulls hardest,
+    double min_pixels_to_divide = 0;  // and whose edge is at least so many pixels in the camera that is nearest to them
+    uint32_t max_leaves = 0;  // where more would be kept, those of least reach go; where dividing would pass it, only
+                              // those of most reach, or of most pull, are divided (0: no bound)
 };
 
 // Children inherit their parent's weights, but are empty in the frames that the hull forbids them.

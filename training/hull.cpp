@@ -65,10 +65,10 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
     const double x = camera.cx + camera.fx * p.x / depth, y = camera.cy - camera.fy * p.y / depth;
     // The ball's image lies inside this rectangle (its nearest point magnifies); matter in it shows in pixels whose
     // centre is at most half a pixel further out.
-    const double reach_x = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
-    const double reach_y = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
-    const double left = std::ceil(x - reach_x - 0.5), right = std::floor(x + reach_x - 0.5) + 1;
-    const double top = std::ceil(y - reach_y - 0.5), bottom = std::floor(y + reach_y - 0.5) + 1;
+    const double half_width = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
+    const double half_height = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
+    const double left = std::ceil(x - half_width - 0.5), right = std::floor(x + half_width - 0.5) + 1;
+    const double top = std::ceil(y - half_height - 0.5), bottom = std::floor(y + half_height - 0.5) + 1;
     if (!(left >= 0 && top >= 0 && right <= camera.width && bottom <= camera.height)) return Verdict::kUnseen;
     const auto x0 = static_cast<uint32_t>(left), x1 = static_cast<uint32_t>(right);
     const auto y0 = static_cast<uint32_t>(top), y1 = static_cast<uint32_t>(bottom);

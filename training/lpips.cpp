@@ -146,29 +146,29 @@ Lpips::Planes Lpips::pooled(const Planes& in) {
 
 // Mean over places of the weighted squared difference of features, which have length 1 at each place.
 double Lpips::difference(const Planes& a, const Planes& b, const std::vector<float>& importance) {
-    const size_t places = size_t{a.width} * a.height;
+    const size_t pixels = size_t{a.width} * a.height;
     double sum = 0;
-    for (size_t i = 0; i < places; ++i) {
+    for (size_t i = 0; i < pixels; ++i) {
         double length_a = 0, length_b = 0;
         for (size_t c = 0; c < a.channels; ++c) {
-            length_a += double{a.values[c * places + i]} * double{a.values[c * places + i]};
-            length_b += double{b.values[c * places + i]} * double{b.values[c * places + i]};
+            length_a += double{a.values[c * pixels + i]} * double{a.values[c * pixels + i]};
+            length_b += double{b.values[c * pixels + i]} * double{b.values[c * pixels + i]};
         }
         const double scale_a = 1 / (std::sqrt(length_a) + kNormFloor), scale_b = 1 / (std::sqrt(length_b) + kNormFloor);
         for (size_t c = 0; c < a.channels; ++c) {
-            const double d = double{a.values[c * places + i]} * scale_a - double{b.values[c * places + i]} * scale_b;
+            const double d = double{a.values[c * pixels + i]} * scale_a - double{b.values[c * pixels + i]} * scale_b;
             sum += double{importance[c]} * d * d;
         }
     }
-    return sum / static_cast<double>(places);
+    return sum / static_cast<double>(pixels);
 }
 
 double Lpips::distance(const media::Image& a, const media::Image& b) const {
     assert(a.width == b.width && a.height == b.height && "images to compare have one size");
-    if (std::min(a.width, a.height) < kLeastSide)
+    if (std::min(a.width, a.height) < kMinSide)
         throw InputError(
             "--lpips", "",
-            fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kLeastSide),
+            fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kMinSide),
             "leave it out");
     Planes of_a = input(a), of_b = input(b);
     double sum = 0;

@@ -22,7 +22,7 @@ class Lpips {
 
     // 0 for equal images. Of one size (assert), alpha ignored; throws InputError for images below
     // kLeastSide pixels a side, of which the network's last layers see nothing.
-    static constexpr uint32_t kLeastSide = 32;
+    static constexpr uint32_t kMinSide = 32;
     double distance(const media::Image& a, const media::Image& b) const;
 
   private:

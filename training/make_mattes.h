@@ -10,17 +10,17 @@
 
 namespace neuvv::training {
 
-constexpr uint32_t kMedianFrames = 31;      // of a camera without clean plate, at most so many images are held
-constexpr uint32_t kLeastMedianFrames = 5;  // and fewer tell nothing
+constexpr uint32_t kMaxMedianFrames = 31;  // of a camera without clean plate, at most so many images are held
+constexpr uint32_t kMinMedianFrames = 5;   // and fewer tell nothing
 
-struct MakeMattes {
+struct MatteJob {
     std::filesystem::path dataset, output;  // output: the folder of the mattes, made where missing
     std::filesystem::path from;             // mattes of another program, taken as they are; empty: difference matting
     std::string format = "auto";            // of the data set
     MatteSettings settings;
 };
 
-struct MattesMade {
+struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
     std::string missing_split;  // why one of the two splits has none: a data set need not have both
@@ -39,9 +39,9 @@ using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 //
 // Throws InputError: neither split can be read, a camera with neither plate nor kLeastMedianFrames images, two
 // images of one name, a matte missing in `from` or of another size than its image. RuntimeFailure: not writable.
-MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress);
+MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress);
 
 // Images whose matte is in `output` already, perhaps corrected by hand.
-uint64_t count_existing_mattes(const MakeMattes& what);
+uint64_t count_existing_mattes(const MatteJob& job);
 
 }  // namespace neuvv::training

@@ -12,10 +12,10 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kSigmaOfMad = 1.4826;   // of a normal distribution
-constexpr double kLeastSigma = 1;        // rounding to 8 bits, and a little of what no camera lacks
-constexpr int kColourRadius = 2;         // how far from an edge pixel the performer's colour is looked for
-constexpr float kLeastContrast = 1e-4f;  // squared, linear: below it the two colours cannot be told apart
+constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
+constexpr double kMinSigma = 1;         // rounding to 8 bits, and a little of what no camera lacks
+constexpr int kColourRadius = 2;        // how far from an edge pixel the performer's colour is looked for
+constexpr float kMinContrast = 1e-4f;   // squared, linear: below it the two colours cannot be told apart
 
 // A byte a pixel: 1 where it is set.
 struct Mask {
@@ -40,7 +40,7 @@ int value_of_rank(const std::vector<uint64_t>& histogram, int first, uint64_t ra
 // How the background differs from itself: a constant, and noise around it, in steps of 255.
 struct Noise {
     int offset = 0;
-    double sigma = kLeastSigma;
+    double sigma = kMinSigma;
 };
 
 Noise noise_of_channel(const media::Image& image, const media::Image& background, size_t channel) {
@@ -53,7 +53,7 @@ Noise noise_of_channel(const media::Image& image, const media::Image& background
     for (int d = -255; d <= 255; ++d)
         deviations[std::min<size_t>(static_cast<size_t>(std::abs(d - noise.offset)), 510)] +=
             differences[static_cast<size_t>(d + 255)];
-    noise.sigma = std::max(kLeastSigma, kSigmaOfMad * value_of_rank(deviations, 0, pixels / 2));
+    noise.sigma = std::max(kMinSigma, kSigmaOfMad * value_of_rank(deviations, 0, pixels / 2));
     return noise;
 }
 
@@ -146,7 +146,7 @@ float edge_alpha(const media::Image& image, const media::Image& background, cons
     if (count == 0) return 1;  // nothing but edge here, a hair: whoever sees it sees it whole
     const glm::vec3 behind = linear_colour(background, at), towards = sum / count - behind;
     const float contrast = glm::dot(towards, towards);
-    if (contrast < kLeastContrast) return 1;
+    if (contrast < kMinContrast) return 1;
     return std::clamp(glm::dot(linear_colour(image, at) - behind, towards) / contrast, 0.0f, 1.0f);
 }
 

@@ -71,7 +71,7 @@ std::filesystem::path split_file(const std::filesystem::path& folder, const char
 }
 
 // transforms_train.json and its kind: each speaks for one split.
-SplitFrames read_own_file(const std::filesystem::path& folder, Split split) {
+SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split) {
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
     result.transforms = read_transforms(result.file);
@@ -145,9 +145,9 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
 }
 
 SplitFrames read_split(const std::filesystem::path& folder, Split split) {
-    const bool own = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
-                                 [&](const char* name) { return holds_file(split_file(folder, name)); });
-    return own ? read_own_file(folder, split) : read_shared_file(folder, split);
+    const bool one_file_each = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
+                                           [&](const char* name) { return holds_file(split_file(folder, name)); });
+    return one_file_each ? read_file_of_split(folder, split) : read_shared_file(folder, split);
 }
 
 // `path` as given, else with the ending of an image: D-NeRF gives none.

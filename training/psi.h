@@ -20,15 +20,15 @@ struct PsiShape {
 
     // Numbers of rows and columns, and where things begin among the parameters, in floats (shared/psi.h).
     uint32_t inputs() const { return psi_inputs(frequencies); }
-    uint32_t heads() const { return psi_heads(hh_degree); }
+    uint32_t head_columns() const { return psi_head_columns(hh_degree); }
     uint32_t outputs() const { return 2 * bases + 3 * hh_count(hh_degree); }
-    uint32_t head_first() const { return psi_layer_first(layers, inputs(), width); }
-    uint32_t output_first() const { return head_first() + (width + 1) * heads(); }
-    uint32_t sigma_first() const { return output_first() + (width + 1) * outputs(); }
-    uint32_t gamma_first() const { return sigma_first() + frames * bases; }
-    uint32_t count() const { return gamma_first() + frames * bases; }
-    uint32_t rows() const { return psi_rows(inputs(), width, layers, heads()); }
-    uint32_t adjoint_rows() const { return psi_adjoint_rows(width, layers, heads()); }
+    uint32_t head_offset() const { return psi_layer_offset(layers, inputs(), width); }
+    uint32_t output_offset() const { return head_offset() + (width + 1) * head_columns(); }
+    uint32_t sigma_rows_offset() const { return output_offset() + (width + 1) * outputs(); }
+    uint32_t gamma_rows_offset() const { return sigma_rows_offset() + frames * bases; }
+    uint32_t parameter_count() const { return gamma_rows_offset() + frames * bases; }
+    uint32_t activation_rows() const { return psi_activation_rows(inputs(), width, layers, head_columns()); }
+    uint32_t adjoint_rows() const { return psi_adjoint_rows(width, layers, head_columns()); }
 };
 
 struct PsiNetwork {
@@ -36,7 +36,7 @@ struct PsiNetwork {
     glm::vec3 box_min{0},
         box_size{1};                // metres; space is scaled by the longest side, so that frequencies are isotropic
     float density = 1;              // 1/m that one unit of its output w^σ means
-    std::vector<float> parameters;  // shape.count()
+    std::vector<float> parameters;  // shape.parameter_count()
 
     // xyz of a place in [−1, 1]³ of the longest side: (x − centre) · scale.
     glm::vec3 centre() const { return box_min + 0.5f * box_size; }
@@ -85,7 +85,7 @@ class PsiStep {
     std::vector<glm::vec4> values() const;
 
     // The last hidden layer at places in the world, `width` floats each, in as many runs as its memory needs.
-    std::vector<float> hidden_at(const std::vector<glm::vec3>& places_world);
+    std::vector<float> hidden_at(const std::vector<glm::vec3>& positions_world);
 
   private:
     // The whole step, pass by pass.

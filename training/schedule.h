@@ -19,18 +19,18 @@ constexpr Phase kPhases[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {
                              {0.15, 0.03f, 0, 0},   {0.3, 0.05f, 0.1f, 0.15f}, {0.45, 0.05f, 0.1f, 0.15f},
                              {0.7, 0.05f, 0, 0.15f}};
 constexpr uint32_t kPhaseCount = sizeof(kPhases) / sizeof(kPhases[0]);
-constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
-constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel
+constexpr uint32_t kLevelsAbovePixel = 2;  // levels that the first tree's leaves lie above those of a pixel's size
+constexpr uint32_t kLevelsBelowPixel = 1;  // levels that the finest leaves lie below: edges show half a pixel
 // Leaves of the phases before the finest straddle silhouettes: every ray that misses the matter in one thins it, and
 // its children are born thin. Their density moves by this share of what it might.
 constexpr double kCoarseDensityShare = 0.2;
-constexpr double kCoverage = 0.25;        // epochs that a phase needs before "never reached" means anything,
-constexpr double kFrameCoverage = 1;      // and before it does for single frames
-constexpr double kDivideCoverage = 0.05;  // epochs that a phase needs before its reach says what not to divide
-constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
-constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
-constexpr uint64_t kEarlyBytes = 3;  // times what the file may take in the end may stand before the last change: leaves
-                                     // will merge, and pack better as they settle
+constexpr double kMinEpochsForPruning = 0.25;    // epochs that a phase needs before "never reached" means anything,
+constexpr double kMinEpochsForFrameUse = 1;      // and before it does for single frames
+constexpr double kMinEpochsForMaxWeight = 0.05;  // epochs that a phase needs before its reach says what not to divide
+constexpr double kMinPixelsToDivide = 0.9;       // a leaf that shows smaller than this in every camera stays whole
+constexpr float kMinWeightToDivide = 0.003f;     // leaves that weighed less in every pixel stay coarse
+constexpr uint64_t kEarlyBytesFactor = 3;  // times what the file may take in the end may stand before the last change:
+                                           // leaves will merge, and pack better as they settle
 constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
 // One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs

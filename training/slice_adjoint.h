@@ -17,8 +17,8 @@ struct Moments {
 
 // What rays said of each leaf since the tree last changed: what growth goes by.
 struct LeafUse {
-    std::vector<float> reach;      // largest blending weight
-    std::vector<float> pull;       // Σ |α ∂L/∂α| of its samples
+    std::vector<float> max_weight;           // largest blending weight
+    std::vector<float> opacity_sensitivity;  // Σ |α ∂L/∂α| of its samples
     std::vector<uint32_t> frames;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
 };
 
@@ -43,9 +43,9 @@ struct LearningRates {
 
 struct AdamSettings {
     float beta1 = 0.9f, beta2 = 0.99f, epsilon = 1e-8f;
-    uint32_t step = 1;       // since the moments were 0
-    bool emit_only = false;  // no move; the first moments receive the gradient (tests)
-    float used_from = 0;     // blending weight from which a frame counts as using a leaf
+    uint32_t step = 1;          // since the moments were 0
+    bool emit_only = false;     // no move; the first moments receive the gradient (tests)
+    float min_used_weight = 0;  // blending weight from which a frame counts as using a leaf
 };
 
 struct SliceAdjoint {

@@ -22,7 +22,7 @@ struct StepSettings {
     bool learn_rows = false;
 
     // What a ray takes of its pixel.
-    float share() const { return 1.0f / static_cast<float>(samples * samples); }
+    float pixel_share() const { return 1.0f / static_cast<float>(samples * samples); }
 };
 
 struct StepResult {
@@ -75,7 +75,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    gpu::Buffer sums_, live_, touched_;  // host's copies
+    gpu::Buffer sums_readback_, live_readback_, touched_readback_;  // host's copies
     render::Slicer slicer_;
     render::Tracer tracer_;
     Loss loss_;
@@ -85,7 +85,7 @@ class TrainingStep {
     SliceAdjoint slice_adjoint_;
     gpu::Commands commands_;
     uint32_t tiles_ = 0;
-    std::optional<float> sliced_;  // the frame that slice_ is of, where it is that of the weights as they are
+    std::optional<float> sliced_frame_;  // the frame that slice_ is of, where it is that of the weights as they are
 };
 
 }  // namespace neuvv::training

@@ -12,9 +12,9 @@ struct SliceGradients {
     // Starts out clear.
     SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice);
 
-    gpu::Buffer gradients;  // per slot gradient_stride floats
-    gpu::Buffer reach;      // per slot bits of the largest blending weight of the step
-    gpu::Buffer touched;    // slots that rays of the step reached
+    gpu::Buffer gradients;   // per slot gradient_stride floats
+    gpu::Buffer max_weight;  // per slot bits of the largest blending weight of the step
+    gpu::Buffer touched;     // slots that rays of the step reached
     gpu::Buffer touched_count;
     gpu::Buffer partials;  // per workgroup of slots: sums for the rows
 };
@@ -39,6 +39,6 @@ struct TraceAdjoint {
 // takes of its pixel, times which its point loss (trace_adjoint.glsl) weighs; rays without an ∂L/∂ray take no part in
 // that loss.
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          const LossWeights& weights, float share);
+                          const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -190,7 +190,7 @@ void convert_world(const JsonNode& root, Transforms& result) {
     }
     if (result.box && root.has("aabb_scale")) {
         const NgpCube cube = read_ngp_cube(root);
-        result.box = {cube.outside(result.box->first), cube.outside(result.box->second)};
+        result.box = {cube.to_world(result.box->first), cube.to_world(result.box->second)};
     }
     const glm::dmat3 turn = is_z_up(root) ? kYUpFromZUp : glm::dmat3(1);
     for (TransformsFrame& frame : result.frames) {

@@ -58,7 +58,7 @@ Transforms transforms_of(const JsonFile& file);
 struct NgpCube {
     double scale = 0.33;
     glm::dvec3 offset{0.5};
-    glm::dvec3 outside(const glm::dvec3& p) const { return (glm::dvec3(p.z, p.x, p.y) - offset) / scale; }
+    glm::dvec3 to_world(const glm::dvec3& p) const { return (glm::dvec3(p.z, p.x, p.y) - offset) / scale; }
 };
 // By the keys `scale` and `offset`, its defaults where they are missing.
 NgpCube read_ngp_cube(const JsonNode& root);

@@ -13,11 +13,11 @@ namespace neuvv::training {
 // the lens never saw it: beyond the image's edge, or where the distortion folds over.
 struct Undistortion {
     uint32_t width = 0, height = 0;
-    std::vector<glm::vec2> places;
-    double seen = 1;          // share of the pixels
+    std::vector<glm::vec2> positions;
+    double seen_share = 1;    // share of the pixels
     double fold_degrees = 0;  // off the axis, where within the image the distortion folds over; 0: nowhere
 
-    bool sees(size_t pixel) const { return places[pixel].x >= 0; }
+    bool sees(size_t pixel) const { return positions[pixel].x >= 0; }
 };
 
 // The lens must know its image's size.

@@ -31,7 +31,7 @@ class Workers {
 
     const size_t pending_;
     mutable std::mutex mutex_;
-    std::condition_variable work_, room_;
+    std::condition_variable task_added_, task_ended_;
     std::deque<std::function<void()>> tasks_;
     uint64_t finished_ = 0, running_ = 0;
     bool closing_ = false;

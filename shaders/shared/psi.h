@@ -31,10 +31,10 @@ CONSTEXPR uint kPsiActivations = 4u;  // per block psi_rows rows
 CONSTEXPR uint kPsiAdjoints = 5u;     // per block psi_adjoint_rows rows: ∂L by what enters each activation function
 CONSTEXPR uint kPsiValues = 6u;       // per sample: σ in 1/m, linear RGB
 CONSTEXPR uint kPsiValueAdjoints = 7u;
-CONSTEXPR uint kPsiPartials = 8u;   // per split of the samples: gradients of hidden layers and head
-CONSTEXPR uint kPsiGradients = 9u;  // as the parameters
-CONSTEXPR uint kPsiFirst = 10u;     // moments, as the parameters
-CONSTEXPR uint kPsiSecond = 11u;
+CONSTEXPR uint kPsiPartials = 8u;       // per split of the samples: gradients of hidden layers and head
+CONSTEXPR uint kPsiGradients = 9u;      // as the parameters
+CONSTEXPR uint kPsiFirstMoments = 10u;  // moments, as the parameters
+CONSTEXPR uint kPsiSecondMoments = 11u;
 CONSTEXPR uint kPsiCameras = 12u;
 CONSTEXPR uint kPsiTiles = 13u;
 CONSTEXPR uint kPsiRadiance = 14u;
@@ -59,7 +59,7 @@ constexpr
 constexpr
 #endif
     uint
-    psi_heads(uint degree) {
+    psi_head_columns(uint degree) {
     return (2u + 3u * hh_count(degree) + 31u) / 32u * 32u;
 }
 
@@ -68,15 +68,15 @@ constexpr
 constexpr
 #endif
     uint
-    psi_rows(uint inputs, uint width, uint layers, uint heads) {
-    return inputs + layers * width + heads;
+    psi_activation_rows(uint inputs, uint width, uint layers, uint head_columns) {
+    return inputs + layers * width + head_columns;
 }
 #ifdef __cplusplus
 constexpr
 #endif
     uint
-    psi_adjoint_rows(uint width, uint layers, uint heads) {
-    return layers * width + heads;
+    psi_adjoint_rows(uint width, uint layers, uint head_columns) {
+    return layers * width + head_columns;
 }
 
 // Where a hidden layer's matrix begins among the parameters, in floats; that of number `layers` is the head.
@@ -84,7 +84,7 @@ constexpr
 constexpr
 #endif
     uint
-    psi_layer_first(uint layer, uint inputs, uint width) {
+    psi_layer_offset(uint layer, uint inputs, uint width) {
     return layer == 0u ? 0u : (inputs + 1u + (layer - 1u) * (width + 1u)) * width;
 }
 
@@ -102,21 +102,21 @@ struct PsiRayPush {
 // psi_forward.comp, psi_adjoint.comp, psi_composite.comp, psi_composite_adjoint.comp
 struct PsiBlockPush {
     uint blocks;
-    uint per_ray;   // samples a ray
-    uint keep;      // kPsiKeep…
-    float revival;  // 1/m, psi_head.glsl; negative: none
+    uint samples_per_ray;  // samples a ray
+    uint keep;             // kPsiKeep…
+    float revival;         // 1/m, psi_head.glsl; negative: none
 };
 
 // psi_weights_adjoint.comp, once a layer
 struct PsiWeightsPush {
     uint blocks;
-    uint splits;      // workgroups that share the samples
-    uint inputs;      // rows of the matrix but the bias
-    uint outputs;     // its columns
-    uint input_row;   // first among the block's rows
-    uint output_row;  // first among its adjoint rows
-    uint first;       // of the matrix among the parameters, in floats
-    uint stride;      // floats of one split's partial sums
+    uint splits;           // workgroups that share the samples
+    uint inputs;           // rows of the matrix but the bias
+    uint outputs;          // its columns
+    uint input_row;        // first among the block's rows
+    uint output_row;       // first among its adjoint rows
+    uint matrix_offset;    // among the parameters, in floats
+    uint partials_stride;  // floats of one split's partial sums
 };
 
 // psi_reduce.comp
@@ -131,10 +131,10 @@ struct PsiFoldPush {
     uint frames;
     uint bases;
     uint outputs;
-    uint head_first;  // all in floats
-    uint output_first;
-    uint sigma_first;  // of A; B follows
-    float density;     // 1/m: what one unit of the network's w^σ means
+    uint head_offset;  // all in floats
+    uint output_offset;
+    uint sigma_rows_offset;  // of A; B follows
+    float density;           // 1/m: what one unit of the network's w^σ means
 };
 
 // psi_adam.comp. `emit`: nothing moves, the gradients alone are of interest.
@@ -145,9 +145,9 @@ struct PsiAdamPush {
     float bias1;  // 1 − β1^step
     float bias2;
     uint emit;
-    uint head_first;  // the head, which is not learnt, is passed over
-    uint output_first;
-    uint sigma_first;  // from here on rows_rate
+    uint head_offset;  // the head, which is not learnt, is passed over
+    uint output_offset;
+    uint sigma_rows_offset;  // from here on rows_rate
     uint count;
     float rate;
     float rows_rate;

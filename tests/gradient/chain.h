@@ -42,7 +42,7 @@ class Chain {
     std::vector<reference::LeafSlice> slices_;
     std::vector<double> first_sigmas_;  // by leaf, before any nudge
     std::vector<std::vector<size_t>> tiles_of_leaf_;
-    std::vector<voctree::LeafPosition> places_;
+    std::vector<voctree::LeafPosition> positions_;
     std::vector<uint32_t> seen_;
 };
 

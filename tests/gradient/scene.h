@@ -57,6 +57,6 @@ Gradients emitted_gradients(const gpu::Device& device, training::TrainingStep& s
 std::vector<float> download_floats(const gpu::Device& device, const gpu::Buffer& buffer, size_t count);
 
 // Where the plane order keeps a leaf's weight number `weight` (voctree.h).
-size_t place_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight);
+size_t index_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight);
 
 }  // namespace neuvv::test

@@ -48,7 +48,7 @@ float scatter_band(uint l, vec4 radial, vec4 radial_adjoint, vec3 d_raw) {
     return d_gamma;
 }
 
-void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
+void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw) {
     const float gamma = leaf_gamma(at_leaf, push.leaf_count);
     const HhRadial r = hh_radial(gamma), d = hh_radial_adjoint(gamma);
     float d_gamma = scatter_band(0u, r.l0, d.l0, d_raw);

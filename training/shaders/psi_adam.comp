@@ -8,18 +8,18 @@
 layout(local_size_x = 64) in;
 layout(binding = kPsiParameters, std430) buffer Parameters { float parameters[]; };
 layout(binding = kPsiGradients, std430) readonly buffer Gradients { float gradients[]; };
-layout(binding = kPsiFirst, std430) buffer First { float first[]; };
-layout(binding = kPsiSecond, std430) buffer Second { float second[]; };
+layout(binding = kPsiFirstMoments, std430) buffer First { float first[]; };
+layout(binding = kPsiSecondMoments, std430) buffer Second { float second[]; };
 layout(push_constant) uniform Push { PsiAdamPush push; };
 #include "adam.glsl"
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;
-    if (i >= push.count || push.emit != 0u || (i >= push.head_first && i < push.output_first)) return;
+    if (i >= push.count || push.emit != 0u || (i >= push.head_offset && i < push.output_offset)) return;
     const AdamPush adam = AdamPush(push.beta1, push.beta2, push.epsilon, push.bias1, push.bias2, 0u);
     const AdamElement new =
         adam_update(AdamElement(vec4(parameters[i]), vec4(first[i]), vec4(second[i])), vec4(gradients[i]),
-                    i < push.sigma_first ? push.rate : push.rows_rate, adam);
+                    i < push.sigma_rows_offset ? push.rate : push.rows_rate, adam);
     parameters[i] = new.weight.x;
     first[i] = new.first.x;
     second[i] = new.second.x;

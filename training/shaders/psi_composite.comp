@@ -13,10 +13,10 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 
 void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-    if (tile * push.per_ray >= push.blocks) return;
+    if (tile * push.samples_per_ray >= push.blocks) return;
     Composite sum = composite_begin();
-    for (uint i = 0u; i < push.per_ray; i++) {
-        const int at = int((tile * push.per_ray + i) * kPsiBlock + lane);
+    for (uint i = 0u; i < push.samples_per_ray; i++) {
+        const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
         const vec4 value = texelFetch(values, at);
         composite_add(sum, value.x, texelFetch(points, at).w, value.yzw, 0.0);
     }

@@ -54,7 +54,7 @@ void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour, flo
     }
     set_act_of_sample(0u, relu_passes(act_of_sample(0u), d_sigma, revival) ? d_sigma : 0.0);
     set_act_of_sample(1u, d_gamma * gamma * (1.0 - gamma / kPi));
-    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeads; column++) set_act_of_sample(column, 0.0);
+    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeadColumns; column++) set_act_of_sample(column, 0.0);
 }
 
 #endif

@@ -9,8 +9,9 @@
 #ifndef NEUVV_PSI_LAYER_GLSL
 #define NEUVV_PSI_LAYER_GLSL
 
-const uint kSharedRows = kInputs > kWidth ? (kInputs > kHeads ? kInputs : kHeads) : (kWidth > kHeads ? kWidth : kHeads);
-const uint kTileColumns = (kWidth > kHeads ? kWidth : kHeads) / 32u;  // texels of columns that a thread has
+const uint kMaxColumns = kWidth > kHeadColumns ? kWidth : kHeadColumns;  // of any layer's matrix
+const uint kSharedRows = kInputs > kMaxColumns ? kInputs : kMaxColumns;
+const uint kTileColumns = kMaxColumns / 32u;  // texels of columns that a thread has
 const uint kTileRows = kWidth / 8u;
 
 shared vec4 act[kSharedRows * kPsiBlockTexels];  // row, then sample; at most 32 KiB, 16 up to a width of 64

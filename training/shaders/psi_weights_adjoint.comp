@@ -33,7 +33,7 @@ void main() {
             bias += vec4(1.0) * z;
         }
     }
-    const uint base = split * push.stride + push.first + o0;
+    const uint base = split * push.partials_stride + push.matrix_offset + o0;
     for (uint i = 0u; i < 8u; i++)
         for (uint m = 0u; m < 4u; m++)
             if (k0 + i < push.inputs) partials[base + (k0 + i) * push.outputs + m] = sum[i][m];

@@ -9,8 +9,8 @@ layout(binding = kRowsAdjointPartials, std430) readonly buffer Partials { float 
 layout(binding = kRowsAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kRowsAdjointSigma, r32f) uniform imageBuffer sigma_basis;
 layout(binding = kRowsAdjointGamma, r32f) uniform imageBuffer gamma_basis;
-layout(binding = kRowsAdjointFirst, r32f) uniform imageBuffer first;
-layout(binding = kRowsAdjointSecond, r32f) uniform imageBuffer second;
+layout(binding = kRowsAdjointFirstMoments, r32f) uniform imageBuffer first;
+layout(binding = kRowsAdjointSecondMoments, r32f) uniform imageBuffer second;
 layout(push_constant) uniform Push { RowsAdjointPush push; };
 #include "adam.glsl"
 

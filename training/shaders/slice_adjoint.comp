@@ -14,17 +14,17 @@ layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kLearnRows = 0u;
 layout(constant_id = 3) const uint kBusyPlanes = 8u;
 layout(binding = kAdjointWeights, rgba32f) uniform imageBuffer weights;
-layout(binding = kAdjointFirst, rgba32f) uniform imageBuffer first;
-layout(binding = kAdjointSecond, rgba32f) uniform imageBuffer second;
+layout(binding = kAdjointFirstMoments, rgba32f) uniform imageBuffer first;
+layout(binding = kAdjointSecondMoments, rgba32f) uniform imageBuffer second;
 layout(binding = kAdjointRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kAdjointLeaves) uniform utextureBuffer slot_leaf;
 layout(binding = kAdjointTouched) uniform utextureBuffer touched_slots;
 layout(binding = kAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]; };
-layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
+layout(binding = kAdjointMaxWeight, std430) buffer MaxWeight { uint max_weight[]; };
 layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
 layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
-layout(binding = kAdjointPlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kAdjointPositions) uniform utextureBuffer leaf_positions;
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
 layout(binding = kAdjointHead, rg32ui) writeonly uniform uimageBuffer head;
 layout(binding = kAdjointSh, rgba32f) writeonly uniform imageBuffer slice_sh;
@@ -52,9 +52,9 @@ void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
 }
 
 // The workgroup's sum of its threads' shares of one plane of the rows' gradient.
-void sum_partial(uint plane, vec4 own) {
+void sum_partial(uint plane, vec4 value) {
     const uint lane = gl_LocalInvocationID.x;
-    share[lane] = own;
+    share[lane] = value;
     barrier();
     if (lane == 0u) {
         vec4 sum = vec4(0.0);
@@ -108,11 +108,11 @@ void note_frame(uint leaf, uint frame, bool used) {
 }
 
 // What growth will ask: how much of a leaf rays saw, how hard the loss pulled at it, and in which frames it counted.
-void note_use(uint leaf, float weight, float pull) {
+void note_use(uint leaf, float weight, float opacity_sensitivity) {
     const vec2 before = imageLoad(leaf_use, int(leaf)).xy;
-    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + pull, 0.0, 0.0));
-    note_frame(leaf, push.frame, weight >= push.used_from);
-    note_frame(leaf, push.frame_after, weight >= push.used_from);
+    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + opacity_sensitivity, 0.0, 0.0));
+    note_frame(leaf, push.frame, weight >= push.min_used_weight);
+    note_frame(leaf, push.frame_after, weight >= push.min_used_weight);
 }
 
 void main() {
@@ -123,8 +123,8 @@ void main() {
         slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
         const uint base = slot * gradient_stride(kHhDegree);
         leaf = texelFetch(slot_leaf, int(slot)).x;
-        note_use(leaf, uintBitsToFloat(reach[slot]), gradients[base + 1u]);
-        reach[slot] = 0u;
+        note_use(leaf, uintBitsToFloat(max_weight[slot]), gradients[base + 1u]);
+        max_weight[slot] = 0u;
         d_sigma = gradients[base];
         d_raw_gamma = colour_adjoint(leaf, base);
         for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[base + i] = 0.0;

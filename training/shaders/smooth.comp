@@ -20,7 +20,7 @@ layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
 layout(binding = kTraceHead) uniform utextureBuffer head;
 layout(binding = kTraceSh) uniform textureBuffer slice_sh;
 layout(binding = kSmoothLeaves) uniform utextureBuffer slot_leaf;
-layout(binding = kSmoothPlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kSmoothPositions) uniform utextureBuffer leaf_positions;
 layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
@@ -58,13 +58,13 @@ float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
 
 void main() {
     if (gl_GlobalInvocationID.x >= count.slots) return;
-    const uint own = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
-    const uint leaf = texelFetch(slot_leaf, int(own)).x;
-    const uvec2 place = texelFetch(leaf_positions, int(leaf)).xy;
-    const uint depth = place.y >> 16u, shift = 2u * kNodeLevels - depth;
+    const uint own_slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    const uint leaf = texelFetch(slot_leaf, int(own_slot)).x;
+    const uvec2 position = texelFetch(leaf_positions, int(leaf)).xy;
+    const uint depth = position.y >> 16u, shift = 2u * kNodeLevels - depth;
     const float edge = push.box_size / float(1u << depth);
     const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);
-    const ivec3 low = ivec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) << int(shift);
-    gradients[own * gradient_stride(kHhDegree)] +=
-        push.weights.smoothness * push.share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
+    const ivec3 low = ivec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) << int(shift);
+    gradients[own_slot * gradient_stride(kHhDegree)] +=
+        push.weights.smoothness * push.pixel_share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
 }
