@@ -11,7 +11,7 @@ struct HandShapesTest : HandsAtAStage {
     // Of one colour, however light falls on it.
     static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 place, double within_m) {
         return static_cast<size_t>(std::count_if(list.begin(), list.end(), [&](const xr::ShapeVertex& corner) {
-            return glm::distance(glm::dvec3(corner.place), place) < within_m;
+            return glm::distance(glm::dvec3(corner.position), place) < within_m;
         }));
     }
 };
@@ -36,7 +36,7 @@ TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
     headset::draw_interaction(shapes, on, interaction);
     const size_t both = corners_at(shapes.solid(), kRightHand, 0.11);
     EXPECT_GT(both, 0u);
-    inputs[xr::kRight].bare = true;
+    inputs[xr::kRight].bare_hand = true;
     frame();
     shapes.begin(head.position, 0);
     headset::draw_interaction(shapes, on, interaction);
@@ -46,7 +46,7 @@ TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
 
 TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     headset::draw_floor(shapes, on);
-    EXPECT_TRUE(shapes.clear_ones().empty()) << "a new stage has one";
+    EXPECT_TRUE(shapes.translucent().empty()) << "a new stage has one";
     for (int nodes = 10; nodes > 0 && editor::has_set(*on.stage); nodes--) {
         for (uint32_t i = 0; i < on.stage->scene.nodes.size(); i++)
             if (on.stage->scene.nodes[i].draws_mesh()) {
@@ -58,8 +58,8 @@ TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     }
     ASSERT_FALSE(editor::has_set(*on.stage));
     headset::draw_floor(shapes, on);
-    EXPECT_FALSE(shapes.clear_ones().empty());
-    for (const xr::ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);
+    EXPECT_FALSE(shapes.translucent().empty());
+    for (const xr::ShapeVertex& corner : shapes.translucent()) EXPECT_NEAR(corner.position.y, on.floor_m, 0.01);
 }
 
 TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {
@@ -67,8 +67,8 @@ TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {
     frame();
     headset::draw_interaction(shapes, on, interaction);
     const glm::dvec3 tip = headset::BrushHand::tip_of(*interaction.hands[xr::kRight].aim);
-    EXPECT_GT(corners_at(shapes.through_ones(), tip, on.brush.radius_m + 1e-6), 100u);
-    EXPECT_EQ(corners_at(shapes.clear_ones(), tip, on.brush.radius_m + 1e-6), shapes.through_ones().size());
+    EXPECT_GT(corners_at(shapes.on_top(), tip, on.brush.radius_m + 1e-6), 100u);
+    EXPECT_EQ(corners_at(shapes.translucent(), tip, on.brush.radius_m + 1e-6), shapes.on_top().size());
 }
 
 }  // namespace

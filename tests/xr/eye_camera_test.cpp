@@ -5,15 +5,15 @@
 #include <gtest/gtest.h>
 
 #include "reference/camera.h"
-#include "xr/some_poses.h"
+#include "xr/random_poses.h"
 
 namespace neuvv::test {
 namespace {
 
 constexpr VkExtent2D kSize{300, 200};
 
-XrFovf some_fov(SomePoses& some) {
-    const auto angle = [&](double low, double high) { return static_cast<float>(some.number(low, high)); };
+XrFovf some_fov(RandomPoses& random) {
+    const auto angle = [&](double low, double high) { return static_cast<float>(random.number(low, high)); };
     return {angle(-1.2, -0.3), angle(-0.2, 1.2), angle(-0.1, 1.1), angle(-1.3, -0.4)};
 }
 
@@ -26,14 +26,14 @@ glm::dvec2 pixel_of(const xr::EyeView& eye, glm::dvec3 place_in_eye) {
 }
 
 TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
-    SomePoses some(1);
+    RandomPoses random(1);
     for (int i = 0; i < 200; i++) {
-        const xr::EyeView eye{some.pose(), some_fov(some)};
-        const xr::Pose rig = some.pose();
+        const xr::EyeView eye{random.pose(), some_fov(random)};
+        const xr::Pose rig = random.pose();
         const stage::Camera camera = xr::eye_camera(eye, rig, kSize);
         ASSERT_EQ(camera.width, kSize.width);
         ASSERT_EQ(camera.height, kSize.height);
-        const glm::dvec3 place(some.number(-2, 2), some.number(-2, 2), some.number(-4, -0.5));
+        const glm::dvec3 place(random.number(-2, 2), random.number(-2, 2), random.number(-4, -0.5));
         const glm::dvec2 pixel = pixel_of(eye, place);
         const reference::Ray ray = reference::camera_ray(camera, pixel.x - 0.5, pixel.y - 0.5);
         const glm::dvec3 in_world = rig * (eye.pose * place), way = in_world - ray.origin;
@@ -54,11 +54,11 @@ TEST(EyeCamera, AnglesThatSpanNothingAreNoPicture) {
 }
 
 TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
-    SomePoses some(2);
-    const xr::EyeView eye{{}, some_fov(some)};
+    RandomPoses random(2);
+    const xr::EyeView eye{{}, some_fov(random)};
     std::vector<XrVector2f> vertices;
     for (int i = 0; i < 6; i++)
-        vertices.push_back({static_cast<float>(some.number(-2, 2)), static_cast<float>(some.number(-2, 2))});
+        vertices.push_back({static_cast<float>(random.number(-2, 2)), static_cast<float>(random.number(-2, 2))});
     const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two that are left over
     const std::vector<glm::vec2> corners = xr::corners_in_image(vertices, indices, eye.fov);
     ASSERT_EQ(corners.size(), 6u);

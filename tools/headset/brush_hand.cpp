@@ -130,7 +130,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
 void BrushHand::update(OnStage& on, Hands& hands) {
     Hand& hand = hands[xr::kRight];
     says_.clear();
-    if (on.tool != HandTool::kPaint || !hand.select.held()) end_stroke(on);
+    if (on.tool != HandTool::kPaint || !hand.select.is_down()) end_stroke(on);
     lay(on);
     if (region_ && region_->nodes != on.editor.node_count()) region_.reset();
     if (!region_ || on.tool != HandTool::kRegion) corner_.reset();
@@ -267,7 +267,7 @@ void BrushHand::pull_region(const OnStage& on, uint32_t index, Hand& hand) {
         if (!corner_) return;
         region_ = PaintRegion{on.stage->performers[index].node, on.editor.node_count(), glm::min(*corner_, tip),
                               glm::max(*corner_, tip)};
-        if (!hand.select.held()) corner_.reset();
+        if (!hand.select.is_down()) corner_.reset();
     }
 }
 

@@ -9,25 +9,26 @@ namespace {
 
 constexpr double kBeside = 0.5;  // rays a pixel's side beside the inset for one inside it
 
-xr::XrSwapchainShape colour_shape(VkExtent2D size, bool keep) {
-    xr::XrSwapchainShape shape{size, xr::kEyes};
+xr::SwapchainShape colour_shape(VkExtent2D size, bool keep) {
+    xr::SwapchainShape shape{size, xr::kEyes};
     shape.formats = xr::eye_colour_formats();
     if (keep) shape.usage |= XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
     return shape;
 }
 
-xr::XrSwapchainShape depth_shape(VkExtent2D size) {
-    xr::XrSwapchainShape shape{size, xr::kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                               VK_IMAGE_ASPECT_DEPTH_BIT};
+xr::SwapchainShape depth_shape(VkExtent2D size) {
+    xr::SwapchainShape shape{size, xr::kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                             VK_IMAGE_ASPECT_DEPTH_BIT};
     shape.formats = xr::eye_depth_formats();
     return shape;
 }
 
 // A runtime that offers depth layers, but no format of depth that we draw, goes without.
-std::unique_ptr<xr::XrImages> depth_images(const gpu::Device& device, const xr::Session& session, VkExtent2D size) {
+std::unique_ptr<xr::SwapchainImages> depth_images(const gpu::Device& device, const xr::Session& session,
+                                                  VkExtent2D size) {
     if (!session.runtime().has(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME)) return nullptr;
     try {
-        return std::make_unique<xr::XrImages>(session, device, "depth of eyes", depth_shape(size));
+        return std::make_unique<xr::SwapchainImages>(session, device, "depth of eyes", depth_shape(size));
     } catch (const xr::XrFailure&) {
         throw;
     } catch (const RuntimeFailure&) {
@@ -46,8 +47,8 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
     : device_(device),
       session_(session),
       quality_(quality),
-      colour_(std::make_unique<xr::XrImages>(session, device, "eyes",
-                                             colour_shape(session.runtime().eye_size(), quality.keep_images))),
+      colour_(std::make_unique<xr::SwapchainImages>(session, device, "eyes",
+                                                    colour_shape(session.runtime().eye_size(), quality.keep_images))),
       depth_(quality.depth ? depth_images(device, session, colour_->size()) : nullptr),
       pass_(device, colour_->format(), depth_ ? depth_->format() : VK_FORMAT_D32_SFLOAT),
       dynamic_(8),
@@ -89,7 +90,7 @@ void EyeImages::hide(render::StageRenderer& renderer, const xr::EyeViews& eyes) 
     for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         if (!old_mask_[eye] && same(mask_fov_[eye], eyes.eye[eye].fov)) continue;
         mask_fov_[eye] = eyes.eye[eye].fov;
-        hidden_[eye] = xr::hidden_corners(session_, eye, mask_fov_[eye]);
+        hidden_[eye] = xr::hidden_triangles(session_, eye, mask_fov_[eye]);
         old_mask_[eye] = false;
         changed = true;
     }
@@ -165,10 +166,10 @@ const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session,
         views_[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
         views_[eye].pose = xr::xr_pose(drawn_.eye[eye].pose);
         views_[eye].fov = drawn_.eye[eye].fov;
-        views_[eye].subImage = colour_->part(eye);
+        views_[eye].subImage = colour_->sub_image(eye);
         if (!depth_) continue;
         depths_[eye] = {XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR};
-        depths_[eye].subImage = depth_->part(eye);
+        depths_[eye].subImage = depth_->sub_image(eye);
         depths_[eye].minDepth = 0;
         depths_[eye].maxDepth = 1;
         depths_[eye].nearZ = INFINITY;  // reversed: depth 0 is infinitely far

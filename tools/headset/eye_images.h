@@ -53,7 +53,7 @@ class EyeImages {
     const gpu::Device& device_;
     const xr::Session& session_;
     EyeQuality quality_;
-    std::unique_ptr<xr::XrImages> colour_, depth_;
+    std::unique_ptr<xr::SwapchainImages> colour_, depth_;
     gpu::DeviceImage own_depth_;
     xr::EyePass pass_;
     std::array<stage::Camera, xr::kEyes> cameras_{stage::Camera{.fx = 1000}, stage::Camera{.fx = 1000}};

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "xr/analogue_input.h"
 #include "xr/hands.h"
-#include "xr/press.h"
 
 namespace neuvv::headset {
 
@@ -20,7 +20,7 @@ struct PointedAt {
 struct Hand {
     xr::HandInput input;                // of this frame
     std::optional<xr::Pose> aim, grip;  // world
-    xr::Press select, grab;
+    xr::AnalogueButton select, grab;
     xr::Flick flick;
     PointedAt at;
     double selecting_s = 0;  // for how long select has been held

@@ -12,13 +12,13 @@ constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}
 constexpr double kIdleRay_m = 1.2, kSelectedOut = 0.006;
 
 void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
-    if (!hand.grip || hand.input.bare) return;
+    if (!hand.grip || hand.input.bare_hand) return;
     const glm::dmat4 grip = xr::matrix_of(*hand.grip);
     shapes.solid_box(grip, {-0.017, -0.02, -0.03}, {0.017, 0.015, 0.085}, kBody);
     shapes.solid_box(grip, {-0.024, 0.0, -0.075}, {0.024, 0.022, -0.03}, kTrim);
     const float pressed = static_cast<float>(std::clamp(hand.input.select, 0.0, 1.0));
     shapes.solid_box(grip, {-0.008, -0.02, -0.062}, {0.008, 0.0, -0.045},
-                     glm::mix(kTrim, kBlue, hand.select.held() ? 1.0f : 0.5f * pressed));
+                     glm::mix(kTrim, kBlue, hand.select.is_down() ? 1.0f : 0.5f * pressed));
 }
 
 void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> held_m) {
@@ -63,14 +63,14 @@ void draw_brush(xr::EyeShapes& shapes, const OnStage& on, const Interaction& int
     if (on.tool == HandTool::kArrange || !hand.aim || hand.at.what == PointedAt::What::kPanel) return;
     const glm::dvec3 tip = BrushHand::tip_of(*hand.aim);
     if (on.tool == HandTool::kRegion) {
-        shapes.see_through(true);  // its corner, in a performer too
+        shapes.draw_on_top(true);  // its corner, in a performer too
         shapes.ball(tip, 0.008, kGreen);
-        return shapes.see_through(false);
+        return shapes.draw_on_top(false);
     }
     // Faint where it is within a performer or behind one.
     for (const bool through : {true, false}) {
-        shapes.see_through(through);
-        const glm::vec4 colour = brush_colour(on.brush, through ? 0.15f : hand.select.held() ? 0.6f : 0.35f);
+        shapes.draw_on_top(through);
+        const glm::vec4 colour = brush_colour(on.brush, through ? 0.15f : hand.select.is_down() ? 0.6f : 0.35f);
         const double radius = on.brush.radius_m;
         if (on.brush.tip == HandBrush::Tip::kBall)
             shapes.ball(tip, radius, colour);

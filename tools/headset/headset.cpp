@@ -22,7 +22,7 @@ namespace neuvv::headset {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kNotice_s = 6, kMostStep_s = 0.25, kFinish_s = 60;
+constexpr double kNotice_s = 6, kMaxStep_s = 0.25, kFinish_s = 60;
 constexpr double kShare = 0.85;  // of a period of the display that drawing may take
 constexpr int32_t kAhead = 2;    // images of the clip whose slices are made ahead
 
@@ -204,15 +204,15 @@ void make_renderer(Program& program, OnRuntime& at, const EyeImages& eyes) {
     if (!program.placed) program.on.floor_m = editor::floor_of(program.on);  // later it stays, with who stands on it
 }
 
-void hear(const xr::SessionNews& news, InSession& in) {
-    if (news.controllers) {
-        in.actions.look_at_controllers();
+void hear(const xr::SessionEvents& events, InSession& in) {
+    if (events.controllers_changed) {
+        in.actions.update_controllers();
         for (const int hand : {xr::kLeft, xr::kRight})
             if (const std::string controller = in.actions.controller(hand); !controller.empty())
                 say(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
     }
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-        if (news.mask[eye]) in.eyes.look_at_mask(eye);
+        if (events.mask_changed[eye]) in.eyes.look_at_mask(eye);
 }
 
 // Slices of what will be seen next.
@@ -231,7 +231,7 @@ void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::Fram
     OnStage& on = program.on;
     xr::HandInputs inputs = in.actions.sample(time.display);
     in.fingers.locate(time.display);
-    for (const int hand : {xr::kLeft, xr::kRight}) xr::stand_in(inputs[hand], in.fingers.joints(hand));
+    for (const int hand : {xr::kLeft, xr::kRight}) xr::fill_from_joints(inputs[hand], in.fingers.joints(hand));
     const auto head = in.session.locate(in.session.head_space(), time.display);
     if (head) program.head = *head;
     if (head && !program.placed) {
@@ -244,7 +244,8 @@ void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::Fram
     on.look_at_evaluated();
     if (program.head) program.interaction.update(on, inputs, *program.head, dt_s);
     for (const int hand : {xr::kLeft, xr::kRight})
-        if (const double pulse = program.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
+        if (const double pulse = program.interaction.hands[hand].pulse; pulse > 0)
+            in.actions.vibrate(hand, pulse, 0.03);
     program.saver->autosave.tick(program.now_s());
     program.notify();
 }
@@ -272,7 +273,7 @@ bool draw_eyes(Program& program, OnRuntime& at, InSession& in, const xr::FrameTi
     if (hides_room) draw_floor(in.shapes, on);
     draw_interaction(in.shapes, on, program.interaction);
     for (const int hand : {xr::kLeft, xr::kRight})
-        if (program.interaction.hands[hand].input.bare) draw_joints(in.shapes, in.fingers.joints(hand), world);
+        if (program.interaction.hands[hand].input.bare_hand) draw_joints(in.shapes, in.fingers.joints(hand), world);
     const std::vector<render::NextSlice> next = slices_ahead(program, *at.renderer);
     // As late as may be: all that does not depend on where the head is has been done.
     const auto eyes = in.session.locate_eyes(time.display);
@@ -283,16 +284,16 @@ bool draw_eyes(Program& program, OnRuntime& at, InSession& in, const xr::FrameTi
 }
 
 void frame(Program& program, OnRuntime& at, InSession& in) {
-    const xr::FrameTime time = in.session.wait();
+    const xr::FrameTime time = in.session.wait_frame();
     const double dt_s = in.last_display > 0
-                            ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMostStep_s)
+                            ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMaxStep_s)
                             : 0;
     in.last_display = time.display;
     if (dt_s > 0) in.images_per_second += 0.1 * (1 / dt_s - in.images_per_second);
-    in.session.begin();
+    in.session.begin_frame();
     update_stage(program, at, in, time, dt_s);
     std::vector<const XrCompositionLayerBaseHeader*> layers;
-    if (time.render) {
+    if (time.should_render) {
         draw_panel_of(program, in, dt_s);
         if (draw_eyes(program, at, in, time)) {
             const auto& panel = program.interaction.panel;
@@ -302,7 +303,7 @@ void frame(Program& program, OnRuntime& at, InSession& in) {
             layers.push_back(in.eyes.layer(in.session, panel.has_value()));
         }
     }
-    in.session.end(time, layers);
+    in.session.end_frame(time, layers);
     program.frames += !layers.empty();
     if (in.mirror && !in.mirror->show(in.eyes.left())) program.leaves = true;
 }
@@ -318,22 +319,22 @@ void ask_for_rate(const Program& program, InSession& in) {
 }
 
 // Until it ends. kLost: another session may be begun.
-xr::SessionDoes run_session(Program& program, OnRuntime& at) {
+xr::SessionStatus run_session(Program& program, OnRuntime& at) {
     InSession in(program, at);
     make_renderer(program, at, in.eyes);
-    in.actions.look_at_controllers();
+    in.actions.update_controllers();
     if (program.window) in.mirror = std::make_unique<Mirror>(at.device, *program.window, in.eyes.size());
     bool asked = false, rated = false;
     for (;;) {
-        xr::SessionNews news;
-        const xr::SessionDoes does = in.session.poll(news);
-        hear(news, in);
-        if (does == xr::SessionDoes::kEnd || does == xr::SessionDoes::kLost) {
+        xr::SessionEvents events;
+        const xr::SessionStatus does = in.session.poll(events);
+        hear(events, in);
+        if (does == xr::SessionStatus::kEnded || does == xr::SessionStatus::kLost) {
             program.interaction.holding.put_down(program.on);
             return does;
         }
         if ((program.leaves || stop_requested()) && !std::exchange(asked, true)) in.session.request_exit();
-        if (does == xr::SessionDoes::kWait) {
+        if (does == xr::SessionStatus::kIdle) {
             program.jobs.run_posted();
             program.saver->autosave.tick(program.now_s());
             program.notify();
@@ -384,7 +385,7 @@ void run_sessions(Program& program, OnRuntime& at) {
     for (RetryLimit retries(program);;) {
         std::string why = "every session ends";
         try {
-            if (run_session(program, at) == xr::SessionDoes::kEnd) return tell_validation(at.device);
+            if (run_session(program, at) == xr::SessionStatus::kEnded) return tell_validation(at.device);
         } catch (const xr::XrFailure& failure) {
             program.interaction.holding.put_down(program.on);
             if (!is_session_loss(failure) || !retries.has_run()) throw;

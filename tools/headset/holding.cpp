@@ -10,14 +10,14 @@ constexpr double kReach_m_per_s = 2.5, kLongSelect_s = 0.35, kDeadZone = 0.15;
 
 // Controllers without a grip hold the performer that is pressed for long.
 bool wants_to_hold(Hand& hand) {
-    if (hand.input.has_grab) return hand.grab.went_down();
+    if (hand.input.has_grab) return hand.grab.pressed();
     if (hand.selecting_s <= kLongSelect_s || hand.held_long) return false;
     hand.held_long = hand.pressed.what == PointedAt::What::kPerformer;
     return hand.held_long;
 }
 
 bool lets_go(const Hand& hand) {
-    return hand.input.has_grab ? !hand.grab.held() : !hand.select.held();
+    return hand.input.has_grab ? !hand.grab.is_down() : !hand.select.is_down();
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ void Holding::take(OnStage& on, Hand& hand, int which) {
         grab_.emplace(taken_from_, xr::GrabSettings{settings.upright});
     }
     node_ = node;
-    grab_->take(which, *hand.aim, hand.at.metres);
+    grab_->attach(which, *hand.aim, hand.at.metres);
     on.editor.select(node);
     hand.feel(0.7);
 }
@@ -43,8 +43,8 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
     for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         if (holds(which) && lets_go(hand)) {
-            if (grab_->holds(1 - which))
-                grab_->let_go(which);
+            if (grab_->is_attached(1 - which))
+                grab_->detach(which);
             else
                 put_down(on);
             hand.feel(0.3);
@@ -58,7 +58,7 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
         if (!holds(which) || !hands[which].aim) continue;
         grab_->move(which, *hands[which].aim);
         const double stick = hands[which].input.stick.y;
-        if (std::abs(stick) > kDeadZone) grab_->reach(which, stick * kReach_m_per_s * dt_s);
+        if (std::abs(stick) > kDeadZone) grab_->push(which, stick * kReach_m_per_s * dt_s);
     }
     if (node_ < on.evaluated.pose.world_from_node.size())
         editor::carry(on.evaluated, *on.stage, node_, grab_->world_from_node());

@@ -26,7 +26,7 @@ class Holding {
     void update(OnStage& on, Hands& hands, double dt_s);
     // What is held is put down where it is, as an edit; before others edit, and before a session ends.
     void put_down(OnStage& on);
-    bool holds(int hand) const { return grab_ && grab_->holds(hand); }
+    bool holds(int hand) const { return grab_ && grab_->is_attached(hand); }
     bool any() const { return grab_.has_value(); }
     // Along the hand's ray to where it holds it.
     double distance_m(int hand) const { return grab_->distance_m(hand); }

@@ -76,12 +76,12 @@ void Interaction::place_hands(const OnStage& on, const xr::HandInputs& inputs, d
         hand.pulse = 0;
         hand.aim.reset();
         hand.grip.reset();
-        if (hand.input.aim && xr::is_sound(*hand.input.aim)) hand.aim = world * *hand.input.aim;
-        if (hand.input.grip && xr::is_sound(*hand.input.grip)) hand.grip = world * *hand.input.grip;
+        if (hand.input.aim && xr::is_valid(*hand.input.aim)) hand.aim = world * *hand.input.aim;
+        if (hand.input.grip && xr::is_valid(*hand.input.grip)) hand.grip = world * *hand.input.grip;
         hand.select.update(hand.input.select);
         hand.grab.update(hand.input.grab);
         hand.flick.update(hand.input.stick);
-        hand.selecting_s = hand.select.held() ? hand.selecting_s + dt_s : 0;
+        hand.selecting_s = hand.select.is_down() ? hand.selecting_s + dt_s : 0;
     }
 }
 
@@ -112,11 +112,11 @@ void Interaction::place_panel(OnStage& on, const xr::Pose& head) {
 
 // A grip on the panel holds it as it is.
 void Interaction::move_panel(const OnStage& on) {
-    if (held_panel_ && !hands[held_panel_->first].grab.held()) held_panel_.reset();
+    if (held_panel_ && !hands[held_panel_->first].grab.is_down()) held_panel_.reset();
     if (!panel || on.panel_on_wrist) return held_panel_.reset();
     for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
-        if (held_panel_ || !hand.aim || !hand.grab.went_down()) continue;
+        if (held_panel_ || !hand.aim || !hand.grab.pressed()) continue;
         if (!xr::rectangle_hit(xr::ray_of(*hand.aim), panel->world, panel->size_m)) continue;
         held_panel_.emplace(which, xr::inverse(*hand.aim) * panel->world);
         hand.feel(0.4);
@@ -133,7 +133,7 @@ void Interaction::point(const OnStage& on) {
         const Ray ray = xr::ray_of(*hand.aim);
         if (panel && !(on.panel_on_wrist && which == xr::kLeft))
             if (const auto hit = xr::rectangle_hit(ray, panel->world, panel->size_m)) {
-                hand.at = {PointedAt::What::kPanel, hit->metres, hit->at};
+                hand.at = {PointedAt::What::kPanel, hit->distance_m, hit->uv};
                 continue;
             }
         double nearest = kFarthest_m;
@@ -154,12 +154,12 @@ void Interaction::point(const OnStage& on) {
 // What a press begins on it belongs to until it ends, wherever the ray goes meanwhile.
 void Interaction::remember_presses() {
     for (Hand& hand : hands) {
-        if (hand.select.went_down()) {
+        if (hand.select.pressed()) {
             hand.pressed = hand.at;
             hand.fresh = true;
             hand.held_long = hand.deselects = false;
         }
-        if (!hand.select.held()) hand.pressed = {};
+        if (!hand.select.is_down()) hand.pressed = {};
         const bool on_panel = hand.pressed.what == PointedAt::What::kPanel && hand.at.what == PointedAt::What::kPanel;
         if (on_panel) hand.pressed = hand.at;
     }
@@ -209,7 +209,7 @@ void Interaction::step_through(OnStage& on, Hand& hand) {
 void Interaction::select(OnStage& on) {
     for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
-        if (!hand.select.held() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
+        if (!hand.select.is_down() && std::exchange(hand.deselects, false) && !hand.held_long) on.editor.select({});
         if (!hand.fresh) continue;
         if (hand.at.what == PointedAt::What::kPanel) {
             hand.fresh = false;
@@ -237,7 +237,7 @@ PanelPointer Interaction::panel_pointer() const {
     pointer.pressed = hand.pressed.what == kPanel;
     if (pointer.pressed)
         pointer.at = hand.pressed.on_panel;
-    else if (hand.at.what == kPanel && !hand.select.held())
+    else if (hand.at.what == kPanel && !hand.select.is_down())
         pointer.at = hand.at.on_panel;
     if (pointer.at && std::abs(hand.input.stick.y) > 0.3) pointer.wheel = hand.input.stick.y;
     return pointer;

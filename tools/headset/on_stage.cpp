@@ -17,7 +17,7 @@ xr::XrRig first_rig(const OnStage& on, const xr::Pose& head) {
         yaw = std::atan2(-ahead.x, -ahead.z);
         break;
     }
-    return xr::moved_so_that_head_stands_at({}, head, stands, yaw);
+    return xr::with_head_above({}, head, stands, yaw);
 }
 
 }  // namespace neuvv::headset

@@ -11,8 +11,8 @@ namespace {
 constexpr VkExtent2D kSize{960, 720};
 constexpr float kScale = 1.75f;
 
-xr::XrSwapchainShape shape() {
-    xr::XrSwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
+xr::SwapchainShape shape() {
+    xr::SwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
     shape.formats = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB};
     return shape;
 }
@@ -86,7 +86,7 @@ const XrCompositionLayerBaseHeader* PanelSurface::layer(const xr::Session& sessi
     quad_.layerFlags = 0;  // what lies beneath a hole is the panel alone
     quad_.space = session.tracking_space();
     quad_.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
-    quad_.subImage = images_.part(0);
+    quad_.subImage = images_.sub_image(0);
     quad_.pose = xr::xr_pose(tracking_from_panel);
     quad_.size = {static_cast<float>(size_m.x), static_cast<float>(size_m.y)};
     return reinterpret_cast<const XrCompositionLayerBaseHeader*>(&quad_);

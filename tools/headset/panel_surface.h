@@ -27,7 +27,7 @@ class PanelSurface {
     void feed(const PanelPointer& pointer, double dt_s);
     void record(VkImage to);
     const gpu::Device& device_;
-    xr::XrImages images_;
+    xr::SwapchainImages images_;
     gpu::DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
     ui::PanelDrawing drawing_;
     bool has_image_ = false;

@@ -43,7 +43,7 @@ void Walking::teleport(OnStage& on, Hand& hand, const xr::Pose& head) {
         if (aims) {
             arc_ = arc;
         } else if (arc.landing) {
-            on.rig = xr::moved_so_that_head_stands_at(on.rig, head, *arc.landing);
+            on.rig = xr::with_head_above(on.rig, head, *arc.landing);
             hand.feel(0.4);
         }
     }

@@ -12,9 +12,9 @@ namespace neuvv::test {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-class SomePoses {
+class RandomPoses {
   public:
-    explicit SomePoses(uint32_t seed) : random_(seed) {}
+    explicit RandomPoses(uint32_t seed) : random_(seed) {}
 
     double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
     glm::dvec3 vector(double most) { return {number(-most, most), number(-most, most), number(-most, most)}; }
@@ -34,13 +34,13 @@ class SomePoses {
 };
 
 // None of them is sound.
-inline std::vector<xr::Pose> no_poses() {
+inline std::vector<xr::Pose> invalid_poses() {
     return {{{kNan, 0, 0}, {1, 0, 0, 0}},       {{0, kInfinite, 0}, {1, 0, 0, 0}}, {{0, 0, 0}, {kNan, 0, 0, 0}},
             {{0, 0, 0}, {1, 0, -kInfinite, 0}}, {{0, 0, 0}, {0, 0, 0, 0}},         {{0, 0, 1e200}, {1, 0, 0, 0}},
             {{0, 0, 0}, {1e200, 0, 0, 0}}};
 }
 
-inline double apart(const glm::dmat4& a, const glm::dmat4& b) {
+inline double max_difference(const glm::dmat4& a, const glm::dmat4& b) {
     double most = 0;
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {

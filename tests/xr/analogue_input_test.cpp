@@ -1,4 +1,4 @@
-#include "xr/press.h"
+#include "xr/analogue_input.h"
 
 #include <gtest/gtest.h>
 
@@ -12,38 +12,38 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // What each update says: d(own), u(p), h(eld), . (not held).
-std::string told(xr::Press& press, const std::vector<double>& values) {
+std::string told(xr::AnalogueButton& press, const std::vector<double>& values) {
     std::string told;
     for (const double value : values) {
         press.update(value);
-        EXPECT_FALSE(press.went_down() && press.went_up());
-        EXPECT_EQ(press.went_down() && !press.held(), false);
-        told += press.went_down() ? 'd' : press.went_up() ? 'u' : press.held() ? 'h' : '.';
+        EXPECT_FALSE(press.pressed() && press.released());
+        EXPECT_EQ(press.pressed() && !press.is_down(), false);
+        told += press.pressed() ? 'd' : press.released() ? 'u' : press.is_down() ? 'h' : '.';
     }
     return told;
 }
 
 TEST(Press, GoesDownOnceAndUpOnce) {
-    xr::Press press;
+    xr::AnalogueButton press;
     EXPECT_EQ(told(press, {0, 0.3, 0.69, 0.7, 1, 0.5, 0.41, 0.4, 0.2}), "...dhhhu.");
-    EXPECT_FALSE(press.held());
+    EXPECT_FALSE(press.is_down());
 }
 
 TEST(Press, DoesNotTrembleBetweenItsThresholds) {
-    xr::Press press(0.6, 0.5);
+    xr::AnalogueButton press(0.6, 0.5);
     EXPECT_EQ(told(press, {0.59, 0.55, 0.59, 0.6, 0.55, 0.59, 0.51, 0.6, 0.5, 0.55, 0.59}), "...dhhhhu..");
 }
 
 TEST(Press, NanIsNoPress) {
-    xr::Press press;
+    xr::AnalogueButton press;
     EXPECT_EQ(told(press, {kNan, 1, kNan, kNan, 1}), ".du.d");
 }
 
 TEST(Press, ResetLetsGoSilently) {
-    xr::Press press;
+    xr::AnalogueButton press;
     press.update(1);
     press.reset();
-    EXPECT_FALSE(press.held() || press.went_down() || press.went_up());
+    EXPECT_FALSE(press.is_down() || press.pressed() || press.released());
     EXPECT_EQ(told(press, {0, 1}), ".d");
     press.reset();
     EXPECT_EQ(told(press, {1, 1}), "dh") << "the finger is still down";
