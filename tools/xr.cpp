@@ -112,7 +112,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
         wanted.quality.keep_images = wanted.mirror;
         if (options->inset > 0) wanted.quality.inset = options->inset;
         if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
-        headset::watch_in_headset(wanted);
+        headset::run_headset(wanted);
     });
 }
 

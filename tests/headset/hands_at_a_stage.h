@@ -24,7 +24,7 @@ inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
 
 class HandsAtAStage : public testing::Test {
   protected:
-    HandsAtAStage() : jobs([this](const std::string& problem) { on.editor.notify(problem, true); }, [] {}) {
+    HandsAtAStage() : jobs([this](const std::string& problem) { state.editor.notify(problem, true); }, [] {}) {
         voctree::write_nvv(clip, figure_tree());
         stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
         for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
@@ -34,7 +34,7 @@ class HandsAtAStage : public testing::Test {
             place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
             edit::add_performer(file, name, performer, place);
         }
-        on.editor.open({std::move(file), {}, {}}, false);
+        state.editor.open({std::move(file), {}, {}}, false);
         point(xr::kRight, kRightHand, kBen);
         point(xr::kLeft, kLeftHand, kAnna);
         frame();
@@ -45,9 +45,9 @@ class HandsAtAStage : public testing::Test {
     // Buttons are pressed for one frame.
     void frame(double dt_s = 1.0 / 90) {
         jobs.run_posted();
-        on.follow_document();
-        on.look_at_evaluated();
-        interaction.update(on, inputs, head, dt_s);
+        state.follow_document();
+        state.look_at_evaluated();
+        interaction.update(state, inputs, head, dt_s);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
     void frames(int count) {
@@ -61,7 +61,7 @@ class HandsAtAStage : public testing::Test {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60))
                 << "it does not come to an end";
-        } while (!jobs.idle() || jobs.has_posted() || interaction.brush.busy() || on.is_behind());
+        } while (!jobs.idle() || jobs.has_posted() || interaction.painter.is_busy() || state.is_behind());
     }
     void select(glm::dvec3 what) {
         point(xr::kRight, kRightHand, what);
@@ -71,16 +71,16 @@ class HandsAtAStage : public testing::Test {
         frame();
     }
 
-    uint32_t node(const std::string& name) const { return edit::find_node(on.editor.file(), name); }
-    glm::dvec3 place(const std::string& name) const { return {on.evaluated.pose.world_from_node[node(name)][3]}; }
+    uint32_t node(const std::string& name) const { return edit::find_node(state.editor.file(), name); }
+    glm::dvec3 place(const std::string& name) const { return {state.evaluated.pose.world_from_node[node(name)][3]}; }
     size_t steps() {  // of the history; undoes them all
         size_t count = 0;
-        for (; on.editor.history().next_undo(); count++) on.editor.undo();
+        for (; state.editor.history().next_undo(); count++) state.editor.undo();
         return count;
     }
     bool was_told(const std::string& part) {
         bool told = false;
-        for (const editor::Notice& notice : on.editor.take_notices())
+        for (const editor::Notice& notice : state.editor.take_notices())
             told |= notice.text.find(part) != std::string::npos;
         return told;
     }
@@ -89,7 +89,7 @@ class HandsAtAStage : public testing::Test {
     std::filesystem::path clip = folder.path / "figure.nvv";
     xr::HandInputs inputs;
     xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
-    headset::OnStage on;
+    headset::HeadsetState state;
     JobQueue jobs;
     headset::Interaction interaction = headset::Interaction(jobs);
 };

@@ -1,5 +1,5 @@
 // Painting in the air: what leaves a stroke meets, and that no stroke is lost or stuck, however hands and files behave.
-#include "tools/headset/brush_hand.h"
+#include "tools/headset/hand_painter.h"
 
 #include <set>
 
@@ -13,13 +13,13 @@ namespace {
 struct BrushHandTest : HandsAtAStage {
     BrushHandTest() {
         select(kBen);
-        on.tool = headset::HandTool::kPaint;
-        on.brush.radius_m = 0.15;
+        state.tool = headset::HandTool::kPaint;
+        state.brush.radius_m = 0.15;
     }
     // The right hand so that its tip is there, pointing away.
     void tip_at(glm::dvec3 place) {
         inputs[xr::kRight].aim = inputs[xr::kRight].grip = pointing(place, place + glm::dvec3(0, 0, -1));
-        inputs[xr::kRight].aim->position += place - headset::BrushHand::tip_of(*inputs[xr::kRight].aim);
+        inputs[xr::kRight].aim->position += place - headset::HandPainter::tip_of(*inputs[xr::kRight].aim);
     }
     void dab(glm::dvec3 place) {
         tip_at(place);
@@ -36,8 +36,8 @@ struct BrushHandTest : HandsAtAStage {
     // Of the only layer there is.
     std::set<uint32_t> painted() const {
         std::set<uint32_t> leaves;
-        EXPECT_EQ(on.editor.document().paint.size(), 1u);
-        for (const auto& [path, layer] : on.editor.document().paint)
+        EXPECT_EQ(state.editor.document().paint.size(), 1u);
+        for (const auto& [path, layer] : state.editor.document().paint)
             for (const voctree::LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
         return leaves;
     }
@@ -45,7 +45,7 @@ struct BrushHandTest : HandsAtAStage {
     std::set<uint32_t> within(const std::vector<glm::dvec3>& places, double radius_m) const {
         const voctree::VOctree tree = figure_tree();
         const edit::Canvas canvas(tree);
-        const glm::dmat4 performer_from_world = glm::inverse(on.evaluated.performers[1].world_from_performer);
+        const glm::dmat4 performer_from_world = glm::inverse(state.evaluated.performers[1].world_from_performer);
         const voctree::EditLayer none{voctree::painted_field(tree), {}};
         std::set<uint32_t> leaves;
         for (const glm::dvec3& place : places) {
@@ -64,20 +64,20 @@ struct BrushHandTest : HandsAtAStage {
 TEST_F(BrushHandTest, ADabPaintsTheLeavesInItsBallAndIsOneStep) {
     dab(head_of_ben);
     settle();
-    const std::set<uint32_t> want = within({head_of_ben}, on.brush.radius_m);
+    const std::set<uint32_t> want = within({head_of_ben}, state.brush.radius_m);
     ASSERT_GT(want.size(), 10u);
     EXPECT_EQ(painted(), want);
     EXPECT_EQ(steps(), 1u);
-    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {
     // One press of two frames, at once: reading takes longer.
     dab(head_of_ben);
-    EXPECT_TRUE(interaction.brush.busy());
-    EXPECT_TRUE(on.editor.document().paint.empty());
+    EXPECT_TRUE(interaction.painter.is_busy());
+    EXPECT_TRUE(state.editor.document().paint.empty());
     settle();
-    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+    EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, StrokesThatFollowEachOtherAreEachAStep) {
@@ -85,38 +85,38 @@ TEST_F(BrushHandTest, StrokesThatFollowEachOtherAreEachAStep) {
     dab(head_of_ben + off);
     dab(head_of_ben - off);
     settle();
-    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off, head_of_ben - off}, on.brush.radius_m));
-    on.editor.undo();
-    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off}, on.brush.radius_m));
+    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off, head_of_ben - off}, state.brush.radius_m));
+    state.editor.undo();
+    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off}, state.brush.radius_m));
     EXPECT_EQ(steps(), 2u);
 }
 
 TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
     dab(head_of_ben);
     settle();
-    on.editor.undo();
-    EXPECT_FALSE(on.editor.modified());
+    state.editor.undo();
+    EXPECT_FALSE(state.editor.modified());
     dab(head_of_ben + off);
     settle();
-    const auto layers = edit::paint_layers_of(on.editor.file(), node("ben"));
+    const auto layers = edit::paint_layers_of(state.editor.file(), node("ben"));
     ASSERT_EQ(layers->size(), 1u);
     std::set<uint32_t> leaves;
-    for (const voctree::LeafEdit& edit : on.editor.document().paint.at(layers->front().path)->edits)
+    for (const voctree::LeafEdit& edit : state.editor.document().paint.at(layers->front().path)->edits)
         leaves.insert(edit.leaf);
-    EXPECT_EQ(leaves, within({head_of_ben + off}, on.brush.radius_m));
+    EXPECT_EQ(leaves, within({head_of_ben + off}, state.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, AHandThatHoldsPutsDownWhereTheOtherTakesTheBrush) {
-    on.tool = headset::HandTool::kArrange;
+    state.tool = headset::HandTool::kArrange;
     const glm::dvec3 before = place("ben");
     point(xr::kLeft, kLeftHand, kBen);
     inputs[xr::kLeft].grab = 1;
     frames(2);
     point(xr::kLeft, kLeftHand + glm::dvec3(0.3, 0, 0), kBen + glm::dvec3(0.3, 0, 0));
     frame();
-    on.tool = headset::HandTool::kPaint;  // by the panel
+    state.tool = headset::HandTool::kPaint;  // by the panel
     frames(2);
-    EXPECT_FALSE(interaction.holding.any());
+    EXPECT_FALSE(interaction.grab.is_active());
     dab(head_of_ben + glm::dvec3(0.3, 0, 0));
     inputs[xr::kLeft].grab = 0;
     settle();
@@ -129,12 +129,13 @@ TEST_F(BrushHandTest, APressInTheFrameOfAnEditIsAStroke) {
     tip_at(head_of_ben);
     inputs[xr::kRight].select = 1;
     inputs[xr::kLeft].undo = true;
-    on.editor.edit([&](edit::Document& document) { return edit::rename_node(document.file, node("anna"), "berta"); });
+    state.editor.edit(
+        [&](edit::Document& document) { return edit::rename_node(document.file, node("anna"), "berta"); });
     frame();
     inputs[xr::kRight].select = 0;
     settle();
-    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
-    EXPECT_EQ(on.stage->performers[0].name, "anna") << "it was undone";
+    EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
+    EXPECT_EQ(state.stage->performers[0].name, "anna") << "it was undone";
 }
 
 TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
@@ -147,7 +148,7 @@ TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
     settle();
     std::vector<glm::dvec3> way;
     for (int i = 0; i <= 600; i++) way.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
-    EXPECT_EQ(painted(), within(way, on.brush.radius_m));
+    EXPECT_EQ(painted(), within(way, state.brush.radius_m));
     EXPECT_EQ(steps(), 1u);
 }
 
@@ -159,23 +160,23 @@ TEST_F(BrushHandTest, UndoDuringAStrokeEndsItAndIsRefusedUntilItIsLaid) {
     frame();
     EXPECT_TRUE(was_told("still being laid"));
     settle();
-    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+    EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
     inputs[xr::kLeft].undo = true;
     frame();
-    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
     dab(head_of_ben);
-    on.tool = headset::HandTool::kArrange;
+    state.tool = headset::HandTool::kArrange;
     select(kAnna);
-    on.tool = headset::HandTool::kPaint;
+    state.tool = headset::HandTool::kPaint;
     settle();
-    ASSERT_EQ(on.editor.document().paint.size(), 1u);
-    const auto layers = edit::paint_layers_of(on.editor.file(), node("ben"));
+    ASSERT_EQ(state.editor.document().paint.size(), 1u);
+    const auto layers = edit::paint_layers_of(state.editor.file(), node("ben"));
     ASSERT_TRUE(layers);
     EXPECT_EQ(layers->size(), 1u);
-    EXPECT_TRUE(edit::paint_layers_of(on.editor.file(), node("anna"))->empty());
+    EXPECT_TRUE(edit::paint_layers_of(state.editor.file(), node("anna"))->empty());
 }
 
 TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
@@ -183,12 +184,12 @@ TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
     dab(head_of_ben);
     settle();
     EXPECT_TRUE(was_told("figure.nvv"));
-    EXPECT_FALSE(interaction.brush.busy());
-    EXPECT_NE(interaction.brush.says().find("figure.nvv"), std::string::npos) << "as long as it is to be painted";
-    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(interaction.painter.is_busy());
+    EXPECT_NE(interaction.painter.status().find("figure.nvv"), std::string::npos) << "as long as it is to be painted";
+    EXPECT_FALSE(state.editor.modified());
     inputs[xr::kRight].duplicate = true;
     frames(2);
-    EXPECT_EQ(on.stage->performers.size(), 3u) << "other edits go on";
+    EXPECT_EQ(state.stage->performers.size(), 3u) << "other edits go on";
 }
 
 TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
@@ -196,31 +197,31 @@ TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
     std::filesystem::copy_file(clip, copy);
     edit::PerformerEdit edit;
     edit.clip = copy;
-    on.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node("anna"), edit); });
-    on.tool = headset::HandTool::kArrange;  // ben's clip is not read yet
+    state.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node("anna"), edit); });
+    state.tool = headset::HandTool::kArrange;  // ben's clip is not read yet
     frames(2);
     damage(copy);
     select(kAnna);
-    on.tool = headset::HandTool::kPaint;
+    state.tool = headset::HandTool::kPaint;
     dab(kAnna);
     settle();
     EXPECT_TRUE(was_told("copy.nvv"));
-    on.tool = headset::HandTool::kArrange;
+    state.tool = headset::HandTool::kArrange;
     select(kBen);
-    on.tool = headset::HandTool::kPaint;
+    state.tool = headset::HandTool::kPaint;
     dab(head_of_ben);
     settle();
-    EXPECT_EQ(painted(), within({head_of_ben}, on.brush.radius_m));
+    EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
 }
 
 TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
-    on.brush.does = headset::HandBrush::Does::kErase;
-    on.brush.whole_clip = false;
-    on.clock.scrub(on.clock.last_s());
+    state.brush.mode = headset::HandBrush::Mode::kErase;
+    state.brush.whole_clip = false;
+    state.clock.scrub(state.clock.last_s());
     dab(head_of_ben);
     settle();
-    ASSERT_EQ(on.editor.document().paint.size(), 1u);
-    for (const auto& [path, layer] : on.editor.document().paint) {
+    ASSERT_EQ(state.editor.document().paint.size(), 1u);
+    for (const auto& [path, layer] : state.editor.document().paint) {
         ASSERT_FALSE(layer->edits.empty());
         for (const voctree::LeafEdit& edit : layer->edits) {
             EXPECT_EQ(edit.sigma, 0);
@@ -231,7 +232,7 @@ TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
 }
 
 TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
-    on.tool = headset::HandTool::kRegion;
+    state.tool = headset::HandTool::kRegion;
     settle();  // read
     tip_at(head_of_ben - glm::dvec3(0.1));
     inputs[xr::kRight].select = 1;
@@ -240,20 +241,20 @@ TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
     frame();
     inputs[xr::kRight].select = 0;
     frame();
-    ASSERT_TRUE(interaction.brush.region());
-    EXPECT_LT(glm::distance(interaction.brush.region()->low, kHead - glm::dvec3(0.1 / 1.6)), 1e-6);
-    interaction.brush.do_region(on);
+    ASSERT_TRUE(interaction.painter.region());
+    EXPECT_LT(glm::distance(interaction.painter.region()->low, kHead - glm::dvec3(0.1 / 1.6)), 1e-6);
+    interaction.painter.apply_region(state);
     settle();
     EXPECT_GT(painted().size(), 10u);
-    ASSERT_TRUE(interaction.brush.region()) << "it can be used again";
+    ASSERT_TRUE(interaction.painter.region()) << "it can be used again";
     inputs[xr::kRight].duplicate = true;
     frames(3);
-    EXPECT_FALSE(interaction.brush.region()) << "numbers of nodes mean others now";
+    EXPECT_FALSE(interaction.painter.region()) << "numbers of nodes mean others now";
     EXPECT_EQ(steps(), 2u);
 }
 
 TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
-    on.tool = headset::HandTool::kRegion;
+    state.tool = headset::HandTool::kRegion;
     settle();
     tip_at(glm::dvec3(0.05, 1.55, -2.75));
     inputs[xr::kRight].select = 1;
@@ -262,30 +263,30 @@ TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
     frame();
     inputs[xr::kRight].select = 0;
     frame();
-    interaction.brush.do_region(on);
+    interaction.painter.apply_region(state);
     settle();
     EXPECT_TRUE(was_told("nothing in the box"));
-    EXPECT_FALSE(on.editor.modified());
-    EXPECT_FALSE(interaction.brush.busy());
+    EXPECT_FALSE(state.editor.modified());
+    EXPECT_FALSE(interaction.painter.is_busy());
 }
 
 TEST_F(BrushHandTest, ItSaysWhatItPaintsOn) {
     settle();
     frame();
-    EXPECT_EQ(interaction.brush.says(), "Paints ben, on a new layer");
+    EXPECT_EQ(interaction.painter.status(), "Paints ben, on a new layer");
     dab(head_of_ben);
     settle();
     frame();
-    EXPECT_EQ(interaction.brush.says(), "Paints ben, on its layer \"headset\"");
+    EXPECT_EQ(interaction.painter.status(), "Paints ben, on its layer \"headset\"");
 }
 
 TEST_F(BrushHandTest, NobodyIsPaintedWhereItIsNotKnownWho) {
-    on.tool = headset::HandTool::kArrange;
+    state.tool = headset::HandTool::kArrange;
     select({0, 5, -2});
-    on.tool = headset::HandTool::kPaint;
+    state.tool = headset::HandTool::kPaint;
     dab(head_of_ben);
-    EXPECT_FALSE(interaction.brush.busy());
-    EXPECT_NE(interaction.brush.says().find("Select"), std::string::npos);
+    EXPECT_FALSE(interaction.painter.is_busy());
+    EXPECT_NE(interaction.painter.status().find("Select"), std::string::npos);
 }
 
 }  // namespace
