@@ -1,4 +1,4 @@
-// Painting in the air: what leaves a stroke meets, and that no stroke is lost or stuck, however hands and files behave.
+// Painting in the air: which leaves a stroke touches, and that no stroke is lost or stuck, whatever hands and files do.
 #include "tools/headset/hand_painter.h"
 
 #include <set>
@@ -16,24 +16,24 @@ struct BrushHandTest : HandsAtAStage {
         state.tool = headset::HandTool::kPaint;
         state.brush.radius_m = 0.15;
     }
-    // The right hand so that its tip is there, pointing away.
-    void tip_at(glm::dvec3 place) {
-        inputs[xr::kRight].aim = inputs[xr::kRight].grip = pointing(place, place + glm::dvec3(0, 0, -1));
-        inputs[xr::kRight].aim->position += place - headset::HandPainter::tip_of(*inputs[xr::kRight].aim);
+    // Moves the right hand so that its tip is at this position; the hand points along −Z.
+    void tip_at(glm::dvec3 position) {
+        inputs[xr::kRight].aim = inputs[xr::kRight].grip = pointing(position, position + glm::dvec3(0, 0, -1));
+        inputs[xr::kRight].aim->position += position - headset::HandPainter::tip_of(*inputs[xr::kRight].aim);
     }
-    void dab(glm::dvec3 place) {
-        tip_at(place);
+    void dab(glm::dvec3 position) {
+        tip_at(position);
         inputs[xr::kRight].select = 1;
         frame();
         inputs[xr::kRight].select = 0;
         frame();
     }
-    // Its head stays sound.
+    // Damages a file near its end; its beginning stays valid.
     static void damage(const std::filesystem::path& file) {
         std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
         bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file)) - 1000) << std::string(100, 'x');
     }
-    // Of the only layer there is.
+    // The leaves that are painted on the only layer.
     std::set<uint32_t> painted() const {
         std::set<uint32_t> leaves;
         EXPECT_EQ(state.editor.document().paint.size(), 1u);
@@ -41,15 +41,15 @@ struct BrushHandTest : HandsAtAStage {
             for (const voctree::LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
         return leaves;
     }
-    // By the shape itself: leaves whose middles lie within `radius_m` (world) of a place, and are ever seen.
-    std::set<uint32_t> within(const std::vector<glm::dvec3>& places, double radius_m) const {
+    // The expected leaves: those that are ever visible, and whose middles lie within `radius_m` (world) of a position.
+    std::set<uint32_t> within(const std::vector<glm::dvec3>& positions, double radius_m) const {
         const voctree::VOctree tree = figure_tree();
         const edit::Canvas canvas(tree);
         const glm::dmat4 performer_from_world = glm::inverse(state.evaluated.performers[1].world_from_performer);
         const voctree::EditLayer none{voctree::painted_field(tree), {}};
         std::set<uint32_t> leaves;
-        for (const glm::dvec3& place : places) {
-            const glm::vec3 middle(performer_from_world * glm::dvec4(place, 1));
+        for (const glm::dvec3& position : positions) {
+            const glm::vec3 middle(performer_from_world * glm::dvec4(position, 1));
             editor::PaintOperation operation;
             operation.frames = {0, 1, edit::Follow::kNot};
             for (const editor::SelectedLeaf& leaf : editor::leaves_for(
@@ -67,12 +67,12 @@ TEST_F(BrushHandTest, ADabPaintsTheLeavesInItsBallAndIsOneStep) {
     const std::set<uint32_t> want = within({head_of_ben}, state.brush.radius_m);
     ASSERT_GT(want.size(), 10u);
     EXPECT_EQ(painted(), want);
-    EXPECT_EQ(steps(), 1u);
+    EXPECT_EQ(undo_all(), 1u);
     EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {
-    // One press of two frames, at once: reading takes longer.
+    // The whole press is over before the clip has been read.
     dab(head_of_ben);
     EXPECT_TRUE(interaction.painter.is_busy());
     EXPECT_TRUE(state.editor.document().paint.empty());
@@ -88,7 +88,7 @@ TEST_F(BrushHandTest, StrokesThatFollowEachOtherAreEachAStep) {
     EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off, head_of_ben - off}, state.brush.radius_m));
     state.editor.undo();
     EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off}, state.brush.radius_m));
-    EXPECT_EQ(steps(), 2u);
+    EXPECT_EQ(undo_all(), 2u);
 }
 
 TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
@@ -108,20 +108,20 @@ TEST_F(BrushHandTest, WhatWasUndoneDoesNotComeBackWithTheNextStroke) {
 
 TEST_F(BrushHandTest, AHandThatHoldsPutsDownWhereTheOtherTakesTheBrush) {
     state.tool = headset::HandTool::kArrange;
-    const glm::dvec3 before = place("ben");
+    const glm::dvec3 before = position("ben");
     point(xr::kLeft, kLeftHand, kBen);
     inputs[xr::kLeft].grab = 1;
     frames(2);
     point(xr::kLeft, kLeftHand + glm::dvec3(0.3, 0, 0), kBen + glm::dvec3(0.3, 0, 0));
     frame();
-    state.tool = headset::HandTool::kPaint;  // by the panel
+    state.tool = headset::HandTool::kPaint;  // as the panel does it
     frames(2);
     EXPECT_FALSE(interaction.grab.is_active());
     dab(head_of_ben + glm::dvec3(0.3, 0, 0));
     inputs[xr::kLeft].grab = 0;
     settle();
-    EXPECT_LT(glm::distance(place("ben"), before + glm::dvec3(0.3, 0, 0)), 1e-9);
-    EXPECT_EQ(steps(), 2u) << "a move and a stroke";
+    EXPECT_LT(glm::distance(position("ben"), before + glm::dvec3(0.3, 0, 0)), 1e-9);
+    EXPECT_EQ(undo_all(), 2u) << "a move and a stroke";
 }
 
 TEST_F(BrushHandTest, APressInTheFrameOfAnEditIsAStroke) {
@@ -146,10 +146,10 @@ TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
     frame();
     inputs[xr::kRight].select = 0;
     settle();
-    std::vector<glm::dvec3> way;
-    for (int i = 0; i <= 600; i++) way.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
-    EXPECT_EQ(painted(), within(way, state.brush.radius_m));
-    EXPECT_EQ(steps(), 1u);
+    std::vector<glm::dvec3> path;
+    for (int i = 0; i <= 600; i++) path.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
+    EXPECT_EQ(painted(), within(path, state.brush.radius_m));
+    EXPECT_EQ(undo_all(), 1u);
 }
 
 TEST_F(BrushHandTest, UndoDuringAStrokeEndsItAndIsRefusedUntilItIsLaid) {
@@ -158,7 +158,7 @@ TEST_F(BrushHandTest, UndoDuringAStrokeEndsItAndIsRefusedUntilItIsLaid) {
     frame();
     inputs[xr::kLeft].undo = true;
     frame();
-    EXPECT_TRUE(was_told("still being laid"));
+    EXPECT_TRUE(was_notified("still being laid"));
     settle();
     EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
     inputs[xr::kLeft].undo = true;
@@ -183,7 +183,7 @@ TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
     damage(clip);
     dab(head_of_ben);
     settle();
-    EXPECT_TRUE(was_told("figure.nvv"));
+    EXPECT_TRUE(was_notified("figure.nvv"));
     EXPECT_FALSE(interaction.painter.is_busy());
     EXPECT_NE(interaction.painter.status().find("figure.nvv"), std::string::npos) << "as long as it is to be painted";
     EXPECT_FALSE(state.editor.modified());
@@ -198,14 +198,14 @@ TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
     edit::PerformerEdit edit;
     edit.clip = copy;
     state.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node("anna"), edit); });
-    state.tool = headset::HandTool::kArrange;  // ben's clip is not read yet
+    state.tool = headset::HandTool::kArrange;  // so that ben's clip is not read yet
     frames(2);
     damage(copy);
     select(kAnna);
     state.tool = headset::HandTool::kPaint;
     dab(kAnna);
     settle();
-    EXPECT_TRUE(was_told("copy.nvv"));
+    EXPECT_TRUE(was_notified("copy.nvv"));
     state.tool = headset::HandTool::kArrange;
     select(kBen);
     state.tool = headset::HandTool::kPaint;
@@ -233,7 +233,7 @@ TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {
 
 TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
     state.tool = headset::HandTool::kRegion;
-    settle();  // read
+    settle();  // reads the clip
     tip_at(head_of_ben - glm::dvec3(0.1));
     inputs[xr::kRight].select = 1;
     frame();
@@ -250,7 +250,7 @@ TEST_F(BrushHandTest, ARegionIsColouredAndForgottenWhereNodesChange) {
     inputs[xr::kRight].duplicate = true;
     frames(3);
     EXPECT_FALSE(interaction.painter.region()) << "numbers of nodes mean others now";
-    EXPECT_EQ(steps(), 2u);
+    EXPECT_EQ(undo_all(), 2u);
 }
 
 TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
@@ -265,7 +265,7 @@ TEST_F(BrushHandTest, ABoxOfNothingIsTold) {
     frame();
     interaction.painter.apply_region(state);
     settle();
-    EXPECT_TRUE(was_told("nothing in the box"));
+    EXPECT_TRUE(was_notified("nothing in the box"));
     EXPECT_FALSE(state.editor.modified());
     EXPECT_FALSE(interaction.painter.is_busy());
 }

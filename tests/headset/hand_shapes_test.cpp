@@ -8,10 +8,10 @@ namespace {
 struct HandShapesTest : HandsAtAStage {
     xr::EyeShapes shapes;
     HandShapesTest() { shapes.begin(head.position, 0); }
-    // Of one colour, however light falls on it.
-    static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 place, double within_m) {
+    // The number of triangle corners near a position.
+    static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 position, double within_m) {
         return static_cast<size_t>(std::count_if(list.begin(), list.end(), [&](const xr::ShapeVertex& corner) {
-            return glm::distance(glm::dvec3(corner.position), place) < within_m;
+            return glm::distance(glm::dvec3(corner.position), position) < within_m;
         }));
     }
 };
@@ -22,7 +22,7 @@ TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
     overlay.bones = {{0, 1}};
     const glm::dmat4 world = state.evaluated.performers[1].world_from_performer;
     headset::draw_overlay(shapes, overlay, world);
-    const auto at = [&](glm::dvec3 place) { return glm::dvec3(world * glm::dvec4(place, 1)); };
+    const auto at = [&](glm::dvec3 position) { return glm::dvec3(world * glm::dvec4(position, 1)); };
     for (const headset::JointOverlay::Joint& joint : overlay.joints)
         EXPECT_GT(corners_at(shapes.solid(), at(joint.position), 0.026), 100u) << joint.name;
     const size_t with_bone = shapes.solid().size();

@@ -5,20 +5,20 @@
 namespace neuvv::test {
 namespace {
 
-constexpr glm::dvec3 kBeside(0.3, 0, -0.2);  // a hand's way
+constexpr glm::dvec3 kMove(0.3, 0, -0.2);  // how far a hand moves
 
 struct InteractionTest : HandsAtAStage {
-    // The right hand takes what it points at, and moves by kBeside.
-    void take_and_move(glm::dvec3 what) {
-        point(xr::kRight, kRightHand, what);
+    // The right hand points at `target`, grabs what its ray hits, and moves by kMove.
+    void grab_and_move(glm::dvec3 target) {
+        point(xr::kRight, kRightHand, target);
         inputs[xr::kRight].grab = 1;
         frame();
         for (int i = 1; i <= 4; i++) {
-            point(xr::kRight, kRightHand + 0.25 * i * kBeside, what + 0.25 * i * kBeside);
+            point(xr::kRight, kRightHand + 0.25 * i * kMove, target + 0.25 * i * kMove);
             frame();
         }
     }
-    void let_go() {
+    void release_grab() {
         inputs[xr::kRight].grab = 0;
         frames(2);
     }
@@ -35,56 +35,56 @@ TEST_F(InteractionTest, ATriggerSelectsWhatItPointsAtOnce) {
 }
 
 TEST_F(InteractionTest, AHeldPerformerGoesWithItsHandAndIsOneStep) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     EXPECT_TRUE(interaction.grab.is_active());
     EXPECT_FALSE(state.editor.modified()) << "while it is held";
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9) << "but it is seen there";
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    EXPECT_LT(glm::distance(place("anna"), kAnna - glm::dvec3(0.8, 0.8, 0.8)), 1e-9) << "the other stays";
-    EXPECT_EQ(steps(), 1u);
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9) << "but it is seen there";
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    EXPECT_LT(glm::distance(position("anna"), kAnna - glm::dvec3(0.8, 0.8, 0.8)), 1e-9) << "the other stays";
+    EXPECT_EQ(undo_all(), 1u);
     frame();
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9);
 }
 
 TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kLeft].undo = true;
     frames(2);
     EXPECT_FALSE(interaction.grab.is_active());
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9) << "letting go of nothing moves nothing";
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9);
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9) << "letting go of nothing moves nothing";
     EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kRight].duplicate = true;
     frames(2);
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
     ASSERT_EQ(state.stage->performers.size(), 3u);
     EXPECT_EQ(state.selected_performer(), 2u) << "the copy is selected";
-    EXPECT_EQ(steps(), 2u);
+    EXPECT_EQ(undo_all(), 2u);
 }
 
 TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
     state.editor.edit([&](edit::Document& document) { return edit::lock_node(document.file, node("ben"), true); });
-    const glm::dvec3 before = place("ben");
+    const glm::dvec3 before = position("ben");
     frame();
-    take_and_move(kBen);
+    grab_and_move(kBen);
     EXPECT_FALSE(interaction.grab.is_active());
-    let_go();
-    EXPECT_EQ(place("ben"), before);
-    EXPECT_TRUE(was_told("locked"));
+    release_grab();
+    EXPECT_EQ(position("ben"), before);
+    EXPECT_TRUE(was_notified("locked"));
     select(kBen);
     headset::delete_selected(state);
     frame();
     EXPECT_EQ(state.stage->performers.size(), 2u);
-    EXPECT_TRUE(was_told("locked"));
+    EXPECT_TRUE(was_notified("locked"));
 }
 
 TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
@@ -102,9 +102,9 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
         }
         inputs[xr::kLeft].grab = 0;
         frame();
-        let_go();
+        release_grab();
         EXPECT_NEAR(state.evaluated.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
-        EXPECT_NEAR(place("ben").y, 0, 1e-9) << wider;
+        EXPECT_NEAR(position("ben").y, 0, 1e-9) << wider;
         state.editor.undo();
         frames(2);
     }
@@ -117,8 +117,8 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
         frames(2);
         point(xr::kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
         frames(2);
-        let_go();
-        EXPECT_NEAR(place("ben").y, std::max(by_m, 0.0), 1e-9);
+        release_grab();
+        EXPECT_NEAR(position("ben").y, std::max(by_m, 0.0), 1e-9);
         state.editor.undo();
         frames(2);
     }
@@ -128,21 +128,21 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
     frames(2);
     point(xr::kRight, kRightHand - glm::dvec3(0, 0.1, 0), kBen - glm::dvec3(0, 0.1, 0));
     frames(2);
-    let_go();
-    EXPECT_NEAR(place("ben").y, -0.1, 1e-9) << "where it is asked not to";
+    release_grab();
+    EXPECT_NEAR(position("ben").y, -0.1, 1e-9) << "where it is asked not to";
 }
 
 TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kRight].aim.reset();
     inputs[xr::kRight].grip.reset();
     frames(5);
     EXPECT_TRUE(interaction.grab.is_active());
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    EXPECT_EQ(steps(), 1u);
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    EXPECT_EQ(undo_all(), 1u);
 }
 
 TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLater) {
@@ -167,21 +167,21 @@ TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
 }
 
 TEST_F(InteractionTest, TheOtherHandDoesNotTakeAnotherPerformerMeanwhile) {
-    take_and_move(kBen);
+    grab_and_move(kBen);
     point(xr::kLeft, kLeftHand, kAnna);
     inputs[xr::kLeft].grab = 1;
     frames(2);
     EXPECT_FALSE(interaction.grab.is_grabbing(xr::kLeft));
-    let_go();
-    EXPECT_EQ(steps(), 1u);
+    release_grab();
+    EXPECT_EQ(undo_all(), 1u);
 }
 
 TEST_F(InteractionTest, AStickThatPushesWhatIsHeldDoesNotTurnItsUser) {
-    take_and_move(kBen);
-    const glm::dvec3 before = place("ben");
+    grab_and_move(kBen);
+    const glm::dvec3 before = position("ben");
     inputs[xr::kRight].stick = {0, 1};
     frames(20);
-    EXPECT_LT(place("ben").z, before.z - 0.1) << "it is pushed away";
+    EXPECT_LT(position("ben").z, before.z - 0.1) << "it is pushed away";
     inputs[xr::kRight].stick = {1, 0};
     frames(3);
     EXPECT_EQ(state.rig.yaw_rad, 0);
@@ -208,15 +208,15 @@ TEST_F(InteractionTest, ThePanelGoesWithTheHandThatGripsIt) {
     inputs[xr::kRight].grab = 1;
     frame();
     const xr::Pose held = *inputs[xr::kRight].aim;
-    inputs[xr::kRight].aim = inputs[xr::kRight].grip = xr::Pose{held.position + kBeside, held.rotation};
+    inputs[xr::kRight].aim = inputs[xr::kRight].grip = xr::Pose{held.position + kMove, held.rotation};
     frame();
-    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kBeside), 1e-9);
+    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kMove), 1e-9);
     EXPECT_FALSE(interaction.grab.is_active()) << "what is behind it is not held";
     inputs[xr::kRight].grab = 0;
     frame();
     inputs[xr::kRight].aim = held;
     frame();
-    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kBeside), 1e-9) << "it was let go";
+    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kMove), 1e-9) << "it was let go";
 }
 
 TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {

@@ -15,7 +15,7 @@ xr::EyeShapes seen_from(glm::dvec3 eye, double min_width_rad = 0) {
     return shapes;
 }
 
-// The largest distance of corners from a line's axis, at one of its ends.
+// The largest distance of the corners at one end of a line from that end.
 double half_width_at(std::span<const xr::ShapeVertex> corners, glm::vec3 end) {
     double widest = 0;
     for (const xr::ShapeVertex& corner : corners)

@@ -18,20 +18,20 @@ using test::RandomPoses;
 const xr::GrabSettings kFree = {.upright = false, .min_scale = 1e-6, .max_scale = 1e6};
 const xr::GrabSettings kUpright = {.upright = true, .min_scale = 1e-6, .max_scale = 1e6};
 
-glm::dmat4 some_node(RandomPoses& random) {
+glm::dmat4 random_node(RandomPoses& random) {
     return xr::matrix_of(random.pose()) * glm::scale(glm::dmat4(1), glm::dvec3(0.7, 1.5, -1));
 }
 
-// Where what was at `then` in the world is after a node went from one matrix to another.
+// The world position of a point that was at `then` and belongs to a node, after the node's matrix has changed.
 glm::dvec3 carried(const glm::dmat4& before, const glm::dmat4& after, glm::dvec3 then) {
     return after * glm::inverse(before) * glm::dvec4(then, 1);
 }
 
-glm::dvec3 held_point(const xr::Pose& hand, double distance_m) {
+glm::dvec3 grabbed_point(const xr::Pose& hand, double distance_m) {
     return xr::matrix_of(hand) * glm::dvec4(0, 0, -distance_m, 1);
 }
 
-// The similarity that carries one matrix to another scales by this.
+// The scale of the similarity from one matrix to another.
 double scale_between(const glm::dmat4& before, const glm::dmat4& after) {
     return std::cbrt(glm::determinant(glm::dmat3(after)) / glm::determinant(glm::dmat3(before)));
 }
@@ -39,7 +39,7 @@ double scale_between(const glm::dmat4& before, const glm::dmat4& after) {
 TEST(Grab, OneFreeHandHoldsItRigidly) {
     RandomPoses random(10);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(random);
+        const glm::dmat4 node = random_node(random);
         const xr::Pose then = random.pose(), now = random.pose();
         xr::Grab grab(node, kFree);
         EXPECT_TRUE(grab.empty());
@@ -55,15 +55,15 @@ TEST(Grab, OneFreeHandHoldsItRigidly) {
 TEST(Grab, OneHandCarriesAnUprightThingOnItsRay) {
     RandomPoses random(11);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(random);
+        const glm::dmat4 node = random_node(random);
         const double distance_m = random.number(0, 3);
         const xr::Pose then = random.pose(), now = random.near(then, 1, 1.5);
         xr::Grab grab(node, kUpright);
         grab.attach(0, then, distance_m);
         grab.move(0, now);
         const glm::dmat4 moved = grab.world_from_node();
-        const glm::dvec3 at = carried(node, moved, held_point(then, distance_m));
-        EXPECT_LT(glm::distance(at, held_point(now, distance_m)), 1e-10);
+        const glm::dvec3 at = carried(node, moved, grabbed_point(then, distance_m));
+        EXPECT_LT(glm::distance(at, grabbed_point(now, distance_m)), 1e-10);
         const glm::dmat3 turn = glm::dmat3(moved * glm::inverse(node));
         EXPECT_LT(glm::distance(turn[1], glm::dvec3(0, 1, 0)), 1e-10) << "up stays up";
         EXPECT_NEAR(glm::determinant(turn), 1, 1e-10);
@@ -82,7 +82,7 @@ TEST(Grab, OnlyYawTurnsAnUprightThing) {
 TEST(Grab, TwoFreeHandsKeepBothPoints) {
     RandomPoses random(12);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(random);
+        const glm::dmat4 node = random_node(random);
         const std::array<double, 2> distances = {random.number(0, 2), random.number(0, 2)};
         const std::array<xr::Pose, 2> then = {random.pose(), random.pose()}, now = {random.pose(), random.pose()};
         xr::Grab grab(node, kFree);
@@ -94,8 +94,8 @@ TEST(Grab, TwoFreeHandsKeepBothPoints) {
         const glm::dmat4 moved = grab.world_from_node();
         std::array<glm::dvec3, 2> from{}, to{};
         for (size_t hand : {0U, 1U}) {
-            from[hand] = held_point(then[hand], distances[hand]);
-            to[hand] = held_point(now[hand], distances[hand]);
+            from[hand] = grabbed_point(then[hand], distances[hand]);
+            to[hand] = grabbed_point(now[hand], distances[hand]);
             EXPECT_LT(glm::distance(carried(node, moved, from[hand]), to[hand]), 1e-9) << i;
         }
         const double ratio = glm::distance(to[0], to[1]) / glm::distance(from[0], from[1]);
@@ -110,7 +110,7 @@ TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
     xr::Grab grab(glm::dmat4(1), kUpright);
     grab.attach(0, {{-0.2, 1, 0}});
     grab.attach(1, {{0.2, 1, 0}});
-    // The line a quarter to the left and up.
+    // The line turns by a quarter to the left, and tilts up.
     grab.move(0, {{1, 1, 0.3}});
     grab.move(1, {{1, 1.4, -0.3}});
     const glm::dmat4 moved = grab.world_from_node();
@@ -130,7 +130,7 @@ TEST(Grab, AVerticalLineGivesNoYaw) {
         const glm::dmat4 moved = grab.world_from_node();
         EXPECT_LT(std::abs(moved[0].z) + std::abs(moved[2].x), 1e-12);
     }
-    // Out of the vertical it turns on from there: from +X to −Z is a quarter to the left.
+    // When the line leaves the vertical, it turns the node from there: from +X to −Z is a quarter turn to the left.
     grab.move(1, {{1, 1.5, 0}});
     grab.move(1, {{0.7, 1.5, -0.7}});
     grab.move(1, {{0, 1.5, -1}});
@@ -172,20 +172,20 @@ TEST(Grab, HalfATurnInOneFrameIsFinite) {
     }
 }
 
-// Hands as they come: taking, letting go, moving a little, reaching by nothing; wherever only takings and lettings go
-// happen the matrix stays, and a small move is a small change.
+// Random events: attaching, detaching, moving a little, pushing by nothing. The matrix changes only where a hand moves,
+// and by little.
 TEST(Grab, NeverJumps) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         RandomPoses random(100 + seed);
         const bool upright = seed % 2 == 0;
-        xr::Grab grab(some_node(random), {.upright = upright, .min_scale = 0.2, .max_scale = 4});
+        xr::Grab grab(random_node(random), {.upright = upright, .min_scale = 0.2, .max_scale = 4});
         std::array<xr::Pose, 2> hands = {random.pose(0.5), random.pose(0.5)};
         for (int i = 0; i < 2000; ++i) {
             const int hand = random.number(0, 1) < 0.5 ? 0 : 1;
             xr::Pose& pose = hands[static_cast<size_t>(hand)];
             const glm::dmat4 before = grab.world_from_node();
             const double event = random.number(0, 1);
-            double most = 1e-9;
+            double max = 1e-9;
             if (event < 0.05) {
                 pose = random.pose(0.5);
                 grab.attach(hand, pose, random.number(0, 1));
@@ -196,11 +196,11 @@ TEST(Grab, NeverJumps) {
             } else {
                 pose = random.near(pose, 1e-5, 1e-5);
                 grab.move(hand, pose);
-                // 2 cm apart a point may turn and grow the thing by about 2e-3, seen 10 m away.
-                most = 0.1;
+                // With points 2 cm apart, a move turns and scales the node by about 2e-3, which shows up to 10 m away.
+                max = 0.1;
             }
             const glm::dmat4 after = grab.world_from_node();
-            ASSERT_LT(max_difference(after, before), most) << seed << " " << i << " " << event;
+            ASSERT_LT(max_difference(after, before), max) << seed << " " << i << " " << event;
             ASSERT_GT(grab.scale(), 0.2 * (1 - 1e-9));
             ASSERT_LT(grab.scale(), 4 * (1 + 1e-9));
             const glm::dmat4 step = after * glm::inverse(before);
@@ -216,7 +216,7 @@ TEST(Grab, ContinuesSmoothlyThroughTheVerticalAndThroughEachOther) {
         grab.attach(1, {{1, 0, 0}});
         glm::dmat4 before = grab.world_from_node();
         for (int i = 0; i < 20000; ++i) {
-            // A line that swings over the top beside the vertical, and shrinks to less than a centimetre at times.
+            // The line swings over the top, close to the vertical, and at times shrinks to less than a centimetre.
             const double t = i * 1e-3, length = 0.5 + 0.499 * std::cos(t * 1.3);
             grab.move(1, {length * glm::dvec3(std::cos(t), std::sin(t), 0.05 * std::sin(2 * t))});
             const glm::dmat4 after = grab.world_from_node();
@@ -244,7 +244,7 @@ TEST(Grab, AHandThatTipsOverSpinsNothing) {
 
 TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
     xr::Grab grab(glm::scale(glm::dmat4(1), glm::dvec3(3)), {.upright = true, .min_scale = 0.5, .max_scale = 2});
-    for (int round = 0; round < 3; ++round) {  // again and again: the limits are not per grab
+    for (int round = 0; round < 3; ++round) {  // the limits hold for all rounds together
         grab.attach(0, {{-0.1, 1, 0}});
         grab.attach(1, {{0.1, 1, 0}});
         grab.move(1, {{5, 1, 0}});
@@ -285,7 +285,7 @@ TEST(Grab, ReachesAlongTheHand) {
     grab.push(0, -100);
     EXPECT_NEAR(grab.distance_m(0), xr::Grab::kMinDistance_m, 1e-12);
     EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {1.9, 0, 0})), 1e-12);
-    // It still hangs on the ray where it has been pulled to.
+    // The node still follows the ray, at the distance that it has been pulled to.
     grab.move(0, {{0, 1, 0}, {1, 0, 0, 0}});
     const glm::dvec3 at = carried(glm::dmat4(1), grab.world_from_node(), {-2, 1, 0});
     EXPECT_LT(glm::distance(at, {0, 1, -0.1}), 1e-12);
@@ -326,14 +326,14 @@ TEST(Grab, IgnoresWhatIsNoPose) {
 TEST(Grab, StaysFiniteWhateverTheHandsDo) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         RandomPoses random(200 + seed);
-        xr::Grab grab(some_node(random), {.upright = seed % 2 == 0});
-        const double most_m = seed < 10 ? 1 : 1e-3;
+        xr::Grab grab(random_node(random), {.upright = seed % 2 == 0});
+        const double max_m = seed < 10 ? 1 : 1e-3;
         for (int i = 0; i < 1000; ++i) {
             const int hand = random.number(0, 1) < 0.5 ? 0 : 1;
             const double event = random.number(0, 1);
-            if (event < 0.1) grab.attach(hand, random.pose(most_m), random.number(0, most_m));
+            if (event < 0.1) grab.attach(hand, random.pose(max_m), random.number(0, max_m));
             if (event > 0.9) grab.detach(hand);
-            grab.move(hand, random.pose(most_m));
+            grab.move(hand, random.pose(max_m));
             const glm::dmat4 node = grab.world_from_node();
             ASSERT_LT(max_difference(node, glm::dmat4(0)), 1e4) << seed << " " << i;
             ASSERT_GE(grab.scale(), 0.05 * (1 - 1e-9));
@@ -346,7 +346,7 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
     RandomPoses random(15);
     const glm::dvec3 low(-0.4, 0.1, -0.3), high(0.5, 1.7, 0.3);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(random);
+        const glm::dmat4 node = random_node(random);
         const double floor_y = random.number(-2, 2);
         const glm::dmat4 standing = on_floor(node, low, high, floor_y);
         double lowest = kInfinite, was = kInfinite;

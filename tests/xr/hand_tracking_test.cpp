@@ -7,7 +7,7 @@
 namespace neuvv::test {
 namespace {
 
-// A flat hand before the body, its wrist at `wrist`, fingers along `ahead`; the tips of thumb and index finger apart.
+// A flat hand whose fingers point along `ahead`, with the tips of thumb and index finger `apart_m` apart.
 xr::HandJoints hand_at(glm::dvec3 wrist, glm::dvec3 ahead, double apart_m) {
     xr::HandJoints joints(XR_HAND_JOINT_COUNT_EXT, {wrist});
     joints[XR_HAND_JOINT_INDEX_PROXIMAL_EXT].position = wrist + 0.09 * ahead;
@@ -58,7 +58,7 @@ TEST(HandTracking, AHandWithAControllerKeepsIt) {
 
 TEST(HandTracking, AFistThatTheRuntimeKnowsGoesOnHolding) {
     xr::HandInput input;
-    input.bare_hand = true;  // of XR_EXT_hand_interaction, its aim not known in this frame
+    input.bare_hand = true;  // by XR_EXT_hand_interaction, without an aim pose in this frame
     input.grab = 1;
     EXPECT_FALSE(xr::fill_from_joints(input, hand_at({}, {0, 0, -1}, 0)));
     EXPECT_TRUE(input.has_grab);

@@ -15,7 +15,7 @@ using test::kNan;
 using test::max_difference;
 using test::RandomPoses;
 
-xr::XrRig some_rig(RandomPoses& random) {
+xr::XrRig random_rig(RandomPoses& random) {
     return {random.vector(5), random.number(-3, 3)};
 }
 
@@ -23,7 +23,7 @@ glm::dvec3 head_world(const xr::XrRig& rig, const xr::Pose& head) {
     return (xr::world_from_tracking(rig) * head).position;
 }
 
-// The least angle between two.
+// The smallest angle between two headings.
 double turned(double from_rad, double to_rad) {
     return std::abs(std::remainder(to_rad - from_rad, 2 * std::numbers::pi));
 }
@@ -33,7 +33,7 @@ bool same(const xr::XrRig& a, const xr::XrRig& b) {
 }
 
 TEST(Locomotion, TheRigIsAPose) {
-    // A quarter to the left: what was ahead in the room is to the left in the world.
+    // A quarter turn to the left: what is ahead in the room is to the left in the world.
     const xr::Pose pose = xr::world_from_tracking({{1, 2, 3}, glm::radians(90.0)});
     EXPECT_LT(glm::distance(pose * glm::dvec3(0, 0, -1), {0, 2, 3}), 1e-12);
 }
@@ -41,7 +41,7 @@ TEST(Locomotion, TheRigIsAPose) {
 TEST(Locomotion, SnapTurnsLeaveTheHeadWhereItIs) {
     RandomPoses random(20);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(random);
+        const xr::XrRig rig = random_rig(random);
         const xr::Pose head = random.pose();
         const double by = random.number(-4, 4);
         const xr::XrRig after = xr::turned_about_head(rig, head, by);
@@ -56,7 +56,7 @@ TEST(Locomotion, SnapTurnsLeaveTheHeadWhereItIs) {
 
 TEST(Locomotion, EightTurnsAreNone) {
     RandomPoses random(21);
-    const xr::XrRig rig = some_rig(random);
+    const xr::XrRig rig = random_rig(random);
     const xr::Pose head = random.pose();
     xr::XrRig turning = rig;
     for (int i = 0; i < 8; ++i) turning = xr::turned_about_head(turning, head, glm::radians(45.0));
@@ -67,7 +67,7 @@ TEST(Locomotion, EightTurnsAreNone) {
 TEST(Locomotion, TeleportsPutTheHeadThere) {
     RandomPoses random(22);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(random);
+        const xr::XrRig rig = random_rig(random);
         const xr::Pose head = random.pose();
         const glm::dvec3 point = random.vector(10);
         const xr::XrRig moved = xr::with_head_above(rig, head, point);
@@ -85,7 +85,7 @@ TEST(Locomotion, TeleportsPutTheHeadThere) {
 
 TEST(Locomotion, BadInputMovesNothing) {
     RandomPoses random(23);
-    const xr::XrRig rig = some_rig(random);
+    const xr::XrRig rig = random_rig(random);
     const xr::Pose head = random.pose();
     for (const xr::Pose& pose : test::invalid_poses()) {
         EXPECT_TRUE(same(xr::turned_about_head(rig, pose, 1), rig));
@@ -115,15 +115,17 @@ double length_of(const xr::Arc& arc) {
     return length;
 }
 
-// The same throw in tiny steps: where it first meets the floor on its way down, unless it is too far by then.
-std::optional<glm::dvec3> integrated(const xr::Pose& aim, double floor_y, double speed, double most_m, double& way_m) {
+// The same throw, integrated in tiny steps: where it first meets the floor on its way down, unless its path is longer
+// than `max_m` by then.
+std::optional<glm::dvec3> integrated(const xr::Pose& aim, double floor_y, double speed, double max_m,
+                                     double& length_m) {
     constexpr double kStep_s = 1e-5;
     glm::dvec3 at = aim.position, velocity = xr::forward_of(aim) * speed;
-    for (way_m = 0; way_m < most_m;) {
+    for (length_m = 0; length_m < max_m;) {
         const glm::dvec3 before = at;
         at += velocity * kStep_s - glm::dvec3(0, 0.5 * 9.81 * kStep_s * kStep_s, 0);
         velocity.y -= 9.81 * kStep_s;
-        way_m += glm::distance(before, at);
+        length_m += glm::distance(before, at);
         if (before.y >= floor_y && at.y < floor_y) return at;
     }
     return {};
@@ -136,10 +138,10 @@ TEST(TeleportArc, LandsWhereAThrowDoes) {
         const xr::Pose aim = thrown_from(random.vector(2), random.number(-180, 180), random.number(-90, 90));
         const double floor_y = random.number(-3, 1.5), speed = random.number(1, 9);
         const xr::Arc arc = xr::teleport_arc(aim, floor_y, speed);
-        double way_m = 0;
-        const auto truth = integrated(aim, floor_y, speed, 12, way_m);
+        double length_m = 0;
+        const auto truth = integrated(aim, floor_y, speed, 12, length_m);
         ASSERT_EQ(arc.landing.has_value(), truth.has_value()) << i;
-        EXPECT_NEAR(length_of(arc), way_m, 0.05) << i << ": chords cut a steep throw's top";
+        EXPECT_NEAR(length_of(arc), length_m, 0.05) << i << ": chords cut a steep throw's top";
         truth ? ++landed : ++lost;
         if (!truth) continue;
         EXPECT_LT(glm::distance(*arc.landing, *truth), 1e-3);
@@ -178,8 +180,8 @@ TEST(TeleportArc, SteepThrowsTurnWhereTheyAreSlowest) {
             const double height_m = from.x, speed = from.y;
             const xr::Arc arc = xr::teleport_arc(thrown_from({0, height_m, 0}, 0, pitch), 0, speed);
             ASSERT_TRUE(arc.landing);
-            const double up = speed * std::sin(glm::radians(pitch)), way_m = height_m + up * up / 9.81;
-            EXPECT_GT(length_of(arc), way_m - 0.09) << pitch << " " << speed;
+            const double up = speed * std::sin(glm::radians(pitch)), length_m = height_m + up * up / 9.81;
+            EXPECT_GT(length_of(arc), length_m - 0.09) << pitch << " " << speed;
             const auto highest = std::max_element(arc.points.begin(), arc.points.end(),
                                                   [](glm::dvec3 a, glm::dvec3 b) { return a.y < b.y; });
             EXPECT_TRUE(
@@ -239,7 +241,7 @@ TEST(TeleportArc, DegenerateThrows) {
 TEST(Walking, GoesWhereTheHeadLooks) {
     RandomPoses random(25);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(random);
+        const xr::XrRig rig = random_rig(random);
         const xr::Pose head = random.pose();
         glm::dvec3 ahead = xr::forward_of(xr::world_from_tracking(rig) * head);
         ahead.y = 0;
@@ -253,28 +255,28 @@ TEST(Walking, GoesWhereTheHeadLooks) {
     }
 }
 
-double way_of(glm::dvec2 stick, double dt_s = 0.05) {
+double walked_m(glm::dvec2 stick, double dt_s = 0.05) {
     return glm::length(xr::walked({}, {}, stick, 2, dt_s).position);
 }
 
 TEST(Walking, TheDeadZoneIsRoundAndItsEdgeNoStep) {
     for (double angle = 0; angle < 6.3; angle += 0.3) {
-        const glm::dvec2 way(std::cos(angle), std::sin(angle));
-        EXPECT_EQ(way_of(way * 0.149), 0);
-        EXPECT_GT(way_of(way * 0.151), 0);
-        EXPECT_LT(way_of(way * 0.151), 0.1 * 0.01) << "begins slowly";
-        EXPECT_NEAR(way_of(way * 0.575), 0.05, 1e-12) << "half way";
-        EXPECT_NEAR(way_of(way), 0.1, 1e-12);
-        EXPECT_NEAR(way_of(way * 1.4), 0.1, 1e-12) << "a square stick's corner";
+        const glm::dvec2 direction(std::cos(angle), std::sin(angle));
+        EXPECT_EQ(walked_m(direction * 0.149), 0);
+        EXPECT_GT(walked_m(direction * 0.151), 0);
+        EXPECT_LT(walked_m(direction * 0.151), 0.1 * 0.01) << "begins slowly";
+        EXPECT_NEAR(walked_m(direction * 0.575), 0.05, 1e-12) << "half way";
+        EXPECT_NEAR(walked_m(direction), 0.1, 1e-12);
+        EXPECT_NEAR(walked_m(direction * 1.4), 0.1, 1e-12) << "a square stick's corner";
     }
-    EXPECT_EQ(way_of({0, 0}), 0);
+    EXPECT_EQ(walked_m({0, 0}), 0);
     EXPECT_EQ(glm::length(xr::walked({}, {}, {0, 0}, 2, 0.05, 0).position), 0);
 }
 
 TEST(Walking, ALateFrameIsNoLeap) {
-    EXPECT_NEAR(way_of({0, 1}, 0.1), 0.2, 1e-12);
-    EXPECT_NEAR(way_of({0, 1}, 7), 0.2, 1e-12);
-    EXPECT_NEAR(way_of({0, 1}, kInfinite), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, 0.1), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, 7), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, kInfinite), 0.2, 1e-12);
 }
 
 TEST(Vignette, GrowsSmoothlyToOne) {

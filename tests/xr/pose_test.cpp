@@ -67,8 +67,8 @@ TEST(Pose, YawHoldsStraightUpAndDown) {
 TEST(Pose, TwistIsTheTurnAboutYWhateverTheTilt) {
     RandomPoses random(5);
     for (int i = 0; i < 200; ++i) {
-        const double yaw = random.number(-3, 3), tilt = random.number(-2.5, 2.5), way = random.number(-3, 3);
-        const glm::dquat tilted = glm::angleAxis(tilt, glm::dvec3(std::cos(way), 0, std::sin(way)));
+        const double yaw = random.number(-3, 3), tilt = random.number(-2.5, 2.5), heading = random.number(-3, 3);
+        const glm::dquat tilted = glm::angleAxis(tilt, glm::dvec3(std::cos(heading), 0, std::sin(heading)));
         EXPECT_NEAR(xr::twist_of(xr::turn_by(yaw) * tilted), yaw, 1e-12);
         EXPECT_NEAR(xr::twist_of(tilted * xr::turn_by(yaw)), yaw, 1e-12);
         EXPECT_NEAR(xr::twist_of(-(xr::turn_by(yaw) * tilted)), yaw, 1e-12) << "the same rotation";

@@ -15,14 +15,14 @@ using test::RandomPoses;
 
 const glm::dvec3 kLow(-0.5, 0, -0.25), kHigh(0.5, 1.8, 0.25);
 
-// How far a world point is out of the box, in the box's units; 0 inside.
+// The distance of a world point from the box, in the box's units; 0 inside.
 double outside(const glm::dmat4& box_from_world, glm::dvec3 world) {
     const glm::dvec3 there(box_from_world * glm::dvec4(world, 1));
     return glm::distance(there, glm::clamp(there, kLow, kHigh));
 }
 
-// Turned, scaled unevenly, sheared, every other one mirrored.
-glm::dmat4 some_matrix(RandomPoses& random, bool mirrored) {
+// A random transform: rotated, scaled differently along each axis, sheared, and mirrored where `mirrored` says so.
+glm::dmat4 random_matrix(RandomPoses& random, bool mirrored) {
     glm::dmat4 shear(1);
     shear[1].x = random.number(-0.5, 0.5);
     const glm::dvec3 sizes(random.number(0.3, 2), random.number(0.3, 2), random.number(0.3, 2) * (mirrored ? -1 : 1));
@@ -34,7 +34,7 @@ TEST(BoxHit, IsTheFirstSampleWithin) {
     constexpr double kStep_m = 2e-3, kEnd_m = 8;
     int hits = 0, misses = 0, inside = 0;
     for (int i = 0; i < 300; ++i) {
-        const glm::dmat4 world_from_box = some_matrix(random, i % 2 == 1),
+        const glm::dmat4 world_from_box = random_matrix(random, i % 2 == 1),
                          box_from_world = glm::inverse(world_from_box);
         const glm::dvec3 seen = world_from_box * glm::dvec4(random.number(-0.8, 0.8), random.number(-0.5, 2.3), 0, 1);
         const glm::dvec3 from = random.vector(i % 5 == 0 ? 0.2 : 3) + (i % 5 == 0 ? seen : glm::dvec3(0));
