@@ -1,4 +1,4 @@
-// Adam (Kingma and Ba 2015) for parameters that most batches do not touch.
+// Adam (Kingma and Ba 2015) for parameters whose gradient is 0 in most batches.
 #pragma once
 
 namespace neuvv::reference {
@@ -16,11 +16,11 @@ struct AdamElement {
     double v = 0;
 };
 
-// 1 − β^step of the global step count, which starts at 1.
+// 1 − β^step, where `step` is the global step count, which starts at 1.
 double adam_bias(double beta, unsigned step);
 
-// One element's update. A gradient of exactly 0 leaves the element as it is, moments included: its leaf was not seen.
-// bias1 and bias2 are adam_bias of the step for β1 and β2.
+// Updates one element. A gradient of exactly 0 leaves the element and its moments as they are, because no ray touched
+// its leaf. bias1 and bias2 are adam_bias of the step for β1 and β2.
 void adam_update(AdamElement& element, double gradient, const AdamSettings& settings, double bias1, double bias2);
 
 }  // namespace neuvv::reference

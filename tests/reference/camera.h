@@ -6,8 +6,8 @@
 
 namespace neuvv::reference {
 
-// Through the centre of pixel (px, py), counted from the image's top left corner; px and py may lie outside the
-// image.
+// The ray through the centre of pixel (px, py), counted from the image's top left corner; px and py may lie outside of
+// the image.
 Ray camera_ray(const stage::Camera& camera, double px, double py);
 
 }  // namespace neuvv::reference

@@ -5,7 +5,7 @@
 namespace neuvv::reference {
 namespace {
 
-// How many samples the march takes before it stops.
+// The number of samples before the ray ends.
 size_t samples_taken(const std::vector<Sample>& samples, double stop_transmittance) {
     double transmittance = 1;
     for (size_t i = 0; i < samples.size(); ++i) {

@@ -15,10 +15,10 @@ struct NodeInterval {
 };
 
 bool is_child(const WalkNode& child, const WalkNode& node) {
-    return child.level == node.level + 1 && child.place / 4u == node.place;
+    return child.level == node.level + 1 && child.cell / 4u == node.cell;
 }
 
-// The innermost node around a place of the ray that walks come to.
+// The innermost node that a walk meets at a position of the ray (metres).
 const NodeInterval* innermost(const std::vector<NodeInterval>& met, uint32_t grid_levels, double at) {
     const NodeInterval* found = nullptr;
     for (const NodeInterval& one : met)
@@ -28,7 +28,7 @@ const NodeInterval* innermost(const std::vector<NodeInterval>& met, uint32_t gri
     return found;
 }
 
-// How many nodes a walk between two places comes to that ends with the leaf that begins at `last`.
+// The number of nodes that a walk over `range` meets which ends with the leaf that begins at `last` (metres).
 uint32_t count_nodes(const std::vector<NodeInterval>& met, uint32_t grid_levels, Interval range, double last) {
     uint32_t count = 0;
     for (double at = range.enter; at < range.exit && at <= last;) {
@@ -55,14 +55,15 @@ WalkNodes walk_nodes(const voctree::VOctree& tree, const std::vector<LeafSlice>&
     walk.box_first = glm::uvec3(UINT32_MAX);
     std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>, bool> lives;
     for (size_t leaf = 0; leaf < walk.leaves.size(); leaf++) {
-        const voctree::LeafPosition& place = walk.leaves[leaf];
-        const uint32_t depth = place.depth + levels_above;
+        const voctree::LeafPosition& position = walk.leaves[leaf];
+        const uint32_t depth = position.depth + levels_above;
         for (uint32_t level = 0; 2 * level < depth; level++) {
             const uint32_t shift = depth - 2 * level;
-            lives[{level, place.x >> shift, place.y >> shift, place.z >> shift}] |= !pruned || slices[leaf].sigma > 0;
+            lives[{level, position.x >> shift, position.y >> shift, position.z >> shift}] |=
+                !pruned || slices[leaf].sigma > 0;
         }
         const double cells = std::exp2(2.0 * grid_levels - depth);  // of the grid, a leaf's edge
-        const glm::dvec3 first = cells * glm::dvec3(place.x, place.y, place.z);
+        const glm::dvec3 first = cells * glm::dvec3(position.x, position.y, position.z);
         walk.box_first = glm::min(walk.box_first, glm::uvec3(glm::floor(first)));
         walk.box_end = glm::max(walk.box_end, glm::uvec3(glm::ceil(first + cells)));
     }
@@ -81,11 +82,11 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
         const double sigma = slices[segment.leaf].sigma;
         if (pruned && sigma <= 0) continue;
         result.leaves++;
-        const double wanted = 1 - 0.5 / of.opacity;
+        const double threshold = 1 - 0.5 / of.opacity;
         const double after = transmittance * std::exp(-sigma * (segment.t_exit - segment.t_enter));
-        if (result.level == 0 && after <= wanted) {
+        if (result.level == 0 && after <= threshold) {
             result.level = walk.leaves[segment.leaf].depth;
-            result.distance_m = segment.t_enter + std::log(transmittance / wanted) / sigma;
+            result.distance_m = segment.t_enter + std::log(transmittance / threshold) / sigma;
         }
         transmittance = after;
         if (transmittance >= of.stop) continue;
@@ -97,7 +98,7 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
     const double above = std::exp2(walk.levels_above);
     for (const WalkNode& node : walk.nodes) {
         const Interval along =
-            intersect_box(tree, of.ray, node.place, node.place + 1u, std::exp2(2.0 * node.level) / above);
+            intersect_box(tree, of.ray, node.cell, node.cell + 1u, std::exp2(2.0 * node.level) / above);
         if (!along.empty()) met.push_back({node, along});
     }
     Interval range = of.range;
@@ -108,7 +109,7 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
     return result;
 }
 
-// Polynomials, a channel each.
+// One polynomial for each channel.
 glm::dvec3 viridis(double at) {
     const double terms[3][7] = {{0.2769, -0.1374, 2.0837, -13.1681, 20.1448, -5.8875, -2.3292},
                                 {0.0038, 1.4892, -0.7281, -2.0212, 7.3047, -7.9009, 2.7574},

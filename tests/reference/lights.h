@@ -1,4 +1,4 @@
-// The lights of a stage in double precision: KHR_lights_punctual, and light from around.
+// The lights of a stage in double precision: KHR_lights_punctual, and ambient light.
 #pragma once
 
 #include <functional>
@@ -8,11 +8,10 @@
 
 namespace neuvv::reference {
 
-// On a surface that faces the light, without shadows; `to_light` is unit.
+// The light on a surface that faces the light, without shadows, in lux; `to_light` is unit.
 glm::dvec3 light_at(const render::SetLight& light, glm::dvec3 world, glm::dvec3& to_light);
 
-// What a white diffuse surface returns of light from around: ∫ L(d) max(n·d, 0) dω / π, by quadrature over `rows`
-// bands.
+// The ambient light that a white diffuse surface reflects: ∫ L(d) max(n·d, 0) dω / π, by quadrature over `rows` bands.
 glm::dvec3 irradiance(const std::function<glm::dvec3(glm::dvec3)>& light_from, glm::dvec3 normal, int rows);
 
 }  // namespace neuvv::reference

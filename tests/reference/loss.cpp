@@ -16,7 +16,7 @@ glm::dvec3 over_background(glm::dvec3 colour, double alpha, glm::dvec3 backgroun
     return colour + (1 - alpha) * background;
 }
 
-// P − I of each pixel; 0 beyond the image.
+// P − I of each pixel; 0 beyond the image's edge.
 std::array<glm::dvec3, kPatchPixels> differences(const Patch& patch) {
     std::array<glm::dvec3, kPatchPixels> result{};
     for (size_t i = 0; i < kPatchPixels; ++i) {
@@ -102,7 +102,7 @@ double point_loss(const std::vector<Sample>& samples, glm::dvec3 true_colour, do
 std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, double lambda_grad,
                                                            double batch_pixels) {
     const auto difference = differences(patch);
-    std::array<glm::dvec3, kPatchPixels> d_error{};  // by e = |P−I|
+    std::array<glm::dvec3, kPatchPixels> d_error{};  // ∂L/∂e, e = |P−I|
     each_neighbour(patch, [&](size_t pixel, size_t neighbour) {
         const glm::dvec3 step = glm::abs(difference[neighbour]) - glm::abs(difference[pixel]);
         d_error[neighbour] += 2.0 * lambda_grad / batch_pixels * step;

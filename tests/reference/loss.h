@@ -18,7 +18,7 @@ namespace neuvv::reference {
 constexpr size_t kPatchSide = 8;
 constexpr size_t kPatchPixels = kPatchSide * kPatchSide;
 
-// IEC 61966-2-1 on max(linear, 0); above 1 its power law goes on.
+// The sRGB transfer function (IEC 61966-2-1) of max(linear, 0); above 1 its power law continues.
 double display_value(double linear);
 double display_slope(double linear);  // its derivative; from the right at 0
 
@@ -28,12 +28,12 @@ struct PatchPixel {
     glm::dvec3 true_colour{0};  // C*, premultiplied linear
     double true_alpha = 0;
     glm::dvec3 background{0};  // B, linear
-    bool inside = true;        // false: beyond the image's edge, takes no part
+    bool inside = true;        // false: beyond the image's edge; the pixel is ignored
 };
 using Patch = std::array<PatchPixel, kPatchPixels>;  // row-major
 
-// Rays as pixels: the means of samples² neighbours, which have target and background in common. They stand at the top
-// left; the rest of the patch takes no part.
+// Pixels from rays: the means of samples² neighbouring rays, which have the same target and background. The pixels are
+// at the top left of the patch; the rest of it is not inside.
 Patch pixel_means(const Patch& rays, size_t samples);
 
 struct PatchLoss {
@@ -44,8 +44,8 @@ struct PatchLoss {
 // This patch's share of the batch's loss.
 PatchLoss patch_loss(const Patch& patch, double batch_pixels);
 
-// Σ_i w_i α* |√c_i − √c*|² of one ray: w_i its samples' blending weights, c* = C*/α*; 0 where α* is. The samples end at
-// the stop as in composite().
+// Σ_i w_i α* |√c_i − √c*|² of one ray, where w_i are its samples' blending weights and c* = C*/α*; 0 where α* is 0. The
+// samples end at the stop as in composite().
 double point_loss(const std::vector<Sample>& samples, glm::dvec3 true_colour, double true_alpha,
                   double stop_transmittance = 0);
 

@@ -13,14 +13,14 @@ double luminance(glm::dvec3 c) {
     return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
 }
 
-// Scaled to a luminance, and moved towards grey as far as a channel passes 1.
-glm::dvec3 with_luminance(glm::dvec3 colour, double wanted) {
-    if (luminance(colour) < 1e-6) return glm::dvec3(wanted);
-    const glm::dvec3 scaled = colour * (wanted / luminance(colour));
+// The colour scaled to a luminance; its saturation is reduced where a channel would exceed 1.
+glm::dvec3 with_luminance(glm::dvec3 colour, double target) {
+    if (luminance(colour) < 1e-6) return glm::dvec3(target);
+    const glm::dvec3 scaled = colour * (target / luminance(colour));
     double saturation = 1;
     for (int c = 0; c < 3; c++)
-        if (scaled[c] > 1) saturation = std::min(saturation, (1 - wanted) / (scaled[c] - wanted));
-    return glm::dvec3(wanted) + saturation * (scaled - wanted);
+        if (scaled[c] > 1) saturation = std::min(saturation, (1 - target) / (scaled[c] - target));
+    return glm::dvec3(target) + saturation * (scaled - target);
 }
 
 void paint_leaf(LeafSlice& leaf, uint32_t degree, const PaintStep& step, const voctree::LeafEdit& edit) {
@@ -31,8 +31,8 @@ void paint_leaf(LeafSlice& leaf, uint32_t degree, const PaintStep& step, const v
     for (int c = 0; c < 3; c++) mean[c] = 1 / (1 + std::exp(-kY00 * leaf.k[static_cast<size_t>(c)][0]));
     mean += part * (blend(step.blend, mean, glm::dvec3(edit.colour)) - mean);
     for (int c = 0; c < 3; c++) {
-        const double held = std::clamp(mean[c], double{kPaintBlack}, 1 - double{kPaintBlack});
-        leaf.k[static_cast<size_t>(c)][0] = std::log(held / (1 - held)) / kY00;
+        const double clamped = std::clamp(mean[c], double{kPaintBlack}, 1 - double{kPaintBlack});
+        leaf.k[static_cast<size_t>(c)][0] = std::log(clamped / (1 - clamped)) / kY00;
     }
     for (size_t j = 1; j < sh_count(degree); j++) {
         const double grey = luminance({leaf.k[0][j], leaf.k[1][j], leaf.k[2][j]});

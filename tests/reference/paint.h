@@ -15,10 +15,10 @@ struct PaintStep {
     double opacity = 1;
 };
 
-// A colour under one layer that covers it whole.
+// The result of a layer over a colour where opacity and alpha are 1.
 glm::dvec3 blend(uint32_t mode, glm::dvec3 colour, glm::dvec3 target);
 
-// Slices (by leaf index) at a frame under these layers, the lowest first.
+// Applies layers, the lowest first, to slices (by leaf index) at a frame.
 void paint(std::vector<LeafSlice>& slices, uint32_t degree, const std::vector<PaintStep>& steps, double frame);
 
 }  // namespace neuvv::reference

@@ -14,12 +14,13 @@ struct PbrMaterial {
 // The bidirectional reflectance; all directions unit, from the surface outwards.
 glm::dvec3 brdf(const PbrMaterial& material, glm::dvec3 normal, glm::dvec3 to_eye, glm::dvec3 to_light);
 
-// Sent to the eye of light from around: `irradiance` is what a white diffuse surface returns, `mirrored` what comes
-// along the mirrored ray. The specular share is the shader's fit of the split sum.
+// The ambient light reflected to the eye. `irradiance` is what a white diffuse surface would reflect, `mirrored` the
+// light from the mirrored direction. The specular part uses the shader's fit of the split sum.
 glm::dvec3 reflect_ambient(const PbrMaterial& material, glm::dvec3 normal, glm::dvec3 to_eye, glm::dvec3 irradiance,
                            glm::dvec3 mirrored);
 
-// The split sum's second factor, which the fit stands for: (A, B) of A f0 + B, by quadrature over steps² half vectors.
+// The split sum's second factor, which the fit approximates: (A, B) of A f0 + B, by quadrature over steps² half
+// vectors.
 glm::dvec2 specular_albedo(double roughness, double nv, int steps);
 
 }  // namespace neuvv::reference

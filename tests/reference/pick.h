@@ -1,4 +1,4 @@
-// Pick: the leaf in which a ray has gathered an alpha, and where in it.
+// Pick: the leaf in which a ray's alpha reaches a threshold, and the distance where it does.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ struct PickResult {
     uint32_t leaf = 0;
     double distance_m = 0;
 };
-// None where the ray gathers less.
+// Nothing where the ray's alpha stays below `alpha`.
 std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                                double alpha);
 

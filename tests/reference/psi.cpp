@@ -11,7 +11,7 @@ PsiLayer empty_like(const PsiLayer& layer) {
     return {layer.inputs, layer.outputs, std::vector<double>(layer.numbers.size())};
 }
 
-// What enters each layer: the encoding, then the hidden layers' outputs.
+// The inputs of each layer: the encoding, then the hidden layers' outputs.
 std::vector<std::vector<double>> activations_of(const Psi& psi, glm::dvec3 x) {
     std::vector<std::vector<double>> h = {psi_encode(x, psi.frequencies)};
     for (const PsiLayer& layer : psi.hidden) {
@@ -33,7 +33,7 @@ LeafWeights weights_of(const Psi& psi, const std::vector<double>& z) {
     return weights;
 }
 
-// The inverse for derivatives.
+// The adjoint of weights_of: from derivatives by weights to derivatives by the outputs z.
 std::vector<double> output_adjoint(const Psi& psi, const LeafWeights& d) {
     std::vector<double> d_z;
     for (const double value : d.sigma) d_z.push_back(psi.density * value);

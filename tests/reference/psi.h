@@ -1,5 +1,5 @@
-// Ψ in double precision: positional encoding, the MLP, a sample from it, how rays are sampled; and the adjoints.
-// Outputs are not folded with the rows: a sample goes by way of all w^σ, w^γ, w^HH as a leaf's does.
+// Ψ in double precision: positional encoding, the MLP, samples, importance sampling of rays, and the adjoints. Outputs
+// are not folded with the rows A_t and B_t: a sample is computed from all w^σ, w^γ and w^HH, as that of a leaf is.
 #pragma once
 
 #include "reference/sample.h"
@@ -21,16 +21,16 @@ std::vector<double> layer_adjoint(const PsiLayer& layer, const std::vector<doubl
 
 struct Psi {
     uint32_t frequencies = 4, bases = 1, hh_degree = 0;
-    double density = 1;  // 1/m that one unit of w^σ stands for
+    double density = 1;  // 1/m for one unit of the network's w^σ
     std::vector<PsiLayer> hidden;
     PsiLayer output;  // w^σ | w^γ | w^HH R | G | B
 };
 
-// x in the network's own coordinates. relu after every hidden layer.
+// The last hidden layer's output at x, in the network's coordinates. There is a relu after every hidden layer.
 std::vector<double> psi_hidden(const Psi& psi, glm::dvec3 x);
 LeafWeights psi_forward(const Psi& psi, glm::dvec3 x);  // w^σ in 1/m
 
-// Derivatives of a loss by everything learnt; laid out as what they belong to.
+// Derivatives of a loss by all learnt parameters, laid out as these.
 struct PsiGradient {
     Psi network;
     std::vector<double> row_a, row_b;
@@ -44,14 +44,15 @@ struct PsiSample {
 };
 PsiSample psi_sample(const Psi& psi, const std::vector<double>& row_a, const std::vector<double>& row_b, glm::dvec3 x,
                      glm::dvec3 direction);
-// Adds one sample's share. With `revival` ≥ 0 (1/m) ∂L/∂σ passes relu from below, too, unless it would push A_t·w^σ
-// down from beneath −revival.
+// Adds one sample's gradient. With `revival` ≥ 0 (1/m), ∂L/∂σ also passes the relu where A_t·w^σ is not positive,
+// unless it would move A_t·w^σ further down from −revival or below.
 void psi_sample_adjoint(const Psi& psi, const std::vector<double>& row_a, const std::vector<double>& row_b,
                         glm::dvec3 x, glm::dvec3 direction, double d_sigma, glm::dvec3 d_colour, PsiGradient& gradient,
                         double revival = -1);
 
-// Edges of `count` segments from t_0 to t_1 that a piecewise constant density over sigmas.size() equal segments makes
-// equally important: by blending weight, `floor` of it spread evenly; evenly alone where alpha stays below 1e-4.
+// The edges of `count` segments from t_0 to t_1 with equal shares of importance, given a density that is constant in
+// each of sigmas.size() equal segments. The importance is 1 − `floor` parts blending weight and `floor` parts uniform;
+// it is uniform where the ray's alpha is at most 1e-4.
 std::vector<double> importance_edges(const std::vector<double>& sigmas, double t_0, double t_1, size_t count,
                                      double floor);
 

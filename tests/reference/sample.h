@@ -1,4 +1,4 @@
-// Sample: the colour of a leaf seen along a direction, linear RGB (errata 8), and the adjoint.
+// Sample: the colour of a leaf along a direction of view, linear RGB (errata 8), and the adjoint.
 #pragma once
 
 #include <glm/glm.hpp>

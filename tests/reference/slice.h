@@ -1,4 +1,4 @@
-// Slice: a leaf's weights at one time → density and spherical harmonics (errata 7, 9), and the adjoint.
+// Slice: from a leaf's weights to density and spherical harmonics at one time (errata 7, 9), and the adjoint.
 //
 //   σ = relu(A_t·w^σ),  γ = π sigmoid(B_t·w^γ),  k_lm = Σ_n w_nlm R_nl(γ) for each of R, G, B
 #pragma once
@@ -13,7 +13,7 @@ namespace neuvv::reference {
 // One row of SH coefficients for each of R, G, B; entries beyond sh_count(degree) are 0.
 using ShCoefficients = std::array<std::array<double, kMaxShCount>, 3>;
 
-// Rows of A and B that a continuous frame falls between: row(t) = (1−blend) row(first) + blend row(second).
+// The rows of A and B between which a continuous frame lies: row(t) = (1−blend) row(first) + blend row(second).
 struct FrameRows {
     uint32_t first = 0;
     uint32_t second = 0;
@@ -40,13 +40,13 @@ LeafSlice slice(const LeafWeights& weights, const std::vector<double>& row_a, co
                 uint32_t degree);
 std::vector<LeafSlice> slice_tree(const voctree::VOctree& tree, double frame);  // by leaf index
 
-// Derivatives of a loss by a leaf's weights and, this leaf's share, by the rows A_t and B_t.
+// Derivatives of a loss by a leaf's weights, and this leaf's share of those by the rows A_t and B_t.
 struct SliceGradient {
     LeafWeights weights;
     std::vector<double> row_a;
     std::vector<double> row_b;
 };
-// d_sigma and d_k are the loss's derivatives by the slice. relu's subgradient at 0 is 0.
+// d_sigma and d_k are the loss's derivatives by the slice. The subgradient of relu at 0 is 0.
 SliceGradient slice_adjoint(const LeafWeights& weights, const std::vector<double>& row_a,
                             const std::vector<double>& row_b, uint32_t degree, double d_sigma,
                             const ShCoefficients& d_k);

@@ -11,31 +11,31 @@ constexpr double kEpsilon = 0.1;
 struct Cube {
     glm::i64vec3 low;
     int64_t size;
-    bool holds(glm::i64vec3 cell) const {
+    bool contains(glm::i64vec3 cell) const {
         for (int axis = 0; axis < 3; axis++)
             if (cell[axis] < low[axis] || cell[axis] >= low[axis] + size) return false;
         return true;
     }
 };
 
-Cube cube_of(const voctree::LeafPosition& place, uint32_t finest) {
-    const int64_t size = int64_t{1} << (finest - place.depth);
-    return {size * glm::i64vec3(place.x, place.y, place.z), size};
+Cube cube_of(const voctree::LeafPosition& position, uint32_t finest) {
+    const int64_t size = int64_t{1} << (finest - position.depth);
+    return {size * glm::i64vec3(position.x, position.y, position.z), size};
 }
 
 }  // namespace
 
-std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& places, uint32_t leaf,
+std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& positions, uint32_t leaf,
                                         uint32_t finest) {
-    const Cube own = cube_of(places[leaf], finest);
+    const Cube cube = cube_of(positions[leaf], finest);
     std::array<uint32_t, 6> found;
     for (size_t face = 0; face < 6; face++) {
         const int axis = static_cast<int>(face / 2);
-        glm::i64vec3 cell = own.low + own.size / 2;
-        cell[axis] = face % 2 == 0 ? own.low[axis] - 1 : own.low[axis] + own.size;
+        glm::i64vec3 cell = cube.low + cube.size / 2;
+        cell[axis] = face % 2 == 0 ? cube.low[axis] - 1 : cube.low[axis] + cube.size;
         found[face] = UINT32_MAX;
-        for (uint32_t other = 0; other < places.size(); other++)
-            if (cube_of(places[other], finest).holds(cell)) found[face] = other;
+        for (uint32_t other = 0; other < positions.size(); other++)
+            if (cube_of(positions[other], finest).contains(cell)) found[face] = other;
     }
     return found;
 }

@@ -8,12 +8,13 @@
 
 namespace neuvv::reference {
 
-// The leaves beyond the middle of this leaf's six faces, UINT32_MAX where there is none. `finest`: depth of the finest
-// cells that a tree of its levels has; where a leaf is wider than those, its middle is the upper of the middle two.
-std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& places, uint32_t leaf,
+// The leaves beyond the middle of this leaf's six faces, UINT32_MAX where there is none. `finest` is the depth of the
+// finest cells of a tree with this number of levels. Where a leaf is wider than these, the middle of a side is the
+// upper one of the two middle cells.
+std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& positions, uint32_t leaf,
                                         uint32_t finest);
 
-// L_i / λ of a leaf of this density (1/m) and edge (m), its neighbours' densities given (0: none).
+// L_i / λ of a leaf with this density (1/m) and edge (m), and neighbours of these densities (0 where there is none).
 double smoothness(double sigma, double edge, const std::array<double, 6>& neighbours);
 
 }  // namespace neuvv::reference

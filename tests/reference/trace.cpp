@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The ray in tree space with the world's parameter t.
+// A ray in tree space; its parameter t is still in metres of the world.
 struct TreeRay {
     glm::dvec3 origin;
     glm::dvec3 direction;
     double t_min;
 };
 
-// Where the ray is between two planes of one axis. Two cells that share a plane get the same t for it, bit for bit.
+// The part of the ray between two planes of one axis. Two cells that share a plane get the same t for it, bit for bit.
 Interval slab(double origin, double direction, double low, double high) {
     if (direction == 0) {
         const bool inside = low <= origin && origin < high;
@@ -29,7 +29,7 @@ Interval slab(double origin, double direction, double low, double high) {
     return {std::min(t_low, t_high), std::max(t_low, t_high)};
 }
 
-// Where the ray is inside some cells of a grid of `side` cells an axis over the tree's box.
+// The part of the ray inside some cells of a grid that divides the tree's box into `side` cells along each axis.
 Interval box_interval(const TreeRay& ray, glm::uvec3 first, glm::uvec3 end, double side) {
     Interval result{ray.t_min, kInfinity};
     for (int axis = 0; axis < 3; ++axis) {
@@ -64,7 +64,7 @@ glm::uvec3 offset_of(uint32_t bits) {
     return {bits & 1, bits >> 1 & 1, bits >> 2 & 1};
 }
 
-// `corner` counts nodes of this level, of which the box has `side` an axis.
+// `corner` is the node's position among the nodes of its level, of which the box has `side` along each axis.
 void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_index, glm::uvec3 corner, double side,
                 std::vector<Segment>& segments) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -124,12 +124,13 @@ std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<
 }
 
 std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<voctree::LeafPosition>& places, glm::dvec3 eye,
+                                       const std::vector<voctree::LeafPosition>& positions, glm::dvec3 eye,
                                        const Ray& ray) {
     std::vector<Sample> samples;
     for (const Segment& segment : intersect(tree, ray)) {
-        const voctree::LeafPosition& place = places[segment.leaf];
-        const glm::dvec3 middle_tree = (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
+        const voctree::LeafPosition& position = positions[segment.leaf];
+        const glm::dvec3 middle_tree =
+            (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
         const glm::dvec3 middle = glm::dvec3(tree.box_min) + middle_tree * glm::dvec3(tree.box_size);
         const LeafSlice& leaf = slices[segment.leaf];
         samples.push_back(

@@ -1,5 +1,5 @@
-// Trace: the exact march of a ray through a VOctree. Leaves are found by descent with slab tests, never by stepping, so
-// that this shares nothing with the GPU's traversal.
+// Trace: the exact walk of a ray through a VOctree. Leaves are found by descent with slab tests, not by stepping, so
+// that this shares nothing with the traversal in the shaders.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace neuvv::reference {
 struct Ray {
     glm::dvec3 origin{0};            // world, metres
     glm::dvec3 direction{0, 0, -1};  // world, unit length
-    double t_min = 0;                // metres; what lies nearer is not seen
+    double t_min = 0;                // metres; the ray begins at this distance
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
@@ -22,34 +22,35 @@ struct Segment {
     double t_exit = 0;
 };
 
-// Where a ray is between two of its places, metres; nowhere (enter ≥ exit) where it is not.
+// A part of a ray, metres along it; empty where enter ≥ exit.
 struct Interval {
     double enter = 0;
     double exit = 0;
     bool empty() const { return !(enter < exit); }
 };
-// Where it is inside the cells from `first` up to before `end` of a grid of `side` cells an axis over the tree's box.
-// Boxes that share a face share the very number there, whatever their sizes.
+// The part of a ray inside the cells from `first` to before `end` of a grid that divides the tree's box into `side`
+// cells along each axis. Two boxes that share a face get exactly the same number for it, whatever their sizes.
 Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side);
 
 // All segments of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
-// Neighbours share the very number at their border.
+// Neighbouring segments have exactly the same number at their common border.
 std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray);
 
 // The samples of a ray at one time, from slices (by leaf index) or from all weights.
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
 std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double frame, const Ray& ray);
 
-// The same with the colour of a leaf as seen from `eye` at its middle (shading), whatever the ray's direction.
+// The same, but each leaf has the colour in the direction from `eye` to its middle (shading), whatever the ray's
+// direction.
 std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
-                                       const std::vector<voctree::LeafPosition>& places, glm::dvec3 eye,
+                                       const std::vector<voctree::LeafPosition>& positions, glm::dvec3 eye,
                                        const Ray& ray);
 
 RayResult trace(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                 double stop_transmittance = 0);
 RayResult trace_direct(const voctree::VOctree& tree, double frame, const Ray& ray, double stop_transmittance = 0);
 
-// What a ray's loss says to one leaf's slice.
+// The derivatives of a ray's loss by one leaf's slice.
 struct LeafSliceGradient {
     uint32_t leaf = 0;
     double sigma = 0;

@@ -89,7 +89,7 @@ TEST(Composite, AdjointIsTheGradient) {
         };
         const auto gradient = composite_adjoint(samples, d_colour, d_alpha, stop);
         for (size_t j = 0; j < samples.size(); ++j) {
-            // A short step: no perturbation may move the place where the march stops.
+            // The step is short, so that no perturbation changes which sample is the last.
             EXPECT_LT(gradient_error(gradient[j].sigma, samples[j].sigma, loss, 1e-4), 1e-6) << j;
             for (int c = 0; c < 3; ++c) {
                 EXPECT_LT(gradient_error(gradient[j].colour[c], samples[j].colour[c], loss, 1e-4), 1e-6) << j;

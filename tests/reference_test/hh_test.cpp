@@ -96,7 +96,7 @@ TEST(Hh, CartesianFormEqualsAngularForm) {
 }
 
 TEST(Hh, CartesianFormOnTheEquatorIsTheAppendixsRealSh) {
-    // At γ = π/2 and n = l the basis is A_ll Y_lm, so the solid harmonics alone are on trial.
+    // At γ = π/2 and n = l the basis is A_ll Y_lm, so this tests the solid harmonics alone.
     Random random(3);
     for (int i = 0; i < 50; ++i) {
         const glm::dvec3 d = random_direction(random);

@@ -1,4 +1,4 @@
-// Numerical tools of the reference's tests: random numbers, quadrature, differences.
+// Numerical tools for tests of the reference: random numbers, quadrature, differences.
 #pragma once
 
 #include <algorithm>
@@ -53,8 +53,8 @@ inline std::vector<QuadraturePoint> gauss_legendre(int count, double low, double
     return points;
 }
 
-// How far `analytic` is from the derivative of loss() by x, relative to the derivative, with a floor of 1e-4 of the
-// loss's size so that vanishing derivatives compare absolutely. Differences of fourth order.
+// The error of `analytic` as the derivative of loss() by x, relative to the derivative or at least to 1e-4 of the loss,
+// so that vanishing derivatives are compared absolutely. The derivative is computed by differences of fourth order.
 template <typename Loss>
 double gradient_error(double analytic, double& x, const Loss& loss, double step = 1e-3) {
     const double x0 = x;

@@ -1,4 +1,4 @@
-// Ψ in the reference: its encoding by hand, its adjoint against differences, its sampling of rays.
+// Tests the reference of Ψ: its encoding by hand, its adjoint against differences, its importance sampling.
 #include "reference/psi.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST(Psi, SampleAdjointIsTheDerivative) {
     check("row B", row_b, gradient.row_b);
 }
 
-// Where relu holds a sample's density at 0, nothing moves it.
+// Where relu makes a sample's density 0, all gradients are 0.
 TEST(Psi, EmptySpaceHasNoDensityGradient) {
     Random random(4);
     Psi psi = random_psi(random);
@@ -88,7 +88,7 @@ TEST(Psi, EmptySpaceHasNoDensityGradient) {
     for (const double d : gradient.network.output.numbers) EXPECT_EQ(d, 0);
     for (const double d : gradient.row_a) EXPECT_EQ(d, 0);
 
-    // But it may be brought back to life, or held where it is.
+    // With `revival`, the density may grow from 0, or must not fall further.
     const auto bias_gradient = [&](double d_sigma, double revival) {
         PsiGradient d = psi_gradient_begin(psi);
         psi_sample_adjoint(psi, row_a, row_b, {0.1, 0.2, 0.3}, {0, 0, 1}, d_sigma, glm::dvec3(0), d, revival);
@@ -100,7 +100,7 @@ TEST(Psi, EmptySpaceHasNoDensityGradient) {
 }
 
 TEST(Psi, ImportanceFollowsTheWeights) {
-    // All matter in the third quarter: with a fifth spread evenly, 85 % of the segments lie there.
+    // All density is in the third quarter: with a fifth of the importance uniform, 85 % of the segments are there.
     const std::vector<double> edges = importance_edges({0, 0, 1e3, 0}, 2, 6, 100, 0.2);
     ASSERT_EQ(edges.size(), 101u);
     EXPECT_EQ(edges.front(), 2);

@@ -16,7 +16,7 @@ std::vector<double> random_values(Random& random, uint32_t count, double size) {
     return values;
 }
 
-// A leaf with the rows of one time and a random linear loss on its slice.
+// A leaf, the rows of one time, and a random linear loss of the leaf's slice.
 struct Leaf {
     uint32_t degree;
     LeafWeights weights;
@@ -47,7 +47,7 @@ Leaf random_leaf(Random& random, uint32_t degree, double density) {
     for (auto& channel : leaf.d_k) {
         for (uint32_t i = 0; i < sh_count(degree); ++i) channel[i] = random.uniform(-1, 1);
     }
-    // Moves A_t·w^σ to `density`, away from relu's kink.
+    // Moves A_t·w^σ to `density`, away from the kink of relu.
     double dot = 0;
     for (size_t i = 1; i < kBases; ++i) dot += leaf.row_a[i] * leaf.weights.sigma[i];
     leaf.row_a[0] = 0.8;
@@ -96,7 +96,7 @@ TEST(Slice, DensityIsReluAndGammaStaysOnItsInterval) {
     }
 }
 
-// Errata 7: colour from the slice is colour from all HH weights.
+// Errata 7: the colour from the slice is that from all HH weights.
 TEST(Slice, EqualsDirectEvaluation) {
     Random random(6);
     for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {

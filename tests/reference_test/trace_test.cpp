@@ -11,23 +11,23 @@ namespace {
 
 struct TreeAndPlaces {
     voctree::VOctree tree;
-    std::vector<voctree::LeafPosition> places;  // by leaf index
+    std::vector<voctree::LeafPosition> positions;  // by leaf index
 };
 
 TreeAndPlaces tree_and_places(uint64_t seed, uint32_t node_levels, uint32_t degree = 2) {
     TreeAndPlaces result;
     result.tree =
         neuvv::test::random_tree({.seed = seed, .node_levels = node_levels, .leaves = 300, .hh_degree = degree});
-    result.places = voctree::leaf_positions(result.tree);
+    result.positions = voctree::leaf_positions(result.tree);
     return result;
 }
 
-// By search over all places, without the tree: the leaf at a tree-space position, or UINT32_MAX.
-uint32_t leaf_at(const std::vector<voctree::LeafPosition>& places, glm::dvec3 position_tree) {
-    for (uint32_t leaf = 0; leaf < places.size(); ++leaf) {
-        const voctree::LeafPosition& place = places[leaf];
-        const glm::dvec3 p = position_tree * static_cast<double>(1u << place.depth);
-        const glm::dvec3 low(place.x, place.y, place.z);
+// The leaf at a tree-space position, or UINT32_MAX, by search over all positions, without the tree.
+uint32_t leaf_at(const std::vector<voctree::LeafPosition>& positions, glm::dvec3 position_tree) {
+    for (uint32_t leaf = 0; leaf < positions.size(); ++leaf) {
+        const voctree::LeafPosition& position = positions[leaf];
+        const glm::dvec3 p = position_tree * static_cast<double>(1u << position.depth);
+        const glm::dvec3 low(position.x, position.y, position.z);
         if (glm::all(glm::lessThanEqual(low, p)) && glm::all(glm::lessThan(p, low + 1.0))) return leaf;
     }
     return UINT32_MAX;
@@ -41,7 +41,7 @@ glm::dvec3 tree_of(const voctree::VOctree& tree, glm::dvec3 world) {
     return (world - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
 }
 
-// From around the box, or from inside it, through a point of the box.
+// A ray from around or inside the box through a point of the box.
 Ray random_ray(Random& random, const voctree::VOctree& tree) {
     const glm::dvec3 target = world_of(tree, random_point(random, 0, 1));
     Ray ray;
@@ -65,8 +65,8 @@ void expect_ordered_and_disjoint(const std::vector<Segment>& segments, double t_
     }
 }
 
-// Compares with a search over all leaves at finely spaced points. Points within rounding of a segment's end do not
-// count.
+// Compares with a search over all leaves at closely spaced points. Points that lie within rounding errors of a
+// segment's end are ignored.
 void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray, const std::vector<Segment>& segments) {
     constexpr int kSteps = 3000;
     constexpr double kEnd = 9;  // metres: beyond every box from every origin
@@ -75,7 +75,7 @@ void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray, con
     size_t next = 0;
     for (int i = 0; i < kSteps; ++i) {
         const double t = ray.t_min + (i + 0.5) * step;
-        const uint32_t expected = leaf_at(small.places, tree_of(small.tree, ray.origin + t * ray.direction));
+        const uint32_t expected = leaf_at(small.positions, tree_of(small.tree, ray.origin + t * ray.direction));
         if (expected != UINT32_MAX) length_by_points[expected] += step;
         while (next < segments.size() && segments[next].t_exit <= t) ++next;
         const bool inside = next < segments.size() && segments[next].t_enter <= t;
@@ -107,7 +107,7 @@ TEST(Trace, SegmentsEqualAPointSearchOverAllLeaves) {
             found += segments.size();
         }
     }
-    EXPECT_GT(found, 300u);  // the test saw something
+    EXPECT_GT(found, 300u);  // the test is not vacuous
 }
 
 TEST(Trace, AxisParallelRaysOnCellBordersStayInOneColumn) {

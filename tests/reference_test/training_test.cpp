@@ -1,4 +1,4 @@
-// The reference's training side: loss and optimiser; and the camera's rays.
+// Tests the reference of loss, optimiser and camera rays.
 #include <gtest/gtest.h>
 
 #include "reference/adam.h"
@@ -9,7 +9,8 @@
 namespace neuvv::reference::test {
 namespace {
 
-// Away from every kink: |P−I| is large, and each pixel is well on one side of the transfer function's joint.
+// A patch away from all kinks: |P−I| is large, and each pixel is clearly on one side of the joint of the transfer
+// function.
 Patch random_patch(Random& random, bool dark) {
     Patch patch;
     for (PatchPixel& p : patch) {
@@ -93,7 +94,8 @@ TEST(Loss, APerfectPixelPullsNowhere) {
     Patch patch = random_patch(random, false);
     patch[9].true_colour = patch[9].colour;
     const auto gradient = patch_loss_adjoint(patch, 0.1, 64);
-    EXPECT_EQ(gradient[9].colour, glm::dvec3(0));  // its neighbours' errors pull on |P−I| = 0: subgradient 0
+    // Here |P−I| = 0, whose subgradient is 0 whatever its neighbours' errors are.
+    EXPECT_EQ(gradient[9].colour, glm::dvec3(0));
     EXPECT_EQ(gradient[9].alpha, 0);
     EXPECT_NE(gradient[10].colour.x, 0);
 }
