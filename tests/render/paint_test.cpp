@@ -84,7 +84,7 @@ struct PaintTest : GpuTest {
             steps.push_back({use.layer, static_cast<uint32_t>(use.blend), double{use.opacity}});
         reference::paint(truth, tree.hh_degree, steps, double{frame});
         TreeCheck check{host, tree, truth};
-        check.least_scale = 4;  // what is made grey may cancel
+        check.min_scale = 4;  // what is made grey may cancel
         check.visit(0, 0);
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             EXPECT_EQ(check.met[leaf], truth[leaf].sigma > 0) << "leaf " << leaf;

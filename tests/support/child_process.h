@@ -1,4 +1,4 @@
-// The program as a child process that a test may kill.
+// A program that runs as a child process, which a test may kill.
 #pragma once
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace neuvv::test {
 
 class ChildProcess {
   public:
-    // What it prints goes into `log`.
+    // Starts the program; what it prints is written to `log`.
     ChildProcess(std::vector<std::string> arguments, const std::filesystem::path& log) {
         std::vector<char*> argv;
         for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -41,7 +41,7 @@ class ChildProcess {
     ChildProcess& operator=(const ChildProcess&) = delete;
 
     void send(int signal) const { kill(pid_, signal); }
-    // The exit code; minus the signal's number where one ended it.
+    // Waits for the end; returns the exit code, or minus the signal's number where a signal ended the process.
     int wait() {
         int status = 0;
         waitpid(pid_, &status, 0);
@@ -52,7 +52,7 @@ class ChildProcess {
         siginfo_t info{};
         return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
     }
-    // False where the process ends, or four minutes pass, before the condition holds.
+    // Waits for a condition. Returns false where the process ends or four minutes pass before the condition is true.
     bool until(const std::function<bool()>& condition) const {
         const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(4);
         while (!condition()) {

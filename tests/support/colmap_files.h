@@ -1,4 +1,4 @@
-// Sparse models in COLMAP's two file formats.
+// Writes sparse models in COLMAP's two file formats.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-// Under AddressSanitizer: what Vulkan drivers and layers, and the OpenXR loader, keep to themselves is no leak of ours.
+// For AddressSanitizer: memory that Vulkan drivers, layers and the OpenXR loader never free is not reported as a leak.
 #ifdef __SANITIZE_ADDRESS__
 
-// They stay loaded, so that the check at the end can tell their frames by the name of their file.
+// Libraries stay loaded, so that the leak check at the end can recognise their stack frames by the library's name.
 extern "C" int dlclose(void*) {
     return 0;
 }

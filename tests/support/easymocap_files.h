@@ -1,4 +1,4 @@
-// Calibrations as EasyMocap and OpenCV write them.
+// Writes calibrations as EasyMocap and OpenCV do.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// A figure that is recognised at once, for images: a head on shoulders, of small solid leaves that move to the right
-// by half a head in the second frame.
+// A figure for images that is easy to recognise: a head on shoulders, of small opaque leaves, which moves to the right
+// by a quarter of the head's width in the second frame.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace neuvv::test {
 
-constexpr glm::dvec3 kHead(0.45, 0.62, 0.5);  // of the first frame, in the unit box
+constexpr glm::dvec3 kHead(0.45, 0.62, 0.5);  // the head's middle in the first frame, in the unit box
 constexpr double kHeadRadius = 0.24, kFigureStep = 0.12;
 constexpr uint32_t kFigureDepth = 6, kFigureSide = 1u << kFigureDepth;
 
-// At a frame; 1 in the head, 2 in the shoulders, 0 beside them.
+// The part of the figure at a position and frame: 1 the head, 2 the shoulders, 0 none.
 inline int figure_part(glm::dvec3 at, uint32_t frame) {
     at.x -= kFigureStep * frame;
     if (glm::distance(at, kHead) < kHeadRadius) return 1;
@@ -29,25 +29,25 @@ inline voctree::VOctree figure_tree() {
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0};
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     const auto middle = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide};
     };
     for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
-        const voctree::LeafPosition place{i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide,
-                                          kFigureDepth};
-        if (figure_part(middle(place), 0) || figure_part(middle(place), 1)) places.push_back(place);
+        const voctree::LeafPosition position{i % kFigureSide, i / kFigureSide % kFigureSide,
+                                             i / kFigureSide / kFigureSide, kFigureDepth};
+        if (figure_part(middle(position), 0) || figure_part(middle(position), 1)) positions.push_back(position);
     }
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         int part = 0;
         for (uint32_t frame = 0; frame < 2; frame++) {
-            const int now = figure_part(middle(places[leaf]), frame);
+            const int now = figure_part(middle(positions[leaf]), frame);
             weights[frame] = now ? 250.0f : -1.0f;
             part = std::max(part, now);
         }
-        // γ = π/2: R_00 = √(2/π) carries the mean colour, R_11 the side that the light comes from (+x, +y).
+        // γ = π/2: the functions of R_00 = √(2/π) give the mean colour, those of R_11 shading from one side (+x, +y).
         const glm::dvec3 colour = part == 1 ? glm::dvec3(0.75, 0.5, 0.35) : glm::dvec3(0.2, 0.35, 0.25);
         const uint32_t functions = hh_count(1);
         for (int c = 0; c < 3; c++) {

@@ -1,4 +1,5 @@
-// Tests on the device: one Device a process, with the validation layers on; a validation message fails the test.
+// The base class of tests on the device. They share one Device with validation layers; a validation message or a record
+// of debug_print fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ class GpuTest : public ::testing::Test {
         if (gpu::DebugBuffer* debug = device().used_debug_buffer()) {
             uint64_t lost = 0;
             for (const DebugRecord& record : debug->drain(lost)) ADD_FAILURE() << "a shader: " << gpu::text_of(record);
-            EXPECT_EQ(lost, 0u) << "more that shaders said had no room";
+            EXPECT_EQ(lost, 0u) << "further records had no room";
         }
     }
 };

@@ -1,4 +1,4 @@
-// A slice tree as the device built it, and a walk through it that compares its entries with a slice of the reference.
+// Downloads a slice tree from the device, and compares its entries with a slice of the reference.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ struct HostTree {
     LiveCount count;
 };
 
-// The first of the trees.
+// Downloads the first of the trees.
 inline HostTree download_tree(const gpu::Device& device, const render::Field& field, const render::SliceTrees& tree) {
     HostTree host;
     host.nodes.resize(field.node_count());
@@ -35,17 +35,17 @@ inline double number(uint32_t word, int shift) {
     return voctree::float_from_half(static_cast<uint16_t>(word >> shift));
 }
 
-// Walks what the device built as a shader does, and ticks off the leaves it meets.
+// Walks the tree as a shader does, marks the leaves that it meets, and compares their entries with `truth`.
 struct TreeCheck {
     const HostTree& host;
     const voctree::VOctree& tree;
     const std::vector<reference::LeafSlice>& truth;
     std::vector<bool> met = std::vector<bool>(tree.leaf_count);
     uint32_t entries = 0;
-    double worst = 0;           // of σ and coefficients, relative to them
-    double worst_rest = 0;      // the same without the coefficients of degree 0
-    double worst_mean = 0;      // of mean colours, 0 to 1: what the coefficients of degree 0 show
-    double least_scale = 1e-3;  // what numbers are compared relative to, at least
+    double worst = 0;         // the largest error of σ and coefficients, relative to their values
+    double worst_rest = 0;    // the same without the coefficients of degree 0
+    double worst_mean = 0;    // the largest error of mean colours, 0 to 1, which the coefficients of degree 0 define
+    double min_scale = 1e-3;  // relative errors are relative to this where the value is smaller
 
     void visit(uint32_t node, uint32_t level) {
         const glm::uvec4 words = host.nodes[node];
@@ -76,7 +76,7 @@ struct TreeCheck {
         met[leaf] = true;
         EXPECT_EQ(voctree::leaf_positions(tree)[leaf].depth, depth);
         const auto relative = [this](double value, double expected, double scale) {
-            return std::abs(value - expected) / std::max(scale, least_scale);
+            return std::abs(value - expected) / std::max(scale, min_scale);
         };
         const size_t functions = sh_count(tree.hh_degree);
         const glm::uvec2* words = &host.entries[size_t{entry} * functions];

@@ -1,4 +1,4 @@
-// Bad input must be refused by an InputError of one line that names what the user needs.
+// Expects that a call throws an InputError of one line that contains all of `parts`.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 
 namespace neuvv::test {
 
-// From `eye` towards `target`, world +Y up; the focal length in multiples of the image's width.
+// A camera at `eye` that looks at `target`, world +Y up; `focal` is the focal length divided by the image's width.
 inline stage::Camera look_at(glm::dvec3 eye, glm::dvec3 target, uint32_t width, uint32_t height, double focal = 1.0) {
     const glm::dvec3 back = glm::normalize(eye - target);
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));

@@ -1,4 +1,4 @@
-// .npz files as NumPy writes them, and worse ones.
+// Writes .npz files as NumPy does, and damaged ones.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace neuvv::test {
 
-// Version 1 of the format; `numbers` need not fit what it says.
+// An array in version 1 of the format. The size of `numbers` need not fit type and shape.
 inline std::string npy_bytes(const std::string& type, const std::vector<uint64_t>& shape, const std::string& numbers,
                              const std::string& fortran_order = "False") {
     std::string sides;
@@ -30,7 +30,7 @@ std::string bytes_of(const std::vector<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-// numpy.savez stores, savez_compressed deflates.
+// numpy.savez stores arrays uncompressed (ZIP_CM_STORE), savez_compressed uses ZIP_CM_DEFLATE.
 inline void write_npz(const std::filesystem::path& file, const std::map<std::string, std::string>& arrays,
                       int32_t method = ZIP_CM_STORE) {
     int error = 0;

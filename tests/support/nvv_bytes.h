@@ -1,5 +1,5 @@
-// .nvv files by hand, from the specification and independent of the engine's writer: with valid checksums around
-// whatever content a test wants to smuggle past them.
+// Writes .nvv files from the specification, independently of the engine's writer, so that a test can give invalid
+// content valid checksums.
 #pragma once
 
 #include <xxhash.h>
@@ -65,7 +65,8 @@ inline Bytes nvv_of(const std::vector<Chunk>& chunks, uint32_t version = 3) {
     return file;
 }
 
-// The coding byte of a column: the first of 0..24 whose power of two makes 16-bit integers of all numbers, else bits.
+// The coding byte of a column: the smallest k of 0..24 for which all numbers times 2^k are 16-bit integers, else that
+// of bits.
 inline uint8_t coding_of(const std::vector<uint16_t>& halves) {
     for (uint8_t coding = 0; coding <= 24; ++coding) {
         const auto fits = [&](uint16_t half) {
@@ -79,7 +80,7 @@ inline uint8_t coding_of(const std::vector<uint16_t>& halves) {
     return static_cast<uint8_t>(128 + shift);
 }
 
-// Columns of numbers, each a half; a column's steps folded to 0, −1, 1, −2, …
+// Packs columns of halves; the steps 0, −1, 1, −2, … of a column are stored as 0, 1, 2, 3, …
 inline Bytes columns_bytes(const std::vector<std::vector<uint16_t>>& columns) {
     Bytes bytes, low, high;
     for (const std::vector<uint16_t>& column : columns) {
@@ -103,7 +104,7 @@ inline Bytes columns_bytes(const std::vector<std::vector<uint16_t>>& columns) {
     return bytes;
 }
 
-// The nine chunks of a tree, defects and all.
+// The nine chunks of a tree, which may have defects.
 inline std::vector<Chunk> chunks_of(const voctree::VOctree& tree) {
     std::vector<Chunk> chunks;
     for (const char* name : {"HEAD", "NODE", "CHLD", "BASA", "BASB", "MASK", "WSIG", "WGAM", "WHHC"})
@@ -146,12 +147,12 @@ inline std::vector<Chunk> chunks_of(const voctree::VOctree& tree) {
     return chunks;
 }
 
-inline void put_file(const std::filesystem::path& path, const Bytes& bytes) {
+inline void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-inline Bytes get_file(const std::filesystem::path& path) {
+inline Bytes read_bytes(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return Bytes(std::istreambuf_iterator<char>(file), {});
 }

@@ -1,5 +1,5 @@
-// Seeded random VOctrees for tests: leaves at mixed depths, weights that fp16 holds exactly, and a volume that a ray
-// through the box neither misses nor stops in at once.
+// Seeded random VOctrees for tests: leaves of mixed depths, weights that fp16 represents exactly, and densities such
+// that most rays through the box pass several leaves.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@ namespace neuvv::test {
 struct RandomTreeOptions {
     uint64_t seed = 1;
     uint32_t node_levels = 2;
-    uint32_t leaves = 500;  // a target: fewer where the tree cannot hold so many (32 for one node level)
+    uint32_t leaves = 500;  // fewer where a tree of these levels has no room for so many (32 for one node level)
     uint32_t bases = 4;
     uint32_t hh_degree = 1;
     uint32_t frames = 5;
 };
 
-// The same numbers on every standard library, unlike std::*_distribution.
+// Random numbers that are the same with every standard library, unlike those of std::*_distribution.
 struct Random {
     std::mt19937_64 engine;
     explicit Random(uint64_t seed) : engine(seed) {}
@@ -32,9 +32,9 @@ struct Random {
     double bell() { return (uniform() + uniform() + uniform() + uniform() - 2) * std::sqrt(3.0); }
 };
 
-// Disjoint places at depths 1..2·node_levels in random order: cells split at random until there are twice as many as
-// wanted, then a random half of them.
-inline std::vector<voctree::LeafPosition> random_places(Random& random, uint32_t node_levels, uint32_t leaves) {
+// Disjoint positions at depths 1..2·node_levels in random order: cells are split at random until there are at least
+// twice as many as `leaves`, then a random half of them is returned.
+inline std::vector<voctree::LeafPosition> random_positions(Random& random, uint32_t node_levels, uint32_t leaves) {
     std::vector<voctree::LeafPosition> open = {{0, 0, 0, 0}}, finest;
     while (!open.empty() && open.size() + finest.size() < size_t{2} * leaves) {
         // Half of the time the newest cell, so that small trees are deep, too.
@@ -67,7 +67,7 @@ inline voctree::VOctree random_tree(const RandomTreeOptions& options) {
     tree.bases = options.bases;
     tree.hh_degree = options.hh_degree;
     tree.frames = options.frames;
-    voctree::build_topology(tree, random_places(random, options.node_levels, options.leaves));
+    voctree::build_topology(tree, random_positions(random, options.node_levels, options.leaves));
 
     const double row_scale = 1 / std::sqrt(static_cast<double>(tree.bases));
     for (std::vector<float>* rows : {&tree.sigma_basis, &tree.gamma_basis}) {

@@ -1,4 +1,4 @@
-// Where a camera of a rig sees a point, and small images for rigs to name.
+// The projection of a point by a camera of a rig, and small images for the files of rigs.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Sets for tests, built in code, and what SetRaster makes of them.
+// Builds sets for tests, and draws them with SetRaster.
 #pragma once
 
 #include <cmath>
@@ -21,13 +21,13 @@ struct MeshData {
     std::vector<uint32_t> indices;
 };
 
-// A rectangle from `corner` along u and v; seen from where u goes right and v up it is counter-clockwise, and (0, 0) of
-// its UVs is its upper left corner.
+// A rectangle from `corner` along u and v. Seen from the side where u goes right and v goes up, its triangles are
+// counter-clockwise, and the UV (0, 0) is its upper left corner.
 inline MeshData rectangle(glm::vec3 corner, glm::vec3 u, glm::vec3 v) {
     const glm::vec3 normal = glm::normalize(glm::cross(u, v));
     MeshData mesh;
-    for (const glm::vec3& place : {corner, corner + u, corner + u + v, corner + v})
-        mesh.positions.insert(mesh.positions.end(), {place.x, place.y, place.z});
+    for (const glm::vec3& vertex : {corner, corner + u, corner + u + v, corner + v})
+        mesh.positions.insert(mesh.positions.end(), {vertex.x, vertex.y, vertex.z});
     for (int i = 0; i < 4; i++) mesh.normals.insert(mesh.normals.end(), {normal.x, normal.y, normal.z});
     mesh.uvs = {0, 1, 1, 1, 1, 0, 0, 0};
     mesh.indices = {0, 1, 2, 0, 2, 3};
@@ -41,8 +41,8 @@ inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
         for (uint32_t column = 0; column <= columns; column++) {
             const double theta = std::numbers::pi * row / rows, phi = 2 * std::numbers::pi * column / columns;
             const glm::vec3 n(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
-            const glm::vec3 place = centre + radius * n;
-            mesh.positions.insert(mesh.positions.end(), {place.x, place.y, place.z});
+            const glm::vec3 vertex = centre + radius * n;
+            mesh.positions.insert(mesh.positions.end(), {vertex.x, vertex.y, vertex.z});
             mesh.normals.insert(mesh.normals.end(), {n.x, n.y, n.z});
             mesh.uvs.insert(mesh.uvs.end(), {static_cast<float>(column) / static_cast<float>(columns),
                                              static_cast<float>(row) / static_cast<float>(rows)});
@@ -55,7 +55,7 @@ inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
     return mesh;
 }
 
-// A mesh of one primitive with a material of its own on a node of its own; returns the node.
+// Adds a mesh of one primitive with a new material and a new node; returns the node.
 inline json& add_mesh(GlbBuilder& glb, const MeshData& mesh, const json& material = json::object(),
                       bool with_uvs = true) {
     json attributes = {{"POSITION", glb.vec3(mesh.positions)}, {"NORMAL", glb.vec3(mesh.normals)}};
@@ -69,7 +69,7 @@ inline json& add_mesh(GlbBuilder& glb, const MeshData& mesh, const json& materia
     return glb.root["nodes"].back();
 }
 
-// Returns the index of the texture.
+// Adds a texture; returns its index.
 inline size_t add_texture(GlbBuilder& glb, const media::Image& image) {
     const std::vector<uint8_t> png = media::encode_png(image);
     glb.root["images"].push_back({{"bufferView", glb.add_view(png.data(), png.size())}, {"mimeType", "image/png"}});
@@ -100,7 +100,7 @@ inline stage::GltfScene scene_of(const GlbBuilder& glb) {
     return stage::load_gltf(folder.write(glb.bytes()));
 }
 
-// Everything that the raster pass left, by texel of all views.
+// The images that the raster passes wrote, by texel of all views.
 struct SetImages {
     std::vector<glm::dvec4> colour, front;
     std::vector<float> depth_m;

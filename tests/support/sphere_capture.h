@@ -1,5 +1,5 @@
-// A small capture computed by hand: a coloured sphere that moves along x, seen by a ring of cameras. In memory, and as
-// a data set's folder.
+// A small analytic capture: a coloured sphere that moves along x, seen by a ring of cameras, as a Dataset or as the
+// folder of a data set.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,11 +16,11 @@ namespace neuvv::test {
 struct SphereCapture {
     uint32_t cameras = 12, frames = 3, size = 48;
     double radius_m = 0.4;
-    double reach_m = 0.3;      // the centre goes from −reach to +reach over the clip
+    double travel_m = 0.3;     // the centre moves from x = −travel_m to +travel_m over the clip
     double first_angle = 0.1;  // of the ring's first camera
     double distance_m = 3;
 
-    glm::dvec3 centre(double time) const { return {reach_m * (2 * time - 1), 0.05, 0}; }
+    glm::dvec3 centre(double time) const { return {travel_m * (2 * time - 1), 0.05, 0}; }
     double time(uint32_t frame) const { return frames > 1 ? static_cast<double>(frame) / (frames - 1.0) : 0.0; }
 };
 
@@ -31,7 +31,7 @@ inline stage::Camera sphere_camera(const SphereCapture& capture, uint32_t index)
     return look_at(eye, {0, 0, 0}, capture.size, capture.size, 1.3);
 }
 
-// The sphere's linear colour where the ray of a place in the image meets it; alpha 0 where it does not.
+// The linear colour of the sphere at a position of the image (pixels); alpha is 0 where the ray misses the sphere.
 inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camera& camera, double time, glm::dvec2 at) {
     const glm::dvec3 in_camera((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
     const glm::dvec3 ray = glm::normalize(glm::dmat3(camera.world_from_camera) * in_camera);
@@ -43,7 +43,7 @@ inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camer
     return {0.5 + 0.35 * normal, 1};
 }
 
-// Sixteen samples a pixel; straight alpha.
+// The image of a camera, with sixteen samples per pixel and straight alpha.
 inline media::Image sphere_image(const SphereCapture& capture, const stage::Camera& camera, double time) {
     media::Image image(camera.width, camera.height);
     for (uint32_t y = 0; y < camera.height; y++)
@@ -73,7 +73,7 @@ inline training::Dataset sphere_dataset(const SphereCapture& capture) {
     return dataset;
 }
 
-// The same as a folder with a train split.
+// Writes a data set as a folder with a train split.
 inline void write_capture(const std::filesystem::path& folder, const training::Dataset& dataset) {
     std::string frames;
     for (const training::View& view : dataset.views) {

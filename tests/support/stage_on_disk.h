@@ -1,4 +1,4 @@
-// A stage with one performer, as `neuvv stage new` and `neuvv stage add` make it.
+// Writes a stage with one performer, as `neuvv stage new` and `neuvv stage add` do.
 #pragma once
 
 #include <filesystem>

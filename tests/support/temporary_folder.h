@@ -1,4 +1,4 @@
-// A folder that a test writes into; gone with the test.
+// A temporary folder for the files of a test. It is removed with the object.
 #pragma once
 
 #include <gtest/gtest.h>

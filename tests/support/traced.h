@@ -1,4 +1,4 @@
-// Rays as traced on the device and by the reference, and how far they are apart.
+// Traces rays on the device and by the reference, and compares the results.
 #pragma once
 
 #include <algorithm>
@@ -42,29 +42,29 @@ inline Traced trace_by_reference(const voctree::VOctree& tree, const stage::Came
 
 inline Traced shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, double frame) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Traced traced;
     for (uint32_t y = 0; y < camera.height; y++)
         for (uint32_t x = 0; x < camera.width; x++) {
             const reference::Ray pixel = reference::camera_ray(camera, x, y);
             const reference::RayResult ray =
-                reference::composite(reference::ray_samples_shaded(tree, slices, places, eye, pixel), 0);
+                reference::composite(reference::ray_samples_shaded(tree, slices, positions, eye, pixel), 0);
             traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
             traced.depth.push_back(static_cast<float>(ray.depth_m));
         }
     return traced;
 }
 
-// The largest differences over all pixels, and what was seen.
+// The largest differences over all pixels.
 struct Difference {
-    double steps = 0;         // of 255, in alpha and in the colour over black as displays show it
-    double depth_m = 0;       // where the truth's alpha shows
-    bool depth_class = true;  // infinite exactly where alpha is 0
-    double alpha_mean = 0;
+    double steps = 0;         // in units of 1/255, of alpha and of sRGB over black
+    double depth_m = 0;       // where the truth's alpha is above 1/255
+    bool depth_class = true;  // whether depth is infinite exactly where alpha is 0
+    double alpha_mean = 0;    // the mean of the truth's alpha
 };
 
-// NaN is infinitely wrong.
+// Raises `worst` to `error`; NaN counts as an infinite error.
 inline void raise(double& worst, double error) {
     worst = std::isnan(error) ? INFINITY : std::max(worst, error);
 }
@@ -74,9 +74,9 @@ inline Difference difference(const Traced& traced, const Traced& truth) {
     for (size_t i = 0; i < truth.radiance.size(); i++) {
         const glm::vec4 light = traced.radiance[i], expected = truth.radiance[i];
         for (int channel = 0; channel < 3; channel++) {
-            const double shown = reference::display_value(light[channel]);
-            const double wanted = reference::display_value(expected[channel]);
-            raise(worst.steps, 255 * std::abs(shown - wanted));
+            const double value = reference::display_value(light[channel]);
+            const double expected_value = reference::display_value(expected[channel]);
+            raise(worst.steps, 255 * std::abs(value - expected_value));
         }
         raise(worst.steps, 255.0 * std::abs(light.a - expected.a));
         worst.depth_class &= std::isinf(traced.depth[i]) == (light.a == 0);
@@ -86,14 +86,14 @@ inline Difference difference(const Traced& traced, const Traced& truth) {
     return worst;
 }
 
-// What is promised is one step of 255; on scenes of a few metres rounding alone causes far less.
+// The largest permitted difference is one step of 255; on scenes of a few metres rounding alone causes far less.
 constexpr double kSteps = 0.1;
 constexpr double kDepth_m = 1e-3;
-// Slice trees hold σ and colour as fp16, of 11 bits: α and SH sums are off by up to 1/2000 of what is summed.
+// Slice trees have σ and colour as fp16, with 11 bits: α and sums of SH have errors of up to 1/2000 of the summands.
 constexpr double kHalfSteps = 0.5;
 
-inline glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
-    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+inline glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 position) {
+    return glm::dvec3(tree.box_min) + position * glm::dvec3(tree.box_size);
 }
 
 }  // namespace neuvv::test

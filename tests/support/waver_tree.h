@@ -1,5 +1,5 @@
-// A person of leaves for images: stands at the origin, 1.8 m tall, looks along +Z and waves its left arm once in
-// eight frames.
+// A person made of leaves, for images. It stands at the origin, is 1.8 m tall, looks along +Z and waves its left arm
+// once in eight frames.
 #pragma once
 
 #include <cmath>
@@ -19,13 +19,13 @@ struct Part {
     glm::dvec3 colour;  // linear
 };
 
-inline double distance_to(const Part& part, glm::dvec3 place) {
+inline double distance_to(const Part& part, glm::dvec3 position) {
     const glm::dvec3 along = part.to - part.from;
-    const double at = std::clamp(glm::dot(place - part.from, along) / glm::dot(along, along), 0.0, 1.0);
-    return glm::length(place - part.from - at * along) - part.radius;
+    const double at = std::clamp(glm::dot(position - part.from, along) / glm::dot(along, along), 0.0, 1.0);
+    return glm::length(position - part.from - at * along) - part.radius;
 }
 
-// Its left side is +X, and its arms differ: what is mirrored shows.
+// The person's left side is +X, and its arms differ, so that mirroring is visible.
 inline std::vector<Part> parts_at(uint32_t frame) {
     const double angle = std::numbers::pi * (0.15 + 0.6 * frame / (kWaverFrames - 1.0));  // from straight down
     const glm::dvec3 shoulder(0.24, 1.32, 0);
@@ -40,7 +40,7 @@ inline std::vector<Part> parts_at(uint32_t frame) {
 
 }  // namespace waver
 
-// Leaves of 3 cm; each frame has a basis of its own.
+// The tree has leaves of 3 cm, and a basis for each frame.
 inline voctree::VOctree waver_tree() {
     constexpr uint32_t kSide = 64, kDepth = 6;
     constexpr double kEdge = 1.92 / kSide;
@@ -54,11 +54,11 @@ inline voctree::VOctree waver_tree() {
     tree.sigma_basis.assign(size_t{kWaverFrames} * kWaverFrames, 0);
     for (uint32_t i = 0; i < kWaverFrames; i++) tree.sigma_basis[i * kWaverFrames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
-    std::vector<voctree::LeafPosition> places;
-    std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of frames in which it is solid, colour
+    std::vector<voctree::LeafPosition> positions;
+    std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of the frames in which the leaf is opaque; its colour
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const voctree::LeafPosition place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
-        const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(place.x, place.y, place.z) + 0.5);
+        const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(position.x, position.y, position.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);
         for (uint32_t frame = 0; frame < kWaverFrames; frame++)
@@ -68,10 +68,10 @@ inline voctree::VOctree waver_tree() {
                     colour = part.colour;
                 }
         if (frames == 0) continue;
-        places.push_back(place);
+        positions.push_back(position);
         seen.emplace_back(frames, colour);
     }
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     // H_000 is 1/√(2π²) at every γ: the colour is the sigmoid of weight / that.
     const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {

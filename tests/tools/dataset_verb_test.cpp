@@ -70,7 +70,7 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
                           &b[1], &b[2]),
               6)
         << text;
-    const double reach[3] = {capture.reach_m + capture.radius_m, capture.radius_m, capture.radius_m};
+    const double reach[3] = {capture.travel_m + capture.radius_m, capture.radius_m, capture.radius_m};
     for (int axis = 0; axis < 3; ++axis) {
         const double centre = axis == 1 ? 0.05 : 0;
         EXPECT_LE(a[axis], centre - reach[axis] + 0.02) << "the hull holds the sphere's whole way";

@@ -18,7 +18,7 @@ using TileKey = std::tuple<double, uint32_t, uint32_t, uint32_t>;  // time, came
 
 const training::Dataset& capture() {
     static const training::Dataset dataset =
-        sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .reach_m = 0.2});
+        sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .travel_m = 0.2});
     return dataset;
 }
 

@@ -56,7 +56,7 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
 // small.
 TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
     const SphereCapture capture{
-        .cameras = 4, .frames = 1, .size = 200, .radius_m = 0.3, .reach_m = 0, .distance_m = 2.5};
+        .cameras = 4, .frames = 1, .size = 200, .radius_m = 0.3, .travel_m = 0, .distance_m = 2.5};
     const training::Dataset dataset = sphere_dataset(capture);
     const double pixel_m = capture.distance_m / dataset.cameras[0].fx;
     Random random(4);
@@ -72,7 +72,7 @@ TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
 }
 
 TEST(Hull, FramesBeyondThirtyTwoHaveTheirOwnBits) {
-    const SphereCapture capture{.cameras = 6, .frames = 40, .size = 24, .radius_m = 0.25, .reach_m = 0.6};
+    const SphereCapture capture{.cameras = 6, .frames = 40, .size = 24, .radius_m = 0.25, .travel_m = 0.6};
     const training::Dataset dataset = sphere_dataset(capture);
     ASSERT_EQ(training::hull_words(dataset), 2u);
     for (const uint32_t seen : {0u, 31u, 32u, 39u}) {
@@ -123,7 +123,7 @@ TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
     for (const bool given : {false, true}) {
         if (given) dataset.box = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}};
         const auto [low, high] = training::hull_box(dataset);
-        const glm::dvec3 amplitude(capture.reach_m, 0, 0), radius(capture.radius_m), middle = capture.centre(0.5);
+        const glm::dvec3 amplitude(capture.travel_m, 0, 0), radius(capture.radius_m), middle = capture.centre(0.5);
         for (int axis = 0; axis < 3; axis++) {
             EXPECT_LE(low[axis], (middle - amplitude - radius)[axis]);
             EXPECT_GE(high[axis], (middle + amplitude + radius)[axis]);

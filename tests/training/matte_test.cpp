@@ -16,7 +16,7 @@ namespace {
 
 // Seen from the side, so that no pixel shows the sphere for long.
 const SphereCapture kCapture{
-    .cameras = 2, .frames = 9, .size = 96, .radius_m = 0.22, .reach_m = 0.8, .first_angle = 1.5};
+    .cameras = 2, .frames = 9, .size = 96, .radius_m = 0.22, .travel_m = 0.8, .first_angle = 1.5};
 
 // A wall of stripes and checks in colours between dark and bright.
 media::Image wall(uint32_t side) {
