@@ -1,8 +1,8 @@
-// Feeds a loader damaged data sets, stages, clips or layers of paint. Built under AddressSanitizer and
-// UndefinedBehaviorSanitizer, whose limits stand here too; the damaged data set stays behind where it fails.
+// Gives a loader damaged data sets, stages, clips or layers of paint. It is built with AddressSanitizer and
+// UndefinedBehaviorSanitizer, whose limits are set here, too. Where it fails, it keeps the damaged data set.
 //
-//     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: sound data sets of one layout, images included
-//     fuzz --replay FOLDER              one data set, as it is
+//     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: valid data sets of one layout, images included
+//     fuzz --replay FOLDER              one data set, without further damage
 
 #include <sanitizer/asan_interface.h>
 #include <sanitizer/common_interface_defs.h>
@@ -22,7 +22,7 @@
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
-// Read by the sanitizer's runtime before main. An allocation of more than a gibibyte is a failure.
+// The sanitizer's runtime calls this before main. An allocation of more than a gibibyte is a failure.
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
     return "max_allocation_size_mb=1024:hard_rss_limit_mb=3072:detect_leaks=0:abort_on_error=0:"
@@ -37,7 +37,7 @@ using namespace neuvv;
 constexpr int kSecondsPerInput = 5;
 constexpr size_t kMaxFile = size_t{1} << 16;
 
-std::string g_kept;  // where the data set at work lies, for the last words
+std::string g_kept;  // the folder of the current data set, for the report of a crash
 
 void say_where() {
     std::fprintf(stderr, "fuzz: FAILED; again with: fuzz --replay %s\n", g_kept.c_str());
@@ -65,21 +65,21 @@ void write(const fs::path& path, const std::string& bytes) {
     if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-// Images and videos are read by libraries with fuzzers of their own.
+// Images and videos are not damaged: the libraries that read them have their own fuzzers.
 bool is_calibration(const fs::path& path) {
     static const std::set<std::string> kImages = {".png", ".jpg", ".mp4"};
     return !kImages.contains(path.extension().string());
 }
 
 struct Sample {
-    fs::path folder;              // the copy to be damaged
-    std::vector<fs::path> files;  // in it, those to damage
+    fs::path folder;              // the copy that is damaged
+    std::vector<fs::path> files;  // the files of the copy that may be damaged
     std::vector<std::string> bytes;
 };
 
 std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     std::vector<Sample> samples;
-    std::set<fs::path> folders;  // in one order everywhere
+    std::set<fs::path> folders;  // sorted, so that the order is the same on every system
     for (const auto& entry : fs::directory_iterator(corpus)) folders.insert(entry.path());
     for (const fs::path& from : folders) {
         Sample sample;
@@ -96,7 +96,7 @@ std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     return samples;
 }
 
-// A folder is what lies in it: a stage, a layer of paint on a clip, a clip, else a data set.
+// What a folder contains decides what it is: a stage, a layer of paint on a clip, a clip, else a data set.
 fs::path stage_in(const fs::path& folder) {
     for (const char* name : {"stage.gltf", "stage.glb"})
         if (fs::exists(folder / name)) return folder / name;
@@ -121,7 +121,7 @@ training::Dataset dataset_in(const fs::path& folder, training::Split split) {
     return training::load_dataset(folder, split, {.mattes_needed = false});
 }
 
-// Loads what is sound: throws where it is not.
+// Loads a folder that must be valid; throws where it is not.
 void load(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
         stage::load_stage(stage);
@@ -145,7 +145,7 @@ std::string complaint_about_folder(const fs::path& folder) {
     return {};
 }
 
-// Empty where it ends as it may.
+// Empty where loading ends in a permitted way, else what is wrong.
 std::string try_folder(const fs::path& folder) {
     g_kept = folder.string();
     set_alarm(kSecondsPerInput);
@@ -154,7 +154,7 @@ std::string try_folder(const fs::path& folder) {
     return complaint;
 }
 
-// Half of the damage to our own containers lies behind their checksums.
+// Half of the damage to .nvv and .nvpaint files is made before their checksums are computed.
 std::string damaged(const Sample& sample, size_t file, const std::vector<std::string>& pool, fuzz::Random& random) {
     const bool container = sample.bytes[file].starts_with("\x89NVV");
     if (container && random() % 2) return fuzz::mutate_chunks(sample.files[file], pool, kMaxFile, random);
@@ -175,7 +175,7 @@ int run(const fs::path& corpus, double seconds, uint64_t seed) {
     std::vector<std::string> pool;
     for (const Sample& sample : samples) {
         g_kept = sample.folder.string();
-        load(sample.folder);  // throws where the corpus itself is not sound
+        load(sample.folder);  // throws where the corpus itself is not valid
         pool.insert(pool.end(), sample.bytes.begin(), sample.bytes.end());
     }
     fuzz::Random random(seed);

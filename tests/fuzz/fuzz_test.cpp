@@ -1,4 +1,4 @@
-// The fuzzer must see what it looks for.
+// Tests that the fuzzer finds the defects that it looks for.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ TEST(Fuzz, OnlyAShortInputErrorIsAnAnswer) {
     const auto complaint_of = [](const auto& thrown) {
         return fuzz::complaint_about([&]() -> training::Dataset { throw thrown; });
     };
-    EXPECT_EQ(complaint_of(InputError("file", "place", "is bad", "mend it")), "");
+    EXPECT_EQ(complaint_of(InputError("file", "place", "is bad", "fix it")), "");
     EXPECT_EQ(complaint_of(InputError("file", std::string(5000, 'x'), std::string(5000, 'x'))), "") << "shortened";
     EXPECT_NE(complaint_of(std::out_of_range("at")), "");
     EXPECT_NE(complaint_of(RuntimeFailure("disk")), "");
@@ -92,7 +92,7 @@ TEST(Fuzz, LoadedClipsAndPaintMustBeSound) {
     expect_wrong([](voctree::LeafEdit& edit) { edit.sigma = -2; });
 }
 
-// Damage behind checksums reaches what reads the content.
+// Damage with valid checksums reaches the code that reads the content.
 TEST(Fuzz, DamagedChunksKeepTheirChecksums) {
     const TemporaryFolder folder;
     const voctree::VOctree tree = test::random_tree({.leaves = 20});

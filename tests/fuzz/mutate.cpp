@@ -25,7 +25,7 @@ struct Piece {
     size_t begin = 0, size = 0;
 };
 
-// Mostly short ones.
+// A length from 1 on; short ones are more frequent.
 Piece any_piece(const std::string& bytes, Random& random) {
     const size_t begin = below(bytes.size(), random);
     const size_t longest = below(4, random) == 0 ? bytes.size() - begin : std::min<size_t>(bytes.size() - begin, 32);
@@ -35,8 +35,8 @@ Piece any_piece(const std::string& bytes, Random& random) {
 template <typename T>
 void overwrite(std::string& bytes, T value, Random& random) {
     if (bytes.size() < sizeof(T)) return;
-    const size_t places = bytes.size() - sizeof(T) + 1;
-    std::memcpy(&bytes[below(places, random)], &value, sizeof(T));
+    const size_t offsets = bytes.size() - sizeof(T) + 1;
+    std::memcpy(&bytes[below(offsets, random)], &value, sizeof(T));
 }
 
 void overwrite_number(std::string& bytes, Random& random) {
@@ -92,7 +92,7 @@ void overwrite_number(std::string& bytes, Random& random) {
     }
 }
 
-// A number written in digits, another in its place.
+// Replaces a number that is written in digits by another.
 void replace_text_number(std::string& bytes, Random& random) {
     static constexpr const char* kNumbers[] = {
         "0",     "-0",  "1",  "-1",   "0.5",        "1e9",        "-1e30", "1e308", "1e-308",

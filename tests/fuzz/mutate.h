@@ -1,4 +1,4 @@
-// Damage as files suffer it from programs, disks and enemies.
+// Damages files, as programs, disks and attackers do.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,13 @@ namespace neuvv::fuzz {
 
 using Random = std::mt19937_64;
 
-// One to eight changes: bits, bytes, numbers of 1 to 8 bytes and numbers as text replaced by those that break programs;
-// pieces removed, doubled, moved, or taken from `others`; the end cut off. Never larger than `limit` bytes.
+// Makes one to eight changes: replaces bits, bytes, numbers of 1 to 8 bytes or numbers in text by values that tend to
+// break programs; removes, doubles or moves pieces, or inserts pieces of `others`; cuts off the end. The result has at
+// most `limit` bytes.
 std::string mutate(std::string bytes, const std::vector<std::string>& others, size_t limit, Random& random);
 
-// The bytes of a sound .nvv or .nvpaint with damage behind its checksums, which fit it: the content of one chunk is
-// mutated, or a chunk is missing, or two have changed places. At most `limit` bytes of content a chunk.
+// The bytes of a valid .nvv or .nvpaint with damaged content and valid checksums: the content of one chunk is mutated,
+// a chunk is missing, or two are swapped. Each chunk has at most `limit` bytes of content.
 std::string mutate_chunks(const std::filesystem::path& sound, const std::vector<std::string>& others, size_t limit,
                           Random& random);
 

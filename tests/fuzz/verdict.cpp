@@ -46,7 +46,7 @@ std::string complaint_about_time(const stage::Stage& stage, double time_s) {
     return {};
 }
 
-// Empty where `run` has no complaint, or throws an InputError of one short line.
+// Empty where `run` returns an empty string, or throws an InputError of one short line; else what is wrong.
 std::string complaint_of(const std::function<std::string()>& run) {
     try {
         return run();
@@ -94,10 +94,10 @@ std::string complaint_about_clip(const std::function<voctree::VOctree()>& load) 
         for (const std::vector<float>* numbers : {&tree.weights, &tree.sigma_basis, &tree.gamma_basis})
             if (!std::all_of(numbers->begin(), numbers->end(), finite)) return "gave a number that is not finite";
         if (tree.weights.size() != size_t{tree.leaf_count} * tree.weights_per_leaf()) return "gave too few weights";
-        const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-        if (places.size() != tree.leaf_count) return "gave leaves that stand nowhere";
+        const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+        if (positions.size() != tree.leaf_count) return "gave leaves without a position";
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
-            const voctree::LeafPosition& at = places[leaf];
+            const voctree::LeafPosition& at = positions[leaf];
             const glm::dvec3 middle =
                 (glm::dvec3(at.x, at.y, at.z) + 0.5) * std::ldexp(1.0, -static_cast<int>(at.depth));
             if (voctree::find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";

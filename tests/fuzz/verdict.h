@@ -1,4 +1,4 @@
-// What loading hostile files may end in.
+// Decides whether loading a damaged file ended in a permitted way.
 #pragma once
 
 #include <functional>
@@ -10,14 +10,14 @@
 
 namespace neuvv::fuzz {
 
-// Empty where `load` gives sound cameras, or throws an InputError of one short line; else what is wrong.
+// Empty where `load` returns valid cameras, or throws an InputError of one short line; else what is wrong.
 std::string complaint_about(const std::function<training::Dataset()>& load);
-// The same of a stage: everything that is drawn of it at any time is where numbers are finite.
+// The same for a stage: at every time that is tested, everything that is drawn has a finite position.
 std::string complaint_about_stage(const std::function<stage::Stage()>& load);
-// Of a .nvv: every leaf is found where it stands, and its numbers are finite.
+// The same for a .nvv: find_leaf finds every leaf at its position, and its numbers are finite.
 std::string complaint_about_clip(const std::function<voctree::VOctree()>& load);
-// Of a .nvpaint: edits of leaves and frames that are there, with colours and densities that can be; and it can be
-// edited on.
+// The same for a .nvpaint: its edits are of leaves and frames that exist, with valid colours and densities, and further
+// edits can be added.
 std::string complaint_about_paint(const std::function<voctree::EditLayer()>& load);
 
 }  // namespace neuvv::fuzz

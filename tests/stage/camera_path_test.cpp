@@ -1,4 +1,4 @@
-// A moving camera: it goes through its keys without jumps, overshoot, flips or a tilting horizon.
+// Tests that a camera path goes through its keys without jumps, overshoot, flips or a tilting horizon.
 #include "stage/camera_path.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Level but for `roll`: turned about +Y, then up about its own x.
+// A camera turned about +Y, then up about its own x, then by `roll` about its axis of view.
 glm::dquat facing(double yaw_deg, double pitch_deg, double roll_deg = 0) {
     return glm::angleAxis(yaw_deg * kDegree, glm::dvec3(0, 1, 0)) *
            glm::angleAxis(pitch_deg * kDegree, glm::dvec3(1, 0, 0)) *
@@ -36,7 +36,7 @@ stage::CameraPath path_of(std::vector<stage::CameraPathKey> keys,
     return path;
 }
 
-glm::dvec3 place(const stage::CameraPath& path, double t) {
+glm::dvec3 position_at(const stage::CameraPath& path, double t) {
     return glm::dvec3(stage::camera_at(path, t, 64, 48).world_from_camera[3]);
 }
 glm::dquat turn(const stage::CameraPath& path, double t) {
@@ -46,20 +46,20 @@ double angle(const stage::CameraPath& path, double t) {
     const stage::Camera camera = stage::camera_at(path, t, 64, 48);
     return 2 * std::atan(0.5 * camera.height / camera.fy);
 }
-// Between two orientations, 0 to π.
+// The angle between two orientations, 0 to π.
 double turned_by(const glm::dquat& a, const glm::dquat& b) {
     const glm::dquat d = glm::conjugate(a) * b;
     return 2 * std::atan2(glm::length(glm::dvec3(d.x, d.y, d.z)), std::abs(d.w));
 }
 
-// Uneven times, turns in all directions, a zoom.
+// A path with uneven times, turns in all directions and a zoom.
 stage::CameraPath wild_path() {
     return path_of({key_at(0, {0, 1, 4}, facing(0, -5), 0.7), key_at(0.5, {2, 1.5, 3}, facing(40, -20, 15), 0.5),
                     key_at(2, {4, 1, 0}, facing(130, 10, -30), 0.9), key_at(2.25, {3, 3, -2}, facing(200, -40, 5), 0.9),
                     key_at(5, {-4, 2, -3}, facing(300, 0), 0.4)});
 }
 
-// The turn a second about the camera's axes, by a difference over `h`.
+// The angular velocity about the camera's axes, from a difference over a short time.
 glm::dvec3 spin(const stage::CameraPath& path, double from, double to) {
     glm::dquat d = glm::conjugate(turn(path, from)) * turn(path, to);
     if (d.w < 0) d = -d;
@@ -75,30 +75,30 @@ TEST(CameraPath, GoesThroughItsKeys) {
             path.cyclic = cyclic;
             if (cyclic) path.duration_s = 6.5;
             for (const stage::CameraPathKey& key : path.keys) {
-                EXPECT_EQ(place(path, key.time_s), key.position);
+                EXPECT_EQ(position_at(path, key.time_s), key.position);
                 EXPECT_LT(turned_by(turn(path, key.time_s), key.world_from_camera), 1e-12);
                 EXPECT_NEAR(angle(path, key.time_s), key.angle_y, 1e-12);
                 if (interpolation == stage::Interpolation::kCut || key.time_s == 0) continue;
-                const double before = key.time_s - 1e-9;  // and nothing jumps before it
-                EXPECT_LT(glm::distance(place(path, before), key.position), 1e-7);
+                const double before = key.time_s - 1e-9;  // there is no jump before the key
+                EXPECT_LT(glm::distance(position_at(path, before), key.position), 1e-7);
                 EXPECT_LT(turned_by(turn(path, before), key.world_from_camera), 1e-7);
             }
         }
 }
 
 // One-sided differences on both sides of each key agree as h goes to 0: the velocity has no jump. A linear path has
-// one, which the test must see.
+// such jumps, which the test must detect.
 TEST(CameraPath, VelocityHasNoJumpAtKeys) {
     constexpr double h = 1e-5;
     stage::CameraPath path = wild_path();
     path.cyclic = true;
     path.duration_s = 6.5;
     const auto jump_at = [&](double t) {
-        const double places =
-            glm::length((place(path, t + h) - place(path, t)) - (place(path, t) - place(path, t - h)));
+        const double jumps = glm::length((position_at(path, t + h) - position_at(path, t)) -
+                                         (position_at(path, t) - position_at(path, t - h)));
         const double turns = glm::length(spin(path, t, t + h) - spin(path, t - h, t));
         const double angles = std::abs(angle(path, t + h) - 2 * angle(path, t) + angle(path, t - h));
-        return glm::dvec3(places / h, turns, angles / h);
+        return glm::dvec3(jumps / h, turns, angles / h);
     };
     for (const stage::CameraPathKey& key : path.keys)
         for (int i = 0; i < 3; ++i) EXPECT_LT(jump_at(key.time_s)[i], 2e-3) << key.time_s << ", " << i;
@@ -113,13 +113,13 @@ TEST(CameraPath, EvenKeysOnALineGiveConstantSpeed) {
     const stage::CameraPath path = path_of(keys);
     for (int i = 0; i <= 40; ++i) {
         const double t = 0.05 * i;
-        EXPECT_LT(glm::distance(place(path, t), glm::dvec3(2 * t, 4 * t, -2 * t)), 1e-12);
+        EXPECT_LT(glm::distance(position_at(path, t), glm::dvec3(2 * t, 4 * t, -2 * t)), 1e-12);
         EXPECT_LT(turned_by(turn(path, t), facing(40 * t, 0)), 1e-7);
         EXPECT_NEAR(angle(path, t), 0.5 + 0.2 * t, 1e-12);
     }
 }
 
-// Steps of very different length in very different times: Catmull–Rom without its limit runs past keys here.
+// Steps of very different lengths in very different times: Catmull–Rom without the limit of velocity overshoots here.
 TEST(CameraPath, AMonotonePathIsNeverOvershot) {
     const double xs[] = {0, 0.01, 5, 5.02, 5.02, 9, 9.5}, ts[] = {0, 1, 1.1, 3, 4, 4.1, 9};
     std::vector<stage::CameraPathKey> keys;
@@ -129,9 +129,9 @@ TEST(CameraPath, AMonotonePathIsNeverOvershot) {
     double x = 0, a = 0;
     for (int i = 0; i <= 9000; ++i) {
         const double t = i / 1000.0;
-        EXPECT_GE(place(path, t).x, x - 1e-12) << t;
+        EXPECT_GE(position_at(path, t).x, x - 1e-12) << t;
         EXPECT_GE(angle(path, t), a - 1e-12) << t;
-        x = place(path, t).x;
+        x = position_at(path, t).x;
         a = angle(path, t);
         EXPECT_TRUE(t < 3 || t > 4 || x == 5.02) << "it holds between equal keys";
     }
@@ -155,7 +155,7 @@ TEST(CameraPath, TurnsTheShorterWayWhateverTheSign) {
                     interpolation);
         for (int i = 0; i <= 200; ++i) EXPECT_LT(turned_by(turn(path, i / 100.0), facing(-0.1 * i, 0)), 1e-7) << i;
     }
-    // No time where the wild path jumps: 1 ms turns it by less than 2°, while it turns 90° in 250 ms.
+    // The wild path jumps at no time: it turns by less than 2° in 1 ms, although it turns 90° in 250 ms.
     stage::CameraPath path = wild_path();
     path.cyclic = true;
     path.duration_s = 6.5;
@@ -163,8 +163,8 @@ TEST(CameraPath, TurnsTheShorterWayWhateverTheSign) {
         EXPECT_LT(turned_by(turn(path, i / 1000.0), turn(path, (i + 1) / 1000.0)), 2 * kDegree) << i;
 }
 
-// Level keys stay level to rounding: at 20° down and 90° from key to key, the great circle of orientations would tilt
-// the horizon by whole degrees, which the test must see.
+// Between level keys the path stays level up to rounding. At 20° down and 90° from key to key, the great circle of
+// orientations would tilt the horizon by several degrees, which the test must detect.
 TEST(CameraPath, TheHorizonStaysLevel) {
     std::vector<stage::CameraPathKey> keys;
     for (int i = 0; i < 4; ++i) keys.push_back(key_at(i, {}, facing(90.0 * i, i % 2 ? -40 : -20)));
@@ -188,7 +188,7 @@ TEST(CameraPath, TheHorizonStaysLevel) {
 TEST(CameraPath, RollFollowsItsKeysAndMeansNothingNearTheVertical) {
     const stage::CameraPath path = path_of({key_at(0, {}, facing(0, -10, 0)), key_at(1, {}, facing(60, -20, 30))});
     for (int i = 0; i <= 10; ++i) EXPECT_NEAR(stage::roll_of(turn(path, 0.1 * i)), 3 * kDegree * i, 1e-9);
-    // Over the pole: forwards up and on, without a flip.
+    // The view goes up, over the pole and on, without a flip.
     const stage::CameraPath over = path_of({key_at(0, {}, facing(0, 60)), key_at(1, {}, facing(0, 120))});
     for (int i = 0; i <= 100; ++i)
         EXPECT_LT(turned_by(turn(over, i / 100.0), turn(over, (i + 1) / 100.0)), 3 * kDegree);
@@ -205,9 +205,10 @@ TEST(CameraPath, ACycleJoins) {
     path.duration_s = 4;
     for (int i = 0; i < 400; ++i) {
         const double t = i / 100.0;
-        EXPECT_LT(glm::distance(place(path, t), place(path, t + 4)), 1e-12);
-        EXPECT_LT(glm::distance(place(path, t), place(path, t - 4)), 1e-12);
-        EXPECT_NEAR(glm::length(place(path, t)), 1, 0.05);  // cubics are no circles; chords would be 0.13 off
+        EXPECT_LT(glm::distance(position_at(path, t), position_at(path, t + 4)), 1e-12);
+        EXPECT_LT(glm::distance(position_at(path, t), position_at(path, t - 4)), 1e-12);
+        // Cubic curves are not circles; chords would be 0.13 off.
+        EXPECT_NEAR(glm::length(position_at(path, t)), 1, 0.05);
         EXPECT_LT(turned_by(turn(path, t), facing(90 * t, 0)), 1e-7) << "a steady turn stays one across the join";
     }
 }
@@ -215,16 +216,16 @@ TEST(CameraPath, ACycleJoins) {
 TEST(CameraPath, AnOpenPathRestsAtItsEnds) {
     stage::CameraPath path = wild_path();
     path.duration_s = 9;
-    EXPECT_EQ(place(path, -1), path.keys[0].position);
-    EXPECT_EQ(place(path, 9), path.keys.back().position);
-    EXPECT_EQ(place(path_of({key_at(0, {1, 2, 3})}), 5), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(position_at(path, -1), path.keys[0].position);
+    EXPECT_EQ(position_at(path, 9), path.keys.back().position);
+    EXPECT_EQ(position_at(path_of({key_at(0, {1, 2, 3})}), 5), glm::dvec3(1, 2, 3));
 }
 
 TEST(CameraPath, ACutHoldsUntilTheNextKey) {
     stage::CameraPath path = wild_path();
     path.interpolation = stage::Interpolation::kCut;
-    EXPECT_EQ(place(path, 1.999), path.keys[1].position);
-    EXPECT_EQ(place(path, 2), path.keys[2].position);
+    EXPECT_EQ(position_at(path, 1.999), path.keys[1].position);
+    EXPECT_EQ(position_at(path, 2), path.keys[2].position);
 }
 
 TEST(CameraPath, CamerasHaveTheLensOfTheirKeysInAnyPicture) {
@@ -238,7 +239,7 @@ TEST(CameraPath, CamerasHaveTheLensOfTheirKeysInAnyPicture) {
     EXPECT_NEAR(camera.cx, 110, 1e-9);
     EXPECT_NEAR(camera.cy, 30, 1e-9);
     EXPECT_EQ(camera.width, 200u);
-    key.angle_x = 2 * std::atan(0.5);  // now the horizontal one rules
+    key.angle_x = 2 * std::atan(0.5);  // now the horizontal angle counts
     EXPECT_NEAR(stage::camera_at(path_of({key}), 0, 200, 100).fx, 200, 1e-9);
 }
 

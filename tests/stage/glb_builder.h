@@ -1,4 +1,4 @@
-// Writes small .glb files for tests: a JSON object and one binary buffer that grows by accessors.
+// Builds small .glb files for tests: a JSON object, and one binary buffer to which accessors are appended.
 #pragma once
 
 #include <unistd.h>
@@ -21,7 +21,7 @@ struct GlbBuilder {
     json root = {{"asset", {{"version", "2.0"}}}, {"bufferViews", json::array()}, {"accessors", json::array()}};
     std::vector<uint8_t> binary;
 
-    // Raw bytes as a buffer view of their own; returns its index.
+    // Adds bytes as a new buffer view; returns its index.
     int add_view(const void* data, size_t size) {
         while (binary.size() % 4 != 0) binary.push_back(0);
         root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", size}});

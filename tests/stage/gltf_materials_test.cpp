@@ -1,4 +1,4 @@
-// Metallic-roughness materials as they are read: textures, UV sets, tangents; and what must be refused.
+// Tests that metallic-roughness materials, UV sets and tangents are read, and that invalid ones are refused.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -118,7 +118,7 @@ TEST(GltfMaterials, TangentsGoAlongU) {
     mirrored.root["materials"][0]["normalTexture"]["extensions"] = {{"KHR_texture_transform", {{"scale", {1, -1}}}}};
     for (const glm::vec4& tangent : tangents_of(mirrored)) expect_vec4(tangent, {1, 0, 0, -1});
     GlbBuilder flat = rectangle();
-    flat.root["materials"][0]["normalTexture"]["texCoord"] = 1;  // one place for all corners
+    flat.root["materials"][0]["normalTexture"]["texCoord"] = 1;  // the same UV at all corners
     for (const glm::vec4& tangent : tangents_of(flat)) {
         EXPECT_NEAR(glm::length(glm::vec3(tangent)), 1, 1e-6);
         EXPECT_NEAR(tangent.z, 0, 1e-6) << "any, across the normal";
@@ -141,7 +141,7 @@ TEST(GltfMaterials, TheFilesTangentsAreMadeUnitAndOrthogonal) {
 }
 
 TEST(GltfMaterials, TangentsAreWeightedByAngles) {
-    // Corner 0 belongs to a right angle with U along +X and to one of 45° with U along +Y.
+    // Corner 0 has an angle of 90° in a triangle with U along +X and one of 45° in a triangle with U along +Y.
     GlbBuilder glb = rectangle();
     json& primitive = glb.root["meshes"][0]["primitives"][0];
     primitive["attributes"]["POSITION"] = glb.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 1, 0});

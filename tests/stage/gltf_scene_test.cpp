@@ -109,7 +109,7 @@ TEST(GltfScene, LinearAnimationOfTranslationRotationScale) {
     expect_near(origin_at(scene, 0.25), {0.5, 0, 0});
     expect_near(origin_at(scene, 2), {2, 2, 0});
     expect_near(origin_at(scene, 9), {2, 4, 0});
-    // Half way of the quarter turn; x scaled by 2. Later the quaternion only changes its sign: no motion.
+    // Half of the quarter turn; x scaled by 2. Later the quaternion only changes its sign, which is no motion.
     const double d = std::sqrt(0.5) * 2;
     expect_near(glm::dvec3(stage::pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0});
     expect_near(glm::dvec3(stage::pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0});
@@ -157,7 +157,7 @@ TEST(GltfScene, ChildrenFollowTheirParents) {
     expect_near(high, {7, 2, 2});
 }
 
-// Two joints: the first stands at the origin, the second 1 m above and turns by 90° about z.
+// Two joints: the first is at the origin, the second 1 m above it and turned by 90° about z.
 GlbBuilder arm() {
     GlbBuilder glb = triangle();
     const std::vector<uint8_t> joints = {0, 9, 9, 9, 0, 1, 0, 0, 1, 0, 0, 0};
@@ -182,10 +182,10 @@ TEST(GltfScene, SkinningMatchesHandCalculation) {
     stage::PosedVertices out;
     stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
                          out);
-    expect_near(out.positions[0], {1, 0, 0});  // joint 0 alone; the node's own translation does not count
-    // (0,1.5): joint 0 leaves it, joint 1 turns (0,0.5) into (-0.5,0) above its foot (0,1): the mean of both.
+    expect_near(out.positions[0], {1, 0, 0});  // joint 0 alone; the node's own translation is ignored
+    // (0,1.5) is the mean of both: joint 0 does not move it, joint 1 turns it about (0,1) to (-0.5,1).
     expect_near(out.positions[1], {-0.25, 1.25, 0});
-    expect_near(out.positions[2], {-1, 1, 0});  // weight 0.5 alone is normalised to 1
+    expect_near(out.positions[2], {-1, 1, 0});  // a single weight of 0.5 is normalised to 1
     expect_near(out.normals[0], {1, 0, 0});
     expect_near(out.normals[1], glm::normalize(glm::dvec3(1, 1, 0)));
     expect_near(out.normals[2], {-1, 0, 0});
@@ -241,7 +241,7 @@ TEST(GltfScene, VertexColoursOfEveryKind) {
 
 TEST(GltfScene, MaterialsAndTextureTransform) {
     GlbBuilder glb = triangle();
-    // Not an image: decoding it is media's, and only of images that a base colour uses.
+    // An invalid image is only an error where a base colour uses it; then media reports it.
     glb.root["images"] = {{{"bufferView", glb.add_view("nonsense", 8)}, {"mimeType", "image/png"}}};
     glb.root["materials"] = {
         {{"extensions", {{"KHR_materials_unlit", json::object()}}},
@@ -467,7 +467,7 @@ TEST(GltfHostile, RequiredExtensionsAndDepth) {
     EXPECT_NE(error_of({deep.begin(), deep.end()}, "deep.gltf").find("deeper"), std::string::npos);
 }
 
-// Any file gives a scene that can be posed, or an InputError.
+// Every damaged file gives a scene that can be posed, or an InputError.
 TEST(GltfHostile, FlippedBytes) {
     GlbBuilder source = arm();
     primitive(source)["targets"] = {{{"POSITION", source.vec3({0, 0, 4, 0, 0, 0, 0, 0, 0})}}};

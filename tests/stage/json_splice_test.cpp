@@ -57,7 +57,7 @@ TEST(JsonSplice, WhatIsRemovedTakesItsCommaAlong) {
     EXPECT_EQ(edited("{\"a\":1}", [](ordered_json& json) { json.clear(); }), "{}");
 }
 
-// An element is left out and another changes: the text of the third stays.
+// Where an element is removed and another changes, the text of the third stays.
 TEST(JsonSplice, ListElementsAreMatchedByWhatTheyAre) {
     const std::string text = R"([{"n":1.0,"c":[3]}, {"n":2.0}, {"n":3.0,"x":1e0}, {"n":4.0,"c":[2]}])";
     EXPECT_EQ(edited(text,
@@ -76,8 +76,8 @@ TEST(JsonSplice, ListElementsAreMatchedByWhatTheyAre) {
               R"([{"z":1}, {"a": 1.00}, {"b": 2.00}])");
 }
 
-// Random documents with random layouts, edited at random: the result says what it should, and every kept part of the
-// top level that did not change has its bytes.
+// Random documents with random layouts are edited at random: the result parses to the edited document, and every part
+// of the top level that was not edited keeps its bytes.
 struct Shuffle {
     std::mt19937 random{7};
     int below(int end) { return static_cast<int>(random() % static_cast<unsigned>(end)); }

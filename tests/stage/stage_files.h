@@ -24,8 +24,8 @@ inline std::filesystem::path put_clip(const std::filesystem::path& path, uint32_
     return path;
 }
 
-// A stage as another program would export it: everything that is ours, theirs and nobody's, and numbers as hands type
-// them. Frames of 25 fps; anna.nvv lies beside it.
+// A stage as another program could export it: members of this program's extensions, of glTF and of unknown extensions,
+// and numbers as people type them. It has 25 frames per second and uses anna.nvv beside it.
 inline const std::string kForeignStage = R"({
 	"asset" : {
 		"generator" : "Khronos glTF Blender I/O v4.2.83",
@@ -94,7 +94,7 @@ inline std::string foreign_buffer() {
     return {reinterpret_cast<const char*>(numbers), sizeof numbers};
 }
 
-// stage.gltf, its buffer and its clip.
+// Writes stage.gltf, its buffer and its clip.
 inline std::filesystem::path put_foreign_stage(const std::filesystem::path& folder) {
     write_text(folder / "stage.gltf", kForeignStage);
     write_text(folder / "stage data.bin", foreign_buffer());

@@ -78,7 +78,7 @@ TEST(StageJson, CountsItsMemory) {
     EXPECT_GT(bytes(1), nodes);
 }
 
-// The same text whether members are compared by address or value by value.
+// The spliced text is the same whether members are compared by address or by value.
 TEST(StageJson, EditsOfADocumentLeaveAllOtherBytes) {
     const std::string text = test::kForeignStage;
     const StageJson original(stage::parse_document(text, "test"));

@@ -24,9 +24,9 @@ struct Stages : testing::Test {
     stage::Stage changed(const std::string& what, const std::string& with) {
         test::put_foreign_stage(folder.path);
         std::string text = test::kForeignStage;
-        const size_t place = text.find(what);
-        EXPECT_NE(place, std::string::npos) << what;
-        write_text(at("stage.gltf"), text.replace(place, what.size(), with));
+        const size_t offset = text.find(what);
+        EXPECT_NE(offset, std::string::npos) << what;
+        write_text(at("stage.gltf"), text.replace(offset, what.size(), with));
         return stage::load_stage(at("stage.gltf"));
     }
     void expect_refused(const std::string& what, const std::string& with, std::initializer_list<std::string> parts) {
@@ -64,7 +64,7 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, 1);
     ASSERT_EQ(evaluated.performers.size(), 1u);
     const stage::EvaluatedPerformer& anna = evaluated.performers[0];
-    // 25 frames of stage time, 2 late, in a loop of 7.
+    // 25 frames of stage time, 2 frames late, in a loop of 7.
     EXPECT_EQ(anna.frame, 23 % 7);
     EXPECT_EQ(anna.opacity, 0.5f);
     // Turned by 90° about its +Y, then by 45° about z, then stretched along x, then moved.
@@ -84,7 +84,7 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
     EXPECT_NEAR(evaluated.lights[0].cos_outer, std::cos(0.6), 1e-12);
     expect_near(evaluated.lights[1].direction, {0, 0, -1});
     const stage::Camera camera = stage::camera_of(stage, "Camera", evaluated, 160, 80);
-    expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // half of its way
+    expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // the middle of its movement
     EXPECT_NEAR(camera.fy, 40 / std::tan(0.4), 1e-9);
     EXPECT_EQ(camera.fx, camera.fy);
     EXPECT_EQ(camera.cx, 80);
@@ -163,7 +163,7 @@ TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
     expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3});
 }
 
-// KHR_node_visibility: a node hides all below it, but cameras.
+// KHR_node_visibility: a node hides everything below it except cameras.
 TEST_F(Stages, HiddenNodesHideWhatHangsOnThem) {
     const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}},)";
     const stage::Stage pivot = changed(R"("name" : "Pivot",)", hidden + R"("name" : "Pivot",)");
@@ -198,12 +198,12 @@ TEST_F(Stages, OrthographicCamerasAreNamedAndNotDrawn) {
 }
 
 TEST_F(Stages, HostileOnesAreRefusedInALine) {
-    const std::string place = R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])";
-    expect_refused(place, R"("scale":[0,1,1])", {"Anna", "flat", "/nodes/4"});
-    expect_refused(place, R"("scale":[1e300,1,1])", {"/nodes/3/scale", "large"});
-    expect_refused(place, R"("scale":[1e11,1e11,1e11])", {"Anna"});
-    expect_refused(place, R"("translation":[1e11,0,0])", {"Anna"});
-    expect_refused(place, R"("translation":[NaN,0,0])", {"JSON"});
+    const std::string transform = R"("scale" : [ 2, 1, 1 ], "translation" : [ 1.0, 0, 0 ])";
+    expect_refused(transform, R"("scale":[0,1,1])", {"Anna", "flat", "/nodes/4"});
+    expect_refused(transform, R"("scale":[1e300,1,1])", {"/nodes/3/scale", "large"});
+    expect_refused(transform, R"("scale":[1e11,1e11,1e11])", {"Anna"});
+    expect_refused(transform, R"("translation":[1e11,0,0])", {"Anna"});
+    expect_refused(transform, R"("translation":[NaN,0,0])", {"JSON"});
     expect_refused(R"("children" : [ 4, 5 ])", R"("children":[3])", {"/nodes/3", "ancestor"});
     expect_refused(R"("children" : [ 4, 5 ])", R"("children":[4,99])", {"/nodes/3/children", "99"});
     expect_refused("\"KHR_lights_punctual\" ],", "\"KHR_lights_punctual\", \"ACME_fog\" ],",
@@ -288,7 +288,7 @@ TEST_F(Stages, HostileCameraPathsAreRefused) {
     refused_key("0.5", "3.15", {"keys/0/yfov"});
 }
 
-// While an animation flattens a performer it is not seen, rather than no image at all.
+// While an animation makes a performer's transform flat, the performer is invisible and the image is still drawn.
 TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
     const stage::Stage stage =
         changed(R"("target" : { "node" : 1, "path" : "translation" })", R"("target":{"node":4,"path":"scale"})");
@@ -296,7 +296,7 @@ TEST_F(Stages, FlatWhileAnimatedIsInvisible) {
     EXPECT_TRUE(stage::stage_at(stage, 0.5).performers.at(0).visible);
 }
 
-// What schema and reader know must be the same members, and what the schema bounds the reader refuses.
+// Schema and reader must know the same members, and the reader must refuse what violates the schema's bounds.
 void expect_members(const ordered_json& schema, const ordered_json& written, const std::string& what) {
     std::set<std::string> in_schema, in_file;
     for (const auto& [name, member] : schema["properties"].items()) in_schema.insert(name);
@@ -359,7 +359,7 @@ TEST(StageSchema, StageHoldsWhatIsWritten) {
     EXPECT_TRUE(stage::json_of(stage::StageSettings()).empty());
 }
 
-// Every bound of a schema is the reader's: just inside is read, just outside refused.
+// Every bound of a schema is the reader's: a value just inside is read, one just outside is refused.
 TEST(StageSchema, BoundsAreTheReaders) {
     const auto each = [](const ordered_json& properties, const ordered_json& sound, const auto& read) {
         for (const auto& [name, member] : properties.items()) {

@@ -18,7 +18,7 @@ stage::Timeline timeline(const std::string& text, uint32_t frames = kFrames, dou
     return stage::timeline_of(stage::parse_time_map(text, "stage", "time"), frames, fps, "stage", "time");
 }
 
-// What the stage's frames show, at the clip's rate.
+// The frames of the clip that the stage's frames show, at the clip's rate.
 std::vector<double> shown(const std::string& text, int count) {
     const stage::Timeline map = timeline(text);
     std::vector<double> frames;
@@ -112,7 +112,7 @@ TEST(TimeMap, TheEndsHoldAtAnyTime) {
     EXPECT_EQ(stage::frame_at(timeline("loop", 1), 17.3), 0);
 }
 
-// Stage times of whole frames show whole frames, however many of them have passed and however odd the rates.
+// Whole frames of the stage show whole frames of the clip, however many have passed and however odd the rates are.
 TEST(TimeMap, RoundingMixesNoFrames) {
     for (const double fps : {23.976, 24.0, 25.0, 29.97, 30.0, 59.94, 90.0, 1000.0 / 41})
         for (const uint32_t frames : {7u, 24u, 75u})
@@ -130,8 +130,8 @@ TEST(TimeMap, RoundingMixesNoFrames) {
     EXPECT_GT(stage::frame_at(timeline(""), (3 + 2e-6) / kFps), 3);
 }
 
-// Brute force: a clip is the list of what its frames show, and operators cut and paste lists. Whole frames, speeds that
-// take every second or third frame or show each twice without a mixture.
+// A brute-force twin: a clip is the list of the frames that it shows, and operators cut and paste lists. It has whole
+// frames only, and speeds that take every second or third frame or show each frame twice without mixing frames.
 struct Cutting {
     Frames frames;
     bool endless = false;
@@ -148,7 +148,7 @@ struct Cutting {
 
 void cut(Cutting& clip, stage::TimeOperator& op, std::mt19937& random) {
     const auto below = [&](size_t end) { return random() % end; };
-    if (clip.endless) clip.frames = clip.part(0, 2000), clip.endless = false;  // as good as endless here
+    if (clip.endless) clip.frames = clip.part(0, 2000), clip.endless = false;  // long enough for this test
     const size_t size = clip.frames.size();
     const size_t a = below(std::min<size_t>(size, 12)), b = a + 1 + below(6);
     op.a = {static_cast<double>(a), true};
@@ -166,7 +166,7 @@ void cut(Cutting& clip, stage::TimeOperator& op, std::mt19937& random) {
             op.factor = static_cast<double>(1 + below(3));
             Frames fewer;
             for (size_t i = 0; i < size; i += static_cast<size_t>(op.factor)) fewer.push_back(frames[i]);
-            if (op.factor > 1) fewer.push_back(frames.back());  // what holds after the end
+            if (op.factor > 1) fewer.push_back(frames.back());  // shown after the end
             frames = fewer;
             break;
         }
@@ -217,7 +217,8 @@ TEST(TimeMap, CompositionsAgainstCuttingAndPasting) {
             stage::TimeOperator op;
             op.verb = static_cast<stage::TimeVerb>(random() % 9);
             if (op.verb == stage::TimeVerb::kReverse && was_endless) continue;
-            // After a speed, a frame of the clip is shorter than the stage's: a last frame does not hold as long there.
+            // After a speed, a frame of the clip is shorter than one of the stage, so the last frame is shown less
+            // long.
             const bool sped = std::any_of(map.begin(), map.end(), [](const stage::TimeOperator& before) {
                 return before.verb == stage::TimeVerb::kSpeed && before.factor != 1;
             });

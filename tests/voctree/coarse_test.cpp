@@ -1,4 +1,5 @@
-// The coarse tree: as dense and as coloured as the leaves that it stands for; and its place in the file.
+// Tests that the coarse tree has the density and colour of the leaves that it replaces, and that files store it
+// correctly.
 #include "voctree/coarse.h"
 
 #include <gtest/gtest.h>
@@ -15,15 +16,15 @@
 namespace neuvv::test {
 namespace {
 
-// ∫ σ(t) over the box, in units of its volume.
+// ∫ σ(t) over the box, divided by the box's volume.
 double mass(const voctree::VOctree& tree, uint32_t frame) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const auto entries = voctree::basis_entries(tree.sigma_basis, tree.bases);
     std::vector<float> sigma(tree.frames);
     double sum = 0;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         voctree::density_of_frames(tree.leaf(leaf), entries, sigma);
-        sum += std::ldexp(sigma[frame], -3 * static_cast<int>(places[leaf].depth));
+        sum += std::ldexp(sigma[frame], -3 * static_cast<int>(positions[leaf].depth));
     }
     return sum;
 }
@@ -47,14 +48,14 @@ TEST(Coarse, OpticalDepthIsKept) {
         const voctree::VOctree cut = voctree::cut_tree(tree, depth);
         EXPECT_EQ(voctree::defect_of(cut), "");
         EXPECT_LT(cut.leaf_count, tree.leaf_count);
-        for (const voctree::LeafPosition& place : voctree::leaf_positions(cut)) EXPECT_LE(place.depth, depth);
+        for (const voctree::LeafPosition& position : voctree::leaf_positions(cut)) EXPECT_LE(position.depth, depth);
         for (uint32_t frame = 0; frame < tree.frames; frame++)
             EXPECT_NEAR(mass(cut, frame) / mass(tree, frame), 1, 1e-4) << depth;
     }
     EXPECT_EQ(voctree::cut_tree(tree, 6).weights.size(), tree.weights.size());
 }
 
-// Every point that was in a leaf is in one, and the other way round but for what a coarse cell adds around it.
+// Every point inside a leaf of the tree is inside a leaf of the coarse tree, and the coarse tree adds only whole cells.
 TEST(Coarse, LeavesStayWhereTheyWere) {
     const voctree::VOctree tree = own_frames_tree(), cut = voctree::cut_tree(tree, 3);
     Random random(1);
@@ -66,14 +67,14 @@ TEST(Coarse, LeavesStayWhereTheyWere) {
     }
 }
 
-// Eight siblings, one of them opaque and red, the others all but empty and blue: the cell is red.
+// Of eight siblings one is opaque and red, the others are nearly transparent and blue: the cell is red.
 TEST(Coarse, WhatShowsGivesTheColour) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 2, .hh_degree = 0, .frames = 2});
     give_own_bases(tree);
     tree.node_levels = 1;
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
-    voctree::build_topology(tree, places);
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 8; i++) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
+    voctree::build_topology(tree, positions);
     for (uint32_t i = 0; i < 8; i++) {
         const float numbers[] = {i == 5 ? 80.0f : 0.001f, -3, i == 5 ? 2.0f : -2.0f, 9, i == 5 ? 4.0f : -4.0f, 0, 1};
         std::copy(std::begin(numbers), std::end(numbers), tree.leaf(i));
@@ -91,10 +92,10 @@ TEST(Coarse, WhatShowsGivesTheColour) {
 TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
     EXPECT_FALSE(voctree::coarse_tree(tree));
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < voctree::kMinLeavesForCoarse; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < voctree::kMinLeavesForCoarse; i++) positions.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 5;
     const std::optional<voctree::VOctree> coarse = voctree::coarse_tree(tree);
     ASSERT_TRUE(coarse);
@@ -114,7 +115,7 @@ class CoarseFile : public testing::Test {
         return all;
     }
     std::string complaint(const std::vector<Chunk>& chunks) {
-        put_file(path, nvv_of(chunks));
+        write_bytes(path, nvv_of(chunks));
         try {
             voctree::read_nvv_coarse(path);
         } catch (const InputError& error) {
@@ -148,21 +149,21 @@ TEST_F(CoarseFile, RoundTripAndTheBytesOfTheSpecification) {
     ASSERT_EQ(extra.size(), 1u) << "the coarse tree is no extra chunk";
 
     voctree::write_nvv(path, tree, {}, 1, cut);
-    EXPECT_EQ(get_file(path), nvv_of(chunks(cut)));
+    EXPECT_EQ(read_bytes(path), nvv_of(chunks(cut)));
     voctree::write_nvv(path, tree);
     EXPECT_FALSE(voctree::read_nvv_coarse(path));
 }
 
-// It needs nothing of what comes after it.
+// The coarse tree can be read from the beginning of the file alone.
 TEST_F(CoarseFile, IsReadFromTheFilesStart) {
     voctree::write_nvv(path, tree, {}, 1, cut);
-    Bytes bytes = get_file(path);
+    Bytes bytes = read_bytes(path);
     bytes[bytes.size() - 60] ^= 1;
-    put_file(path, bytes);
+    write_bytes(path, bytes);
     EXPECT_TRUE(voctree::read_nvv_coarse(path));
     EXPECT_THROW(voctree::read_nvv(path), InputError);
     bytes[12 + 32 + 100] ^= 1;
-    put_file(path, bytes);
+    write_bytes(path, bytes);
     EXPECT_THROW(voctree::read_nvv_coarse(path), InputError);
 }
 
@@ -191,7 +192,7 @@ TEST_F(CoarseFile, HostileOnesAreRefused) {
     expect_complaint("chunk nODE: claims", lying);
 }
 
-// Damage under valid checksums: refused, or a sound tree.
+// Damage with valid checksums is refused, or gives a valid tree.
 TEST_F(CoarseFile, FuzzOfContent) {
     Random random(5);
     int refused = 0, accepted = 0;
@@ -204,7 +205,7 @@ TEST_F(CoarseFile, FuzzOfContent) {
         if (kind == 1) chunk.claimed_raw_bytes = random.engine() >> random.below(64);
         if (kind == 2) std::swap(chunk, all[random.below(all.size())]);
         if (kind >= 3) chunk.raw[at] = static_cast<uint8_t>(kind == 3 ? 255 : chunk.raw[at] ^ 1 << random.below(8));
-        put_file(path, nvv_of(all));
+        write_bytes(path, nvv_of(all));
         try {
             const std::optional<voctree::VOctree> coarse = voctree::read_nvv_coarse(path);
             ASSERT_EQ(coarse ? voctree::defect_of(*coarse) : "", "");

@@ -10,7 +10,7 @@
 namespace neuvv {
 namespace {
 
-// What the 16 bits mean, by the definition of binary16.
+// The value of 16 bits by the definition of binary16.
 double value_of_half(uint32_t bits) {
     const double sign = bits & 0x8000 ? -1 : 1;
     const int exponent = static_cast<int>(bits >> 10 & 31);
@@ -38,7 +38,7 @@ TEST(Half, EveryFiniteHalfSurvivesTheRoundTrip) {
     }
 }
 
-// Between each two neighbouring halves: the midpoint goes to the even one, its float neighbours to the nearer one.
+// Between any two neighbouring halves, the midpoint rounds to the even one, and its float neighbours to the nearer one.
 TEST(Half, RoundsToNearestTiesToEven) {
     for (uint32_t low = 0; low < 0x7bff; ++low) {
         const uint32_t even = low % 2 == 0 ? low : low + 1;

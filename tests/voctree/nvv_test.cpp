@@ -19,11 +19,11 @@ namespace {
 using test::Bytes;
 using test::Chunk;
 using test::chunks_of;
-using test::get_file;
 using test::nvv_of;
-using test::put_file;
 using test::Random;
 using test::random_tree;
+using test::read_bytes;
+using test::write_bytes;
 
 bool same_tree(const voctree::VOctree& a, const voctree::VOctree& b) {
     const auto same_node = [](const TreeNode& m, const TreeNode& n) {
@@ -50,9 +50,9 @@ class Nvv : public testing::Test {
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
 
-    // The complaint about these bytes, empty if there is none.
+    // The error message for these bytes, or an empty string.
     std::string complaint(const Bytes& bytes) {
-        put_file(path_, bytes);
+        write_bytes(path_, bytes);
         std::vector<voctree::NvvChunk> extra;
         try {
             voctree::read_nvv(path_, &extra);
@@ -83,7 +83,7 @@ TEST_F(Nvv, RoundTripOfMixedTrees) {
     }
 }
 
-// As training leaves them: few of the bases in use, weights on coarse grids or with few digits.
+// A tree as training writes it: leaves use few of the bases, weights are on coarse grids or have few digits.
 voctree::VOctree compact_tree(uint32_t seed) {
     voctree::VOctree tree =
         random_tree({.seed = seed, .node_levels = 2, .leaves = 120, .bases = 13, .hh_degree = 1, .frames = 13});
@@ -106,21 +106,21 @@ TEST_F(Nvv, CompactTreesTakeFewBytes) {
         const voctree::VOctree tree = compact_tree(seed);
         voctree::write_nvv(path_, tree, {}, 1);
         EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_))) << seed;
-        EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_)) << seed;
+        EXPECT_EQ(nvv_of(chunks_of(tree)), read_bytes(path_)) << seed;
     }
     const voctree::NvvSummary summary = voctree::summarise_nvv(path_);
     const uint64_t leaves = summary.head.leaf_count;
     EXPECT_EQ(2 * leaves, summary.chunks[5].raw_bytes);
-    EXPECT_LT(summary.chunks[6].raw_bytes, 13 * leaves);  // a quarter of 13 halves, and chance
+    EXPECT_LT(summary.chunks[6].raw_bytes, 13 * leaves);  // a quarter of 13 halves, plus a margin for chance
 }
 
-// A column whose steps pass 16 bits wraps, and comes back.
+// Steps that exceed 16 bits wrap around, and are restored by wrapping back.
 TEST_F(Nvv, StepsMayWrap) {
     voctree::VOctree tree = small_tree();
     for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[4] = i % 2 ? 32752.0f : -32752.0f;
     voctree::write_nvv(path_, tree, {}, 1);
     EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
-    EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
+    EXPECT_EQ(nvv_of(chunks_of(tree)), read_bytes(path_));
 }
 
 TEST_F(Nvv, RoundTripBeyondOnePiece) {
@@ -164,14 +164,14 @@ TEST_F(Nvv, WeightsRoundToHalfAndSaturate) {
 
 TEST_F(Nvv, ReadsWhatTheSpecificationSays) {
     const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 3, .leaves = 300, .bases = 5, .hh_degree = 2});
-    put_file(path_, nvv_of(chunks_of(tree)));
+    write_bytes(path_, nvv_of(chunks_of(tree)));
     EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
 }
 
 TEST_F(Nvv, WritesWhatTheSpecificationSays) {
     const voctree::VOctree tree = small_tree();
     voctree::write_nvv(path_, tree, {}, 1);
-    EXPECT_EQ(nvv_of(chunks_of(tree)), get_file(path_));
+    EXPECT_EQ(nvv_of(chunks_of(tree)), read_bytes(path_));
 }
 
 TEST_F(Nvv, ExtraChunksRideAlong) {
@@ -190,7 +190,7 @@ TEST_F(Nvv, ExtraChunksRideAlong) {
     // Between the known chunks, too.
     std::vector<Chunk> chunks = chunks_of(tree);
     chunks.insert(chunks.begin() + 3, {.name = "note", .raw = {9}});
-    put_file(path_, nvv_of(chunks));
+    write_bytes(path_, nvv_of(chunks));
     EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_, &read)));
     ASSERT_EQ(1u, read.size());
     EXPECT_EQ("note", read[0].name);
@@ -250,7 +250,7 @@ TEST_F(Nvv, EverySingleFlippedBitIsSeen) {
     }
 }
 
-// Damage without knowledge of checksums: refused, or the tree is what it was.
+// Damage without valid checksums is refused, or the tree is unchanged.
 TEST_F(Nvv, FuzzOfBytesAndChunks) {
     const voctree::VOctree tree = small_tree();
     std::vector<Chunk> chunks = chunks_of(tree);
@@ -279,7 +279,7 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
             if (kind == 2 && length < bytes.size())
                 bytes.erase(bytes.begin() + offset(at), bytes.begin() + offset(at + length));
             if (kind == 3) std::fill_n(bytes.begin() + offset(at), length, static_cast<uint8_t>(random.below(2) * 255));
-            if (kind == 4) {  // the chunks in another order, one perhaps twice or gone
+            if (kind == 4) {  // the chunks in another order, perhaps with one twice or missing
                 bytes.resize(12);
                 std::vector<std::pair<size_t, size_t>> shuffled = spans;
                 std::swap(shuffled[random.below(11)], shuffled[random.below(11)]);
@@ -288,7 +288,7 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
                     bytes.insert(bytes.end(), whole.begin() + offset(begin), whole.begin() + offset(end));
             }
         }
-        put_file(path_, bytes);
+        write_bytes(path_, bytes);
         try {
             std::vector<voctree::NvvChunk> extra;
             ASSERT_TRUE(same_tree(tree, voctree::read_nvv(path_, &extra))) << round;
@@ -300,7 +300,7 @@ TEST_F(Nvv, FuzzOfBytesAndChunks) {
     EXPECT_GT(refused, 5000);
 }
 
-// Damage under valid checksums: refused, or a tree without defects whose every leaf can be walked to.
+// Damage with valid checksums is refused, or gives a tree without defects, each leaf of which can be found.
 TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
     Random random(12);
     int refused = 0, accepted = 0;
@@ -319,7 +319,7 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
                 chunk.raw[at] = static_cast<uint8_t>(kind == 4 ? 255 : chunk.raw[at] ^ 1 << random.below(8));
             if (chunk.raw.empty()) chunk.raw.push_back(0);
         }
-        put_file(path_, nvv_of(chunks));
+        write_bytes(path_, nvv_of(chunks));
         try {
             const voctree::VOctree tree = voctree::read_nvv(path_);
             ASSERT_EQ("", voctree::defect_of(tree)) << round;
@@ -333,7 +333,7 @@ TEST_F(Nvv, FuzzOfContentUnderValidChecksums) {
             ++refused;
         }
     }
-    EXPECT_GT(refused, 1500);  // both ways are well trodden
+    EXPECT_GT(refused, 1500);  // both outcomes are frequent
     EXPECT_GT(accepted, 1500);
 }
 
@@ -374,7 +374,7 @@ TEST_F(Nvv, HostileCounts) {
             expect_complaint(std::string("chunk HEAD: ") + names[field], nvv_of(chunks));
         }
     }
-    // The largest counts that HEAD may name, without the bytes to back them.
+    // The largest counts that HEAD may have, without the data that they need.
     for (const auto& [field, count] :
          {std::pair<size_t, uint32_t>{1, voctree::kMaxNodes}, {2, 8 * voctree::kMaxLeaves}}) {
         std::vector<Chunk> chunks = chunks_of(small_tree());
@@ -383,19 +383,19 @@ TEST_F(Nvv, HostileCounts) {
         chunks[field].claimed_raw_bytes = (field == 1 ? 12 : 4) * uint64_t{count};
         expect_complaint("too many for a file of", nvv_of(chunks));
     }
-    // Leaves that no node reaches are refused before memory is taken for their weights.
+    // Leaves that no node reaches are refused before memory is allocated for their weights.
     std::vector<Chunk> chunks = chunks_of(small_tree());
     std::memcpy(&chunks[0].raw[12], &voctree::kMaxLeaves, 4);
     expect_complaint("leaves are not reached", nvv_of(chunks));
 }
 
-// Weights that take no bytes in the file take memory all the same.
+// Weights that need no bytes in the file still need memory.
 TEST_F(Nvv, EmptyLeavesMayNotAskForMemoryWithoutEnd) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0});
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < 64 * 64 * 64; ++i) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 64 * 64 * 64; ++i) positions.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     std::vector<Chunk> chunks = chunks_of(tree);
     EXPECT_EQ("", complaint(nvv_of(chunks)));
     const uint32_t bases = 64, hh_degree = 3;  // 436 bytes a leaf as halves, 114 MB in all
@@ -418,7 +418,7 @@ TEST_F(Nvv, HostileChunks) {
         chunk.claimed_raw_bytes = chunk.raw.size();
         chunk.stored = test::compressed(Bytes(chunk.raw.size() + more, 1));
     };
-    // Raw sizes that the frame does not keep, to either side.
+    // Raw sizes that differ from the size of the unpacked frame, too small and too large.
     expect_complaint("cannot be unpacked", file_with([&](Chunks& c) { lie(c[5], 1); }));
     expect_complaint("unpacks to", file_with([&](Chunks& c) { lie(c[5], size_t(-1)); }));
     expect_complaint("too many for a file", file_with([](Chunks& c) { c[5].claimed_raw_bytes = UINT64_MAX; }));
@@ -456,10 +456,10 @@ class NvvAtomic : public Nvv {
     void SetUp() override {
         Nvv::SetUp();
         voctree::write_nvv(path_, small_tree());
-        old_ = get_file(path_);
+        old_ = read_bytes(path_);
     }
     void expect_old_file_alone() {
-        EXPECT_EQ(old_, get_file(path_));
+        EXPECT_EQ(old_, read_bytes(path_));
         const auto files = std::filesystem::directory_iterator(folder_);
         EXPECT_EQ(1, std::distance(begin(files), end(files)));
     }
@@ -469,7 +469,7 @@ class NvvAtomic : public Nvv {
 TEST_F(NvvAtomic, FoldersThatTakeNoFile) {
     EXPECT_THROW(voctree::write_nvv(folder_ / "missing" / "tree.nvv", small_tree()), RuntimeFailure);
     EXPECT_THROW(voctree::write_nvv(path_ / "below_a_file.nvv", small_tree()), RuntimeFailure);
-    EXPECT_THROW(voctree::write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // refuses even the super user
+    EXPECT_THROW(voctree::write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // not writable even for root
     expect_old_file_alone();
 }
 

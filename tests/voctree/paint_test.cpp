@@ -1,5 +1,4 @@
-// Layers of paint: the invariant of their edits against a plain table of times, and their file, damaged ones
-// included.
+// Tests layers of paint: edits against a plain table of times, and their files, including damaged ones.
 #include "voctree/paint.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// PlenOctrees against what svox makes of the same arrays, and files that must be refused.
+// Tests PlenOctrees against svox' evaluation of the same arrays, and that invalid files are refused.
 #include "voctree/plenoctree.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ double sigmoid(double x) {
     return 1 / (1 + std::exp(-x));
 }
 
-// svox' functions (Condon-Shortley phase), in its order.
+// svox' SH functions (with the Condon-Shortley phase), in its order.
 std::vector<double> svox_basis(uint32_t functions, glm::dvec3 d) {
     const double x = d.x, y = d.y, z = d.z;
     std::vector<double> basis = {0.28209479177387814,
@@ -49,7 +49,7 @@ std::vector<double> svox_basis(uint32_t functions, glm::dvec3 d) {
     return basis;
 }
 
-// An N3Tree as svox has it in memory. `functions` 0: RGBA.
+// An N3Tree as svox has it in memory. With 0 `functions` its format is RGBA.
 struct N3Tree {
     uint32_t functions = 9;
     bool halves = true;
@@ -103,7 +103,7 @@ struct N3Tree {
 
 constexpr uint32_t kNodes = 40, kCapacity = 43;
 
-// Nodes hang where there is room; σ is negative, 0 or positive; numbers of nodes that nothing leads to are not numbers.
+// Nodes are children of random cells; σ is negative, 0 or positive; data of nodes that no other node refers to is NaN.
 N3Tree random_n3tree(uint32_t functions, bool halves, uint64_t seed) {
     Random random(seed);
     N3Tree tree;
@@ -178,11 +178,12 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     const N3Tree truth = random_n3tree(9, true, 5);
     const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored);
     const auto slices = reference::slice_tree(tree, 0);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        const voctree::LeafPosition& place = places[leaf];
-        const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * std::ldexp(1.0, -int(place.depth));
+        const voctree::LeafPosition& position = positions[leaf];
+        const glm::dvec3 middle =
+            (glm::dvec3(position.x, position.y, position.z) + 0.5) * std::ldexp(1.0, -int(position.depth));
         const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
         for (size_t c = 0; c < 3; c++)
             for (size_t i = 0; i < 9; i++)
@@ -190,7 +191,7 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     }
 }
 
-// Transmittance along rays of the world, whose cells are no cubes, by svox' steps: lengths are the world's.
+// Transmittance along rays in the world, where cells are not cubes, by svox' steps: lengths are those of the world.
 TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
     const N3Tree truth = random_n3tree(4, true, 9);
     const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kAsStored);
@@ -203,7 +204,7 @@ TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
         const glm::dvec3 from =
             (glm::dvec3(random.uniform(), random.uniform(), random.uniform()) - glm::dvec3(truth.offset)) / scale;
         const glm::dvec3 direction = random_direction(random), unit = glm::normalize(direction * scale);
-        const double metres = 1 / glm::length(direction * scale);  // of a length in the tree
+        const double metres = 1 / glm::length(direction * scale);  // per unit of length in the tree
         const glm::dvec3 origin = glm::dvec3(truth.offset) + scale * from;
         double optical_depth = 0;
         for (double t = 0;;) {
@@ -223,7 +224,7 @@ TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
     }
 }
 
-// What a display is sent is what the file says: exactly where it does not depend on the direction, else nearly.
+// Colours on a display are those of the file: exactly where they do not depend on the direction, else nearly.
 TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
     const struct {
         uint32_t functions;
@@ -292,7 +293,7 @@ TEST_F(PlenoctreeTest, DamageIsNamed) {
         damage(tree);
         expect_input_error([&] { read(tree, voctree::PlenoctreeColours::kLinear); }, parts);
     };
-    const auto leaf = [&](uint64_t from) {  // a leaf that is reached and seen
+    const auto leaf = [&](uint64_t from) {  // a leaf that is reached and has σ > 0
         for (uint64_t cell = from;; cell++)
             if (sound.child[cell] == 0 && sound.data[cell * sound.numbers() + 27] > 0) return cell;
     };
@@ -377,7 +378,7 @@ TEST_F(PlenoctreeTest, SmallFilesAskForLittle) {
     expect_input_error([&] { voctree::read_plenoctree(file); }, {"padding", "too large"});
 }
 
-// Damage behind the checksums, which zip would find.
+// Damage with valid zip checksums.
 TEST_F(PlenoctreeTest, AnyDamageIsRefusedOrMakesASoundTree) {
     N3Tree tree = random_n3tree(4, true, 8);
     const auto sound = tree.arrays();

@@ -1,4 +1,4 @@
-// Rounded weights: what a leaf shows moves by no more than was allowed, and the numbers have few digits.
+// Tests that rounding weights changes opacity and colour by no more than allowed, and leaves numbers with few digits.
 #include "voctree/round.h"
 
 #include <gtest/gtest.h>
@@ -15,17 +15,18 @@ namespace neuvv::test {
 namespace {
 
 struct Difference {
-    double opacity = 0, colour = 0;  // the largest: of a leaf over its edge; in linear light times opacity
+    double opacity = 0,
+           colour = 0;  // the largest: of a leaf's opacity along its edge; of its colour in linear light times opacity
 };
 
 Difference difference(const voctree::VOctree& before, const voctree::VOctree& after) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(before);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(before);
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     Difference largest;
     for (uint32_t frame = 0; frame < before.frames; frame++) {
         const auto was = reference::slice_tree(before, frame), is = reference::slice_tree(after, frame);
         for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
-            const double edge = voctree::leaf_edge_m(before, places[leaf].depth);
+            const double edge = voctree::leaf_edge_m(before, positions[leaf].depth);
             const double seen = 1 - std::exp(-was[leaf].sigma * edge), sees = 1 - std::exp(-is[leaf].sigma * edge);
             largest.opacity = std::max(largest.opacity, std::abs(seen - sees));
             if (was[leaf].sigma <= 0 || is[leaf].sigma <= 0) continue;
@@ -37,7 +38,7 @@ Difference difference(const voctree::VOctree& before, const voctree::VOctree& af
     return largest;
 }
 
-// With a basis for each frame, w^σ of a frame alone decides its opacity.
+// With a basis for each frame, w^σ of a frame alone decides the opacity in that frame.
 voctree::VOctree own_frames_tree() {
     voctree::VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 6, .hh_degree = 2, .frames = 6});
     std::fill(tree.sigma_basis.begin(), tree.sigma_basis.end(), 0.0f);
@@ -55,7 +56,7 @@ TEST(Round, LeavesShowNoMoreThanTheError) {
         const Difference off = difference(tree, rounded);
         EXPECT_LE(off.opacity, 1.001 * error);
         EXPECT_GT(off.opacity, 0.2 * error);
-        EXPECT_LE(off.colour, 3 * error);  // γ and 14 functions, each within its share
+        EXPECT_LE(off.colour, 3 * error);  // γ and 14 functions, each within its share of `error`
         EXPECT_GT(off.colour, 0.05 * error);
     }
 }

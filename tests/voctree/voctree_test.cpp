@@ -12,33 +12,33 @@ namespace neuvv {
 namespace {
 
 using test::Random;
-using test::random_places;
+using test::random_positions;
 using test::random_tree;
 using test::RandomTreeOptions;
 
-bool same_place(const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
+bool same_position(const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
     return a.x == b.x && a.y == b.y && a.z == b.z && a.depth == b.depth;
 }
 
-uint32_t find_leaf_by_search(const std::vector<voctree::LeafPosition>& places, glm::dvec3 position) {
-    for (uint32_t i = 0; i < places.size(); ++i) {
-        const voctree::LeafPosition& place = places[i];
-        const double cells = std::ldexp(1.0, static_cast<int>(place.depth));
-        if (std::floor(position.x * cells) == place.x && std::floor(position.y * cells) == place.y &&
-            std::floor(position.z * cells) == place.z)
+uint32_t find_leaf_by_search(const std::vector<voctree::LeafPosition>& positions, glm::dvec3 position) {
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+        const voctree::LeafPosition& leaf = positions[i];
+        const double cells = std::ldexp(1.0, static_cast<int>(leaf.depth));
+        if (std::floor(position.x * cells) == leaf.x && std::floor(position.y * cells) == leaf.y &&
+            std::floor(position.z * cells) == leaf.z)
             return i;
     }
     return UINT32_MAX;
 }
 
-voctree::VOctree tree_of(uint32_t node_levels, const std::vector<voctree::LeafPosition>& places) {
+voctree::VOctree tree_of(uint32_t node_levels, const std::vector<voctree::LeafPosition>& positions) {
     voctree::VOctree tree;
     tree.node_levels = node_levels;
     tree.bases = 2;
     tree.hh_degree = 0;
     tree.sigma_basis.assign(2, 0.5f);
     tree.gamma_basis.assign(2, 0.5f);
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     return tree;
 }
 
@@ -69,22 +69,23 @@ TEST(Topology, LeafPlacesInvertsBuildTopology) {
     for (uint64_t seed = 0; seed < 60; ++seed) {
         Random random(seed);
         const uint32_t levels = 1 + static_cast<uint32_t>(seed) % 3;
-        const std::vector<voctree::LeafPosition> places = random_places(random, levels, 1 + random.below(600));
-        const voctree::VOctree tree = tree_of(levels, places);
+        const std::vector<voctree::LeafPosition> positions = random_positions(random, levels, 1 + random.below(600));
+        const voctree::VOctree tree = tree_of(levels, positions);
         ASSERT_EQ("", voctree::defect_of(tree)) << seed;
         const std::vector<voctree::LeafPosition> found = voctree::leaf_positions(tree);
-        ASSERT_EQ(places.size(), found.size());
-        for (size_t i = 0; i < places.size(); ++i) ASSERT_TRUE(same_place(places[i], found[i])) << seed << " " << i;
+        ASSERT_EQ(positions.size(), found.size());
+        for (size_t i = 0; i < positions.size(); ++i)
+            ASSERT_TRUE(same_position(positions[i], found[i])) << seed << " " << i;
     }
 }
 
 TEST(Topology, GeneratorMixesAllDepths) {
     Random random(5);
     std::set<uint32_t> depths;
-    for (const voctree::LeafPosition& place : random_places(random, 3, 500)) depths.insert(place.depth);
+    for (const voctree::LeafPosition& position : random_positions(random, 3, 500)) depths.insert(position.depth);
     EXPECT_TRUE(depths.contains(3) && depths.contains(4) && depths.contains(5) && depths.contains(6));
     std::set<uint32_t> shallow;
-    for (const voctree::LeafPosition& place : random_places(random, 1, 12)) shallow.insert(place.depth);
+    for (const voctree::LeafPosition& position : random_positions(random, 1, 12)) shallow.insert(position.depth);
     EXPECT_EQ((std::set<uint32_t>{1, 2}), shallow);
 }
 
@@ -119,14 +120,14 @@ TEST(FindLeaf, AgreesWithASearchOverPlaces) {
     for (uint64_t seed = 0; seed < 30; ++seed) {
         Random random(100 + seed);
         const uint32_t levels = 1 + static_cast<uint32_t>(seed) % 3;
-        const std::vector<voctree::LeafPosition> places = random_places(random, levels, 300);
-        const voctree::VOctree tree = tree_of(levels, places);
+        const std::vector<voctree::LeafPosition> positions = random_positions(random, levels, 300);
+        const voctree::VOctree tree = tree_of(levels, positions);
         size_t hits = 0;
         const double grid = std::ldexp(1.0, 2 * static_cast<int>(levels));
         for (int i = 0; i < 2000; ++i) {
             glm::dvec3 position(random.uniform(), random.uniform(), random.uniform());
             if (i % 2) position = glm::floor(position * grid) / grid;  // exactly on cell borders
-            const uint32_t truth = find_leaf_by_search(places, position);
+            const uint32_t truth = find_leaf_by_search(positions, position);
             hits += truth != UINT32_MAX;
             ASSERT_EQ(truth, voctree::find_leaf(tree, position)) << seed;
         }
@@ -143,7 +144,7 @@ TEST(FindLeaf, OutsideTheBoxIsEmpty) {
         EXPECT_EQ(UINT32_MAX, voctree::find_leaf(tree, {0, outside, 0})) << outside;
 }
 
-// σ of the generator's trees, as its comment promises.
+// σ of the trees of random_tree, as its comment describes.
 TEST(Generator, HalfOfTheLeavesAreVisible) {
     const voctree::VOctree tree = random_tree({.seed = 9, .node_levels = 3, .leaves = 3000, .bases = 8, .frames = 3});
     for (uint32_t frame = 0; frame < tree.frames; ++frame) {
@@ -158,7 +159,7 @@ TEST(Generator, HalfOfTheLeavesAreVisible) {
     }
 }
 
-// Each row breaks a good tree in one way and names a word of the complaint.
+// Each row damages a valid tree in one way and has a part of the expected message.
 struct Damage {
     const char* word;
     void (*apply)(voctree::VOctree&);
@@ -201,7 +202,7 @@ TEST(Defect, EveryKindOfDamageIsNamed) {
         {"box", [](voctree::VOctree& t) { t.box_min.x = t.box_size.x = 3e38f; }},
         {"fps", [](voctree::VOctree& t) { t.fps = 0; }},
     };
-    // Two nodes side by side under the root (entries 0 and 1), each with one finest leaf, last an odd leaf of the root.
+    // Two nodes under the root (entries 0 and 1), each with one finest leaf, then a leaf of the root.
     const voctree::VOctree good = tree_of(2, {{0, 0, 0, 4}, {4, 0, 0, 4}, {1, 1, 1, 1}});
     ASSERT_EQ("", voctree::defect_of(good));
     ASSERT_EQ(1u, good.children[0]);
@@ -230,10 +231,10 @@ TEST(Defect, ARepeatedLeafMustFillOneWholeOctant) {
     voctree::VOctree mixed = tree_of(1, {{0, 0, 0, 1}, {2, 0, 0, 2}});
     mixed.children[7] = mixed.children[8];
     EXPECT_NE("", voctree::defect_of(mixed));
-    // Eight cells of an octant with eight leaves of their own are fine.
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < 8; ++i) places.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
-    EXPECT_EQ("", voctree::defect_of(tree_of(1, places)));
+    // Eight cells of an octant with eight different leaves are valid.
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 8; ++i) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
+    EXPECT_EQ("", voctree::defect_of(tree_of(1, positions)));
 }
 
 }  // namespace
