@@ -26,7 +26,7 @@ Node march_node(uint node);
 uint march_child(uint index);
 bool march_wants(uint leaf);
 
-// A walk goes up along every axis: those along which its ray goes down are mirrored, places x as side − x and cells with all
+// A walk goes up along every axis: those along which its ray goes down are mirrored, coordinates x as side − x and cells with all
 // bits turned over.
 struct March {
     vec3 origin;     // in finest cells

@@ -29,19 +29,19 @@ bool finite(const glm::dmat4& matrix) {
 }
 
 std::string complaint_about_time(const stage::Stage& stage, double time_s) {
-    const stage::EvaluatedStage instant = stage::stage_at(stage, time_s);
-    for (const stage::EvaluatedPerformer& performer : instant.performers) {
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, time_s);
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (performer.visible && !(finite(performer.world_from_performer) && performer.opacity >= 0))
             return "gave a performer that cannot be";
         if (!(performer.frame >= 0 && performer.frame <= static_cast<float>(stage.clips.at(performer.clip).frames - 1)))
             return "gave a frame outside of its clip";
     }
-    for (const stage::EvaluatedLight& light : instant.lights)
+    for (const stage::EvaluatedLight& light : evaluated.lights)
         if (!(std::abs(glm::length(light.direction) - 1) < 1e-6 && std::isfinite(glm::length(light.position))))
             return "gave a light that cannot be";
-    for (const stage::EvaluatedCamera& camera : instant.cameras)
+    for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         if (!camera.orthographic &&
-            !sound(stage::camera_of(stage, std::to_string(&camera - instant.cameras.data()), instant, 8, 8)))
+            !sound(stage::camera_of(stage, std::to_string(&camera - evaluated.cameras.data()), evaluated, 8, 8)))
             return "gave a camera that cannot be";
     return {};
 }

@@ -125,7 +125,7 @@ class CoarseFile : public testing::Test {
     }
     void expect_complaint(const std::string& words, const std::vector<Chunk>& chunks) {
         const std::string found = complaint(chunks);
-        EXPECT_NE(found.find(words), std::string::npos) << "wanted: " << words << "\nfound: " << found;
+        EXPECT_NE(found.find(words), std::string::npos) << "expected: " << words << "\nfound: " << found;
         EXPECT_EQ(found.find(path.string()), 0u) << found;
         EXPECT_EQ(found.find('\n'), std::string::npos);
     }

@@ -63,7 +63,7 @@ class Nvv : public testing::Test {
     }
     void expect_complaint(const std::string& words, const Bytes& bytes) {
         const std::string found = complaint(bytes);
-        EXPECT_NE(std::string::npos, found.find(words)) << "wanted: " << words << "\nfound: " << found;
+        EXPECT_NE(std::string::npos, found.find(words)) << "expected: " << words << "\nfound: " << found;
         EXPECT_EQ(0u, found.find(path_.string())) << found;
     }
 

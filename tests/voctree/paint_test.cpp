@@ -27,13 +27,13 @@ struct Look {
 };
 using Table = std::array<std::array<Look, kSteps>, kLeaves>;
 
-float instant(uint32_t step) {
+float frame_of(uint32_t step) {
     return static_cast<float>(step) / 8;
 }
 
 void paint_table(Table& table, const voctree::LeafEdit& edit) {
     for (uint32_t step = 0; step < kSteps; step++) {
-        if (instant(step) < edit.first || instant(step) > edit.last) continue;
+        if (frame_of(step) < edit.first || frame_of(step) > edit.last) continue;
         Look& look = table[edit.leaf][step];
         look.premultiplied =
             double{edit.alpha} * glm::dvec3(edit.colour) + (1.0 - double{edit.alpha}) * look.premultiplied;
@@ -45,21 +45,21 @@ void paint_table(Table& table, const voctree::LeafEdit& edit) {
 void expect_table(const voctree::EditLayer& layer, const Table& table) {
     EXPECT_EQ(voctree::defect_of(layer), "");
     Table found;
-    std::array<std::array<int, kSteps>, kLeaves> held{};
+    std::array<std::array<int, kSteps>, kLeaves> applying{};
     for (const voctree::LeafEdit& edit : layer.edits)
         for (uint32_t step = 0; step < kSteps; step++) {
-            if (instant(step) < edit.first || instant(step) > edit.last) continue;
-            held[edit.leaf][step]++;
+            if (frame_of(step) < edit.first || frame_of(step) > edit.last) continue;
+            applying[edit.leaf][step]++;
             found[edit.leaf][step] = {glm::dvec3(edit.colour) * double{edit.alpha}, double{edit.alpha},
                                       double{edit.sigma}};
         }
     for (uint32_t leaf = 0; leaf < kLeaves; leaf++)
         for (uint32_t step = 0; step < kSteps; step++) {
             const Look &a = found[leaf][step], &b = table[leaf][step];
-            EXPECT_LE(held[leaf][step], 1);
+            EXPECT_LE(applying[leaf][step], 1);
             EXPECT_NEAR(a.alpha, b.alpha, 1e-6);
             EXPECT_LE(glm::distance(a.premultiplied, b.premultiplied), 1e-6);
-            EXPECT_EQ(a.sigma, b.sigma) << "leaf " << leaf << " at " << instant(step);
+            EXPECT_EQ(a.sigma, b.sigma) << "leaf " << leaf << " at " << frame_of(step);
         }
 }
 
@@ -67,8 +67,8 @@ voctree::LeafEdit random_edit(Random& random) {
     voctree::LeafEdit edit;
     edit.leaf = random.below(kLeaves);
     const uint32_t a = random.below(kSteps), b = random.below(kSteps);
-    edit.first = instant(std::min(a, b));
-    edit.last = instant(std::max(a, b));
+    edit.first = frame_of(std::min(a, b));
+    edit.last = frame_of(std::max(a, b));
     const uint32_t kind = random.below(4);
     if (kind != 0) {
         edit.colour = glm::vec3(random.below(2), random.below(3) * 0.5, random.below(5) * 0.25);
@@ -90,11 +90,11 @@ TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
             voctree::add_edits(layer, edits);
             if (random.below(3) == 0) {
                 const std::array<uint32_t, 2> leaves = {2, random.below(2)};
-                const float first = instant(random.below(kSteps)), last = instant(random.below(kSteps));
+                const float first = frame_of(random.below(kSteps)), last = frame_of(random.below(kSteps));
                 voctree::remove_edits(layer, leaves, first, last);
                 for (uint32_t leaf : leaves)
                     for (uint32_t step = 0; step < kSteps; step++)
-                        if (instant(step) >= first && instant(step) <= last) table[leaf][step] = {};
+                        if (frame_of(step) >= first && frame_of(step) <= last) table[leaf][step] = {};
             }
             expect_table(layer, table);
         }

@@ -245,9 +245,9 @@ TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
             for (int i = 0; i < 20; i++) {
                 const glm::dvec3 direction = random_direction(random);
                 const glm::dvec3 linear = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
-                const glm::dvec3 shown = reference::sample_colour(as_stored[leaf], tree.hh_degree, direction);
+                const glm::dvec3 expected = reference::sample_colour(as_stored[leaf], tree.hh_degree, direction);
                 for (int channel = 0; channel < 3; channel++) {
-                    const double off = std::abs(media::srgb_from_linear(linear[channel]) - shown[channel]);
+                    const double off = std::abs(media::srgb_from_linear(linear[channel]) - expected[channel]);
                     worst = std::max(worst, off);
                     sum += off / (60.0 * tree.leaf_count);
                 }
