@@ -82,7 +82,7 @@ class FrameRenderer {
     void change_fields(std::vector<const Field*> fields);
 
     // Renders an image for each camera and waits. The images stay on the device until the next call: R8G8B8A8, sRGB
-    // with straight alpha, in rows of settings.width pixels, the images of the cameras behind each other. A pass that
+    // with straight alpha, in rows of settings.width pixels, the images of the cameras one after the other. A pass that
     // reads them, unless it is a compute shader or a copy, must begin with a barrier. Throws RuntimeFailure for more or
     // larger images than the capacity, more than kMaxInstances instances, cameras of another size than the images,
     // fields that the renderer does not have, frames that are not finite, and transforms that cannot be inverted.

@@ -10,7 +10,7 @@ namespace neuvv::render {
 // The buffers of a set that performers' rays read. Null: there is no set.
 struct SetBuffers {
     // The depth of the opaque set: metres along the camera's axis (R32_SFLOAT), infinity where there is no set. Rows of
-    // samples · width texels, views behind each other.
+    // samples · width texels, views one after the other.
     const gpu::Buffer* set_depth = nullptr;
     // The lights and their shadow maps, as shadow.glsl reads them; either all or none.
     const gpu::Buffer *lights = nullptr, *set_shadows = nullptr, *performer_shadows = nullptr;

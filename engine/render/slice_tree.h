@@ -8,7 +8,7 @@
 
 namespace neuvv::render {
 
-// Several slices of one field, behind each other in the same buffers.
+// Several slices of one field, one after the other in the same buffers.
 struct SliceTrees {
     // Each slice has room for `entry_capacity` entries: one for each live leaf and each live node but the root. Where a
     // node finds no room for its entries the node is left out, and they are counted in LiveCount::overflow. Throws

@@ -8,7 +8,7 @@
 
 namespace neuvv::render {
 
-// The views of a frame have images of the same size. Their tiles are behind each other in the buffers, view by view.
+// The views of a frame have images of the same size. Their tiles are one after the other in the buffers, view by view.
 struct ViewLayout {
     uint32_t width = 0, height = 0;  // pixels
     uint32_t samples = 1;            // rays per pixel along each side

@@ -1,4 +1,4 @@
-// The slice tree against the reference's slice: which cells live, what their entries say; and the ranges of tiles.
+// The slice tree against the reference's slice: live cells and their entries; and the ranges of tiles.
 #include "render/slice_tree.h"
 
 #include <gtest/gtest.h>
@@ -68,8 +68,8 @@ TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
 }
 
 // A ray's part inside live leaves, in metres; none (x > y) where it meets none.
-glm::dvec2 seen_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
-                      const reference::Ray& ray) {
+glm::dvec2 met_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
+                     const reference::Ray& ray) {
     glm::dvec2 range(1e30, -1e30);
     for (const reference::Segment& segment : reference::intersect(tree, ray)) {
         if (!(slices[segment.leaf].sigma > 0)) continue;
@@ -96,7 +96,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     struct View {
         stage::Camera camera;
         bool outside;
-        uint32_t level;  // of the finest nodes that are looked at
+        uint32_t level;  // of the finest nodes that are projected
     };
     const View outside{look({2.7, 2.4, 3.1}, glm::dvec3(0.5), 1.1), true, 2};
     View coarse = outside, whole = outside;
@@ -119,20 +119,20 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
         gpu::download(device(), ranges.count, &count, sizeof(count));
         uint32_t listed = 0, seeing = 0;
         for (uint32_t tile = 0; tile < words.size(); tile++) {
-            glm::dvec2 seen(1e30, -1e30);
+            glm::dvec2 truth(1e30, -1e30);
             for (uint32_t i = 0; i < 64; i++) {
                 const uint32_t x = tile % kAcross * 8 + i % 8, y = tile / kAcross * 8 + i / 8;
                 if (x >= kWidth || y >= kHeight) continue;
-                const glm::dvec2 range = seen_range(tree, slices, reference::camera_ray(camera, x, y));
-                seen = {std::min(seen.x, range.x), std::max(seen.y, range.y)};
+                const glm::dvec2 range = met_range(tree, slices, reference::camera_ray(camera, x, y));
+                truth = {std::min(truth.x, range.x), std::max(truth.y, range.y)};
             }
             listed += words[tile].x != kNoTile;
-            seeing += seen.x < seen.y;
-            if (!(seen.x < seen.y)) continue;
+            seeing += truth.x < truth.y;
+            if (!(truth.x < truth.y)) continue;
             ASSERT_NE(words[tile].x, kNoTile) << "tile " << tile << " sees, and is not listed";
             const float near = std::bit_cast<float>(words[tile].x), far = std::bit_cast<float>(~words[tile].y);
-            EXPECT_LE(near, seen.x) << "tile " << tile;
-            EXPECT_GE(far, seen.y) << "tile " << tile;
+            EXPECT_LE(near, truth.x) << "tile " << tile;
+            EXPECT_GE(far, truth.y) << "tile " << tile;
         }
         EXPECT_EQ(count.slots, listed);
         EXPECT_GE(count.groups_x * count.groups_y, listed);
