@@ -1,14 +1,18 @@
-// How a run's settings change from its first to its last step. `progress` is the share of the budget spent, 0..1.
+// How the settings of a run change from its first step to its last. `progress` is the share of the budget that is
+// spent, 0..1.
 #pragma once
 
 #include "training/slice_adjoint.h"
 
 namespace neuvv::training {
 
-// A phase begins with a change of the tree, by what rays said of its leaves in the phase before: those that no ray
-// weighed at least `prune_below` go, siblings that agree within `merge_within` become one (0: none), the others are
-// emptied in the frames that did not use them, and some divide: in the first kLevelsAbove changes all that count, later
-// the share at which the loss pulls hardest.
+// A phase begins with a change of the tree, which follows the use of its leaves in the phase before (LeafUse):
+//   - leaves whose maximum weight is below `prune_below` are removed;
+//   - siblings that agree within `merge_within` become one leaf (0: none do);
+//   - leaves are emptied in the frames that did not use them;
+//   - in the first kLevelsAbovePixel changes all leaves that rays see divide, later the `divide_share` of leaves with
+//   the
+//     highest opacity sensitivity.
 struct Phase {
     double begins;  // progress
     float prune_below;
