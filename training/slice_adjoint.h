@@ -11,31 +11,32 @@ namespace neuvv::training {
 struct Moments {
     Moments(const gpu::Device& device, const render::Field& field);
 
-    gpu::Buffer first, second;            // of the weights, in planes
-    gpu::Buffer rows_first, rows_second;  // of A, then of B
+    gpu::Buffer first, second;            // moments of the weights, in planes
+    gpu::Buffer rows_first, rows_second;  // moments of A, then those of B
 };
 
 // How rays used each leaf since the tree last changed. Growth decides by it.
 struct LeafUse {
-    std::vector<float> max_weight;           // largest blending weight
-    std::vector<float> opacity_sensitivity;  // Σ |α ∂L/∂α| of its samples
-    std::vector<uint32_t> frames;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
+    std::vector<float> max_weight;           // the largest blending weight of its samples
+    std::vector<float> opacity_sensitivity;  // Σ |α ∂L/∂α| over its samples
+    std::vector<uint32_t> frames;  // a bit for each frame that used it: a word per 32 frames and leaf, leaves fastest
 };
 
 // LeafUse on the device. It starts at 0.
 struct LeafTally {
     LeafTally(const gpu::Device& device, const voctree::VOctree& tree);
 
-    gpu::Buffer use;     // (reach, pull)
-    gpu::Buffer frames;  // bits
+    gpu::Buffer use;     // per leaf (max_weight, opacity_sensitivity)
+    gpu::Buffer frames;  // as LeafUse::frames
 };
 
+// Download and upload of a tally; `tree` and `use` are those of the tally's tree.
 LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctree::VOctree& tree);
 void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use);
 
 // How far Adam moves a weight in one step.
 struct LearningRates {
-    float sigma = 0;                       // of w^σ, optical depths of the leaf's edge
+    float sigma = 0;                       // of w^σ, in optical depths over the leaf's edge
     float gamma = 0;                       // of w^γ
     float colour = 0;                      // of w^HH with l = 0
     float detail = 0;                      // of w^HH with l > 0
@@ -46,7 +47,7 @@ struct AdamSettings {
     float beta1 = 0.9f, beta2 = 0.99f, epsilon = 1e-8f;
     uint32_t step = 1;          // steps since the moments were 0, this one included
     bool emit_only = false;     // nothing moves, and the first moments receive the gradient (for tests)
-    float min_used_weight = 0;  // blending weight from which a frame counts as using a leaf
+    float min_used_weight = 0;  // a frame uses a leaf if it gives it at least this blending weight
 };
 
 struct SliceAdjoint {

@@ -76,7 +76,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    gpu::Buffer sums_readback_, live_readback_, touched_readback_;  // host's copies
+    gpu::Buffer sums_readback_, live_readback_, touched_readback_;
     render::Slicer slicer_;
     render::Tracer tracer_;
     Loss loss_;
@@ -86,7 +86,7 @@ class TrainingStep {
     SliceAdjoint slice_adjoint_;
     gpu::Commands commands_;
     uint32_t tiles_ = 0;
-    std::optional<float> sliced_frame_;  // the frame that slice_ is of, where it is that of the weights as they are
+    std::optional<float> sliced_frame_;  // the frame of slice_, if slice_ is that of the current weights
 };
 
 }  // namespace neuvv::training
