@@ -28,9 +28,8 @@ CONSTEXPR uint kPsiDirections = 1u;  // per ray: unit direction, unused
 CONSTEXPR uint kPsiRanges = 2u;      // per ray: distances in metres at which it enters and leaves the box, unused × 2
 CONSTEXPR uint kPsiParameters = 3u;
 CONSTEXPR uint kPsiActivations = 4u;  // per block psi_activation_rows rows
-CONSTEXPR uint kPsiAdjoints =
-    5u;  // per block psi_adjoint_rows rows: ∂L/∂z, z being the input of an activation function
-CONSTEXPR uint kPsiValues = 6u;  // per sample: σ in 1/m, linear RGB
+CONSTEXPR uint kPsiAdjoints = 5u;     // per block psi_adjoint_rows rows: ∂L/∂z; z enters an activation function
+CONSTEXPR uint kPsiValues = 6u;       // per sample: σ in 1/m, linear RGB
 CONSTEXPR uint kPsiValueAdjoints = 7u;
 CONSTEXPR uint kPsiPartials = 8u;       // per split of the samples: sums of the gradients of hidden layers and head
 CONSTEXPR uint kPsiGradients = 9u;      // laid out as the parameters
