@@ -58,7 +58,7 @@ std::vector<float> initial_gamma_weights(uint32_t bases) {
 
 BasisSolver::BasisSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases)
     : frames_(frames), bases_(bases) {
-    // (AᵀA + εI)⁻¹ Aᵀ; ε keeps columns that training has made alike from blowing up.
+    // (AᵀA + εI)⁻¹ Aᵀ; ε keeps the weights small where training has made columns alike.
     std::vector<double> normal(size_t{bases} * bases), right(size_t{bases} * frames);
     for (uint32_t t = 0; t < frames; t++)
         for (uint32_t i = 0; i < bases; i++) {

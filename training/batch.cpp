@@ -11,7 +11,7 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
-constexpr double kMaxShareInARow = 0.125;  // of a time's epoch: more of it at once makes the others forgotten
+constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
 
 uint32_t tiles_across(uint32_t pixels) {
     return (pixels + kTile - 1) / kTile;
@@ -106,7 +106,8 @@ Batch BatchSampler::next(uint32_t samples) {
     Batch batch;
     batch.samples = samples;
     batch.time = dataset_.times[drawn.frame];
-    std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);  // its own, so that skip() need not draw
+    // A generator for this batch alone, so that skip() need not draw its numbers.
+    std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);
     for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
     return batch;
 }
@@ -125,7 +126,7 @@ void BatchSampler::append(Batch& batch, const ViewTile& tile, std::mt19937_64& r
         }
 }
 
-// What the rays of the batch's last tile should see.
+// Appends what the rays of the batch's last tile should see.
 void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour) const {
     const media::Image& plate = dataset_.plates[view.camera];
     const Tile& tile = batch.tiles.back();

@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint32_t kMaxSteps = 1u << 31, kMaxTilesPerStep = 65536;
 
-// bfloat16, rounded to nearest: moments steer steps, three digits are enough.
+// bfloat16, rounded to nearest; its precision is enough for moments.
 uint16_t bfloat_from_float(float value) {
     const uint32_t bits = std::bit_cast<uint32_t>(value);
     return static_cast<uint16_t>((bits + 0x7fff + (bits >> 16 & 1)) >> 16);
@@ -128,7 +128,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
 
-// A whole number of 0 to `most`; JSON's own conversion would round, wrap or worse.
+// Reads a whole number of 0 to `max`. The JSON library's own conversion would not refuse other numbers.
 template <typename T>
 void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t max = std::numeric_limits<T>::max()) {
     const nlohmann::json& found = json.at(key);
@@ -136,7 +136,7 @@ void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t 
     value = found.get<T>();
 }
 
-// `deepest`: what the tree can hold.
+// `max_depth`: the deepest level that the tree's nodes can have.
 RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& found, uint32_t max_depth) {
     RunState run;
     try {

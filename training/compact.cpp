@@ -11,13 +11,15 @@ namespace neuvv::training {
 
 namespace {
 
-// Of w^σ, below its highest bit; of w^γ (γ moves by π/4 a unit at most); of w^HH (|H_nlm| ≤ (n+1)/(π√2), and a colour's
-// slope after the sigmoid is 1/4 at most).
+// The steps to which weights are rounded.
 struct Steps {
-    float sigma_share, gamma, colour;
+    float sigma_share;  // of w^σ, as a share of its highest bit
+    float gamma;        // of w^γ; γ changes by at most π/4 per unit
+    float colour;       // of w^HH; |H_nlm| ≤ (n+1)/(π√2), and the slope of the sigmoid after it is at most 1/4
 };
 constexpr Steps kBasisPerFrame{1.0f / 16, 1.0f / 8, 1.0f / 4};
-// Where frames share bases, what a frame sees is a sum of weights of both signs: they must be finer than it.
+// Where frames share bases, the value of a frame is a sum of weights of both signs, which need finer steps than the
+// sum.
 constexpr Steps kSharedBases{1.0f / 64, 1.0f / 32, 1.0f / 16};
 
 float rounded_share(float value, float share) {

@@ -8,9 +8,9 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr size_t kTimes = 6;  // of the clip, evenly spread: a place's colour is a guess, not a measurement
+constexpr size_t kTimes = 6;  // evenly spread over the clip; a few are enough for a first guess
 
-// Adds what a view shows at a place, weighted by its matte: (Σ α c, Σ α).
+// What a view shows at a position, weighted by its matte: (α c, α).
 glm::vec4 seen_at(const Dataset& dataset, const View& view, const glm::dmat4& camera_from_world, glm::vec3 position) {
     const stage::Camera& camera = dataset.cameras[view.camera];
     const glm::dvec4 p = camera_from_world * glm::dvec4(glm::dvec3(position), 1);

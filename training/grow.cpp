@@ -16,12 +16,14 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr float kForbiddenOpacity = 0.1f;  // its negative stands where the hull forbids matter
-constexpr float kInitialOpacity = 0.7f;    // optical depth of a leaf of the first tree, in frames that the hull allows
-constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts from
+// Optical depths over a leaf's edge: minus the first where a leaf must be empty, the second for leaves of the first
+// tree in frames in which the hull allows matter.
+constexpr float kForbiddenOpacity = 0.1f, kInitialOpacity = 0.7f;
+constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carving begins
 
-// Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
-// ball: matter in their corners only is worth less than a hull without a fringe, which training would have to clear.
+// The ball by which a leaf is carved. That of a coarse leaf encloses it, so that no child is lost. That of a leaf of
+// the finest depth is smaller: a hull that misses matter in corners of leaves is better than one with a fringe of empty
+// leaves, which training would have to clear.
 HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t finest) {
     const float edge = tree.box_size.x / static_cast<float>(1u << position.depth);
     const glm::vec3 centre = tree.box_min + edge * (glm::vec3(position.x, position.y, position.z) + 0.5f);
@@ -38,11 +40,11 @@ bool any_bit(const uint32_t* bits, size_t words) {
     return std::any_of(bits, bits + words, [](uint32_t word) { return word != 0; });
 }
 
-// Places that the hull allows in some frame.
+// Positions of leaves in which the hull allows matter in at least one frame.
 struct Carved {
     std::vector<voctree::LeafPosition> positions;
-    std::vector<uint32_t> bits;     // per place, per dataset time
-    std::vector<uint32_t> parents;  // index into what was given, divided by `group`
+    std::vector<uint32_t> bits;     // as carve() returns them, one bit per time of the data set
+    std::vector<uint32_t> parents;  // per position: the index of its group of `group` positions given to keep_allowed
 };
 
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
@@ -65,7 +67,7 @@ float density_of(const voctree::VOctree& tree, uint32_t depth, float optical_dep
     return optical_depth * static_cast<float>(1u << depth) / tree.box_size.x;
 }
 
-// Allowed bits are per dataset time; a tree's frames are spread evenly over them.
+// The bits of carve(), one per time of the data set, as one bit per frame of the tree.
 std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const uint32_t* bits) {
     std::vector<uint32_t> result((frames + 31) / 32);
     for (size_t i = 0; i < dataset.times.size(); i++) {
@@ -77,7 +79,7 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
     return result;
 }
 
-// Empties a leaf's course of σ in the frames that the hull forbids.
+// Makes a leaf's σ of each frame, `values`, negative in the frames in which the hull forbids it.
 void fit_to_hull(const Dataset& dataset, const voctree::VOctree& tree, const Carved& carved, size_t i,
                  std::vector<float>& values) {
     const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
@@ -123,7 +125,7 @@ void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vecto
     }
 }
 
-// Metres that a pixel covers at a place, in the camera where it covers least.
+// The metres that a pixel covers at a position, in the camera where it covers least.
 double footprint_at(const Dataset& dataset, glm::dvec3 position) {
     double smallest = std::numeric_limits<double>::infinity();
     for (const stage::Camera& camera : dataset.cameras)
@@ -139,7 +141,7 @@ bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voct
     return edge >= settings.min_pixels_to_divide * footprint_at(dataset, hull_cell(tree, position, 0).centre);
 }
 
-// Which leaves divide; the tree stays within max_leaves.
+// Which leaves divide. One leaf becomes up to eight, so that each may add 7 to the count without exceeding max_leaves.
 std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree& tree,
                                  const std::vector<voctree::LeafPosition>& positions, const LeafUse& use,
                                  const GrowSettings& settings) {
@@ -164,8 +166,8 @@ std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree&
     return divided;
 }
 
-// Empties a leaf's course of σ in the frames that did not use the leaf it comes from. Where fewer bases than frames
-// span the course, emptying some frames would thin the others: it stays.
+// Makes a leaf's σ of each frame, `values`, negative in the frames that did not use the leaf from which it comes. Where
+// frames share bases this would make other frames thinner, so nothing changes there.
 void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth,
                 std::vector<float>& values) {
     if (tree.bases < tree.frames) return;
@@ -175,7 +177,7 @@ void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t paren
             values[t] = std::min(values[t], below);
 }
 
-// Which leaves stay, or divide.
+// Which leaves are not removed.
 std::vector<bool> select_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
     std::vector<uint32_t> selected;
     for (uint32_t i = 0; i < max_weight.size(); i++)
@@ -273,7 +275,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth);
     grown.insert(grown.end(), carved.positions.begin(), carved.positions.end());
     for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
-    if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
+    if (grown.empty()) return tree;  // rays saw nothing: an unchanged tree is better than none
 
     voctree::VOctree result = same_shape(tree);
     for (const voctree::LeafPosition& position : carved.positions)

@@ -17,13 +17,13 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr size_t kImagesAtOnce = 16;  // images held while their mattes are computed on all cores
+constexpr size_t kImagesAtOnce = 16;  // images in memory while their mattes are computed on all cores
 constexpr size_t kSheetRows = 12;
 constexpr uint32_t kSheetCell = 320;
 constexpr uint8_t kMagenta[3] = {255, 0, 255};
 constexpr const char* kSheetName = "contact_sheet";
 
-// The splits that the data set has.
+// The splits that can be read, and why one cannot be (MatteSummary::missing_split).
 struct Rigs {
     std::vector<Rig> all;
     std::string missing;
@@ -56,7 +56,7 @@ void expect_distinct_names(const std::vector<Rig>& rigs) {
         }
 }
 
-// Where matte, or alpha channel, says performer.
+// The values of a matte of another program: its alpha where it has one, else the brightest of R, G and B.
 std::vector<uint8_t> values_of(const media::Image& matte) {
     bool has_alpha = false;
     for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
@@ -84,13 +84,13 @@ media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& va
     return image;
 }
 
-// Works through one camera after the other.
+// Makes the mattes of one camera after the other.
 class MatteMaker {
   public:
     MatteMaker(const MatteJob& job, const MatteProgress& progress, uint64_t total, size_t cameras)
         : job_(job), progress_(progress), total_(total), sheet_every_(std::max<size_t>(1, cameras / kSheetRows)) {}
 
-    // False: stopped.
+    // Returns false where the caller stopped it.
     bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
         const bool on_sheet = cameras_++ % sheet_every_ == 0 && sheet_.size() < 3 * kSheetRows;
         const media::Image background = job_.from.empty() ? background_of(rig, camera, shots) : media::Image();

@@ -19,13 +19,13 @@ constexpr uint32_t kNoFamily = UINT32_MAX;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kConstantH = 1 / (kPi * std::numbers::sqrt2_v<float>);  // H_000; |H_nlm| ≤ (n+1) H_000
 
-// Siblings that agree, and the weights of the leaf that takes their place.
+// Eight siblings, and the weights of the leaf that may replace them.
 struct Family {
     Siblings leaves;
     std::vector<float> parent;
 };
 
-// Leaves of one parent get one key.
+// A number that is the same for leaves of one parent, and different for others.
 uint64_t parent_key(const voctree::LeafPosition& position) {
     return uint64_t{position.depth} << 36 | uint64_t{position.x / 2} << 24 | uint64_t{position.y / 2} << 12 |
            position.z / 2;
@@ -65,14 +65,15 @@ float opacity_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame
     return 1 - std::exp(-std::max(sigma, 0.0f) * edge_m);
 }
 
-// In linear light, the mean of all directions.
+// A leaf's colour in linear light: that of the functions that do not depend on the direction.
 glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame) {
     float gamma = 0;
     for (uint32_t c = 0; c < tree.bases; c++)
         gamma += tree.gamma_basis[size_t{frame} * tree.bases + c] * leaf[tree.bases + c];
     const float cosine = std::cos(kPi / (1 + std::exp(-gamma)));
     glm::vec3 value(0);
-    // H_n00 = U_n(cos γ) H_000, Chebyshev polynomials of the second kind (errata 1, 2); it is function hh_count(n − 1).
+    // H_n00 = U_n(cos γ) H_000, with Chebyshev polynomials U_n of the second kind (errata 1, 2). Its number among the
+    // functions is hh_count(n − 1).
     float before = 0, here = 1;
     for (uint32_t n = 0; n <= tree.hh_degree; n++) {
         const float* function = leaf + 2 * tree.bases + (n == 0 ? 0 : hh_count(n - 1));
@@ -83,7 +84,7 @@ glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t fr
     return 1.0f / (1.0f + glm::exp(-value));
 }
 
-// How much of each sibling was seen: its opacity, over the frames that used it.
+// How much of each sibling was seen: its opacity, summed over the frames that used it.
 Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
     Shares seen{};
     for (size_t i = 0; i < 8; i++)
@@ -92,7 +93,7 @@ Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Sibli
     return seen;
 }
 
-// Of one weight; of all leaves alike where none has a share.
+// The mean of one weight over siblings, by their shares; where none has a share, all count alike.
 float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
     const bool shared = any(shares);
     float sum = 0, total = 0;
@@ -104,7 +105,8 @@ float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t
     return sum / total;
 }
 
-// Density is the mean of all, as the parent fills the space of all; colour is that of what was seen.
+// The parent's weights. Its density is the mean of all siblings, as it fills the space of all; its colour is the mean
+// of those that were seen.
 std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame,
                              const Siblings& leaves, const Shares& seen) {
     std::vector<float> parent(tree.weights_per_leaf());
@@ -118,7 +120,8 @@ std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, b
     return parent;
 }
 
-// Hidden leaves may have any colour, and frames that used none of the siblings say nothing.
+// Whether the parent looks like each sibling in a frame. Colours of siblings that the frame did not use are not
+// compared, and nothing is where it used none.
 bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family& family, uint32_t frame, float edge_m,
                  float within) {
     const Shares used = users(use, family.leaves, frame);
@@ -137,7 +140,8 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
     return true;
 }
 
-// Bounds what functions that turn with the direction make of the difference; the sigmoid's slope is 1/4 at most.
+// Whether colours vary with the direction in the same way: bounds the difference by the functions that depend on the
+// direction; the slope of the sigmoid is at most 1/4.
 bool varies_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
     for (size_t i = 0; i < 8; i++) {
         if (seen[i] <= 0) continue;
@@ -153,7 +157,7 @@ bool varies_alike(const voctree::VOctree& tree, const Family& family, const Shar
     return true;
 }
 
-// Gives the family its parent where that looks like each of the siblings.
+// Computes the family's parent; returns whether it looks like each of the siblings.
 bool agree(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame, float edge_m, float within,
            Family& family) {
     const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
@@ -178,7 +182,7 @@ std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUs
     return families;
 }
 
-// `origins`: of a new leaf the old one, or its family's first.
+// The use of the leaves after merging. `origins`: for each new leaf the old leaf, or the first of its family.
 LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, const std::vector<Family>& families,
                   const std::vector<uint32_t>& family_of) {
     const size_t before = use.max_weight.size(), after = origins.size(),

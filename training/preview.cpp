@@ -11,7 +11,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint32_t kSamples = 2;  // rays a pixel along each side, as `neuvv eval` has by default
+constexpr uint32_t kSamples = 2;  // rays along each side of a pixel
 
 media::Image side_by_side(const std::vector<media::Image>& images) {
     media::Image row(images[0].width * static_cast<uint32_t>(images.size()), images[0].height);

@@ -23,8 +23,8 @@ namespace neuvv::training {
 namespace {
 
 constexpr uint32_t kMaxSplits = 64;
-// A unit of the network's w^σ stands for this optical depth through the box's longest side, and fog starts at kFirstFog
-// units: a fifth of a light along it gets through.
+// A unit of the network's w^σ means this optical depth along the box's longest side. The fog with which training begins
+// has kInitialFog units, so that about a fifth of the light passes along that side.
 constexpr float kUnitOpticalDepth = 30;
 constexpr float kInitialFog = 0.05f;
 
@@ -38,7 +38,7 @@ std::vector<uint32_t> network_constants(const PsiShape& shape) {
     return {shape.frequencies, shape.inputs(), shape.width, shape.layers, shape.hh_degree, shape.head_columns()};
 }
 
-// Rounds: uniform in ±√(6 / inputs), He's variance.
+// Fills a matrix with random numbers, uniform in ±gain · √(6 / real_inputs): He's variance for a gain of 1.
 void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t outputs, double gain,
                 std::mt19937_64& random) {
     const double bound = gain * std::sqrt(6.0 / real_inputs);
@@ -199,7 +199,7 @@ PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
 
 }  // namespace
 
-// From activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
+// Takes activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
 void PsiStep::record_psi_weights(uint32_t blocks) {
     const PsiShape& shape = network_.shape;
     {

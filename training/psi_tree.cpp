@@ -22,7 +22,7 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The output layer as a matrix over the last hidden layer, one row a column of it: y = W h + b.
+// The output layer: y = W h + b, where h is the last hidden layer.
 struct OutputLayer {
     uint32_t width, columns;
     const float* numbers;  // (width + 1) × columns
@@ -45,7 +45,7 @@ float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& posit
     return tree.box_size.x / static_cast<float>(1u << position.depth);
 }
 
-// Places in leaf number i: `side`³ cells' centres, or random ones.
+// The centres of side³ cells in a leaf, in the world.
 std::vector<glm::vec3> cell_centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
                                        uint32_t side) {
     std::vector<glm::vec3> centres;
@@ -56,6 +56,7 @@ std::vector<glm::vec3> cell_centres_in(const voctree::VOctree& tree, const voctr
     return centres;
 }
 
+// Random points in a leaf, in the world.
 std::vector<glm::vec3> random_points_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
                                         uint32_t count, std::mt19937_64& random) {
     std::vector<glm::vec3> positions(count);
@@ -67,7 +68,7 @@ std::vector<glm::vec3> random_points_in(const voctree::VOctree& tree, const voct
     return positions;
 }
 
-// Runs `use(leaf, hidden layers at its points)` for every place, on all cores, a chunk of leaves at a time.
+// Calls `use` with each leaf and the last hidden layer at its points, on all cores, for many leaves at a time.
 template <typename PointsOf, typename Use>
 void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const PointsOf& points_of, const Use& use) {
     const size_t at_once = std::max<size_t>(kPointsAtOnce / points_per_leaf, 1);
@@ -105,7 +106,7 @@ OutputLayer output_of(const PsiNetwork& network) {
     return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_offset()]};
 }
 
-// Of the hull's cells those with a finest cell that is ever dense.
+// The hull's leaves in which at least one finest cell is dense.
 std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwork& network,
                                                    const voctree::VOctree& hull, uint32_t levels_above,
                                                    float threshold) {
@@ -128,7 +129,8 @@ std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwor
     return kept;
 }
 
-// A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
+// Sets each leaf's weights to the mean of the network's outputs over random points. As the output layer is linear, that
+// is the output of the mean of the last hidden layer.
 void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const OutputLayer output = output_of(network);
@@ -152,7 +154,7 @@ void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree&
         });
 }
 
-// Where the training of Ψ stands, and its sums since the last report.
+// How far the training of Ψ has come, and sums since the last report.
 struct PsiRun {
     double began = seconds_now(), reported = began, pixels = 0, loss = 0, rgb = 0;
     uint64_t step = 0, steps = 0;
@@ -212,7 +214,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
         run.add(result, step.weights);
         if (seconds_now() - run.reported >= 1) go_on = callback(run.report(settings, psi));
     }
-    if (run.steps > 0) callback(run.report(settings, psi));  // else the last step has been reported
+    if (run.steps > 0) callback(run.report(settings, psi));  // else the last step is reported already
 }
 
 }  // namespace

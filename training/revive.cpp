@@ -12,9 +12,9 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr float kRevivedDepth = 0.2f;  // optical depth of the leaf's edge
+constexpr float kRevivedDepth = 0.2f;  // optical depth over the leaf's edge
 
-// Per leaf `words` words: a bit for each frame in which it has density.
+// `words` words per leaf: a bit for each frame in which it has density.
 std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     std::vector<uint32_t> live(words * tree.leaf_count);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
@@ -25,7 +25,7 @@ std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     return live;
 }
 
-// The leaves at the middles of the six faces; UINT32_MAX where there is none.
+// The leaves beyond the middles of the six faces; UINT32_MAX where there is none.
 std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
     std::array<uint32_t, 6> found;
     const double edge = std::exp2(-static_cast<double>(position.depth));
@@ -38,10 +38,10 @@ std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::
     return found;
 }
 
-// Frames in which at least four of six leaves live.
+// The frames of one word in which at least four of six leaves have density, as bits.
 uint32_t at_least_four(const std::array<uint32_t, 6>& leaves, const std::vector<uint32_t>& live, size_t words,
                        size_t word) {
-    uint32_t ones = 0, twos = 0, fours = 0;  // the count of each frame, in binary
+    uint32_t ones = 0, twos = 0, fours = 0;  // the count of each frame in binary, a digit per word
     for (const uint32_t leaf : leaves) {
         const uint32_t bits = leaf == UINT32_MAX ? 0 : live[leaf * words + word];
         const uint32_t carry = ones & bits;

@@ -1,4 +1,4 @@
-// The smoothness loss (smooth.comp): neighbouring leaves of like opacity.
+// The smoothness loss (smooth.comp): neighbouring leaves should have similar opacities.
 #pragma once
 
 #include "training/slice_adjoint.h"

@@ -5,8 +5,9 @@
 
 namespace neuvv::training {
 
-// What each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice (slice_), RayBatch
-// (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally (tally_).
+// The comments say what each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice
+// (slice_), RayBatch (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally
+// (tally_).
 void TrainingStep::record_step(const StepSettings& settings) {
     // field_ weights, sigma_basis, gamma_basis, inner_cells → slice_ rows, node_live, head, slot_leaf, live, sh
     if (sliced_frame_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
@@ -16,16 +17,16 @@ void TrainingStep::record_step(const StepSettings& settings) {
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
     // rays_ radiance; batch_ target, background → batch_ adjoint, sums
     record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
-    // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, reach
+    // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, max_weight
     record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop, settings.weights,
                          settings.pixel_share());
-    // gradients_ reach; slice_ live → gradients_ touched, touched_count
+    // gradients_ max_weight; slice_ live → gradients_ touched, touched_count
     record_touched(commands_, touched_list_);
-    // the tree and the slice around gradients_ touched → adds to gradients_ gradients
+    // tree and slice at gradients_ touched and their neighbours → adds to gradients_ gradients
     if (settings.weights.smoothness > 0) record_smooth(commands_, smoother_, settings.weights, settings.pixel_share());
-    // gradients_ touched, gradients, reach; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_, slice_
-    // head and sh as the moved weights have them, gradients_ partials; clears gradients and reach. Where rows learn:
-    // gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
+    // gradients_ touched, gradients, max_weight; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_,
+    // slice_ head and sh of the moved weights; clears gradients and max_weight. Where rows learn, also gradients_
+    // partials, and then gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
     record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
     // batch_ sums, slice_ live, gradients_ touched_count → the host
     gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);

@@ -19,14 +19,14 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kCheckpointShare = 0.05;
+constexpr double kCheckpointShare = 0.05;                       // of the time, at most
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
 
 double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// XXH3-64 of cameras, sizes, times and a thin sample of all images and plates: enough to tell data sets apart.
+// XXH3-64 of cameras, sizes, times and every 101st byte of all images and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
     XXH3_64bits_reset(state.get());
@@ -51,7 +51,7 @@ uint64_t hash_of(const Dataset& dataset) {
     return XXH3_64bits_digest(state.get());
 }
 
-// One run: the tree on the host (its topology), the step on the device, and where they stand.
+// One run: the tree on the host (for its topology), the step on the device, and how far they have come.
 class Run {
   public:
     Run(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
@@ -60,7 +60,7 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          // Braces: begin() sets seed and tree, so it must come first.
+          // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
           sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(
@@ -94,10 +94,10 @@ class Run {
     double began_;
     RunState run_;
     voctree::VOctree tree_;
-    uint32_t finest_ = 0;  // octree depth of its finest leaves
+    uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     uint64_t saved_step_ = 0;
-    uint64_t file_bytes_ = 0;  // of the last .nvv,
-    uint32_t written_leaves_ = 0;
+    uint64_t file_bytes_ = 0;      // size of the last .nvv
+    uint32_t written_leaves_ = 0;  // in the last .nvv
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
@@ -154,8 +154,8 @@ const Dataset& Run::begin() {
     return dataset_;
 }
 
-// So many that all of them can be live at once, and that the file will stay within its bounds: leaves to come take as
-// many bytes as those of the last checkpoint, or fewer.
+// The bound on the tree's leaves. The device must be able to train all of them as live leaves at once, and the file
+// must stay within its bound; new leaves are assumed to take as many bytes as those of the last checkpoint.
 uint32_t Run::max_leaves() const {
     uint64_t limit = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
@@ -179,7 +179,7 @@ void Run::make_step() {
     finest_ = 0;
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
         finest_ = std::max(finest_, position.depth);
-    step_.reset();  // the old one's memory first
+    step_.reset();  // frees its memory before the next one takes some
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            run_.tiles_per_step);
 }
@@ -188,8 +188,8 @@ void Run::begin_phase_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
     const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
     const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
-    if (!covered && !coarse) return;  // it waits until it knows
-    if (run_.max_bytes > 0) save();   // to know how well this tree packs
+    if (!covered && !coarse) return;  // the change waits until enough rays were traced
+    if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     const Phase& phase = kPhases[++run_.phase];
     if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
@@ -200,9 +200,9 @@ void Run::begin_phase_if_due() {
     settings.divide_share = phase.divide_share;
     settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelowPixel);
     settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
-    // Finer leaves need rays: a run too short to see its images once a phase is better off without.
+    // Finer leaves need rays: a run that does not see all images in a phase is better without them.
     if (!coarse && epochs < kMinEpochsForFrameUse) settings.divide_share = 0;
-    // Where few rays came yet, reach says nothing: then everything divides.
+    // After few rays, a low maximum weight means nothing, so all leaves divide.
     settings.min_weight_to_divide =
         run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
@@ -225,7 +225,8 @@ void Run::save() {
     save_took_ = saved_at_ - start;
 }
 
-// Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole.
+// Removes leaves of lowest maximum weight from the finished .nvv where it exceeds its bound; the state keeps all
+// leaves.
 void Run::fit_to_max_bytes() {
     if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
     step_->download(tree_);
@@ -255,7 +256,7 @@ StepSettings Run::step_settings(double time) const {
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
-    // With as many bases as frames the first bases already span every course.
+    // With as many bases as frames, the first bases can give a leaf any values over time, so they need not learn.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;
 }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr glm::vec2 kUnseen(-1);
 
-// The up to four pixels of the distorted image around a place, with their weights. Places in the outer half of a
-// border pixel show that pixel.
+// The (up to four) pixels of the distorted image around a position, with their bilinear weights. A position in the
+// outer half of a pixel at the border shows that pixel.
 struct Taps {
     size_t pixel[4];
     float weight[4];

@@ -1,5 +1,5 @@
-// Moves hidden layers, output layer, A and B. One thread a parameter; reads 16 bytes, writes 12: bound by memory, but the
-// whole network is some 100 KB.
+// Moves the parameters of Ψ by Adam: hidden layers, output layer, A and B. One thread per parameter; reads 16 bytes and
+// writes 12: bound by memory, but the whole network has only about 100 KB.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

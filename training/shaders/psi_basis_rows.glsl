@@ -1,10 +1,11 @@
-// The rows A_t and B_t at a fractional frame (errata 9) among the parameters. Expects `parameters` as floats and `push`.
+// The rows A_t and B_t at a fractional frame (errata 9), read from the parameters of Ψ. The file that includes this one
+// defines `parameters` as floats, and `push`.
 #ifndef NEUVV_PSI_BASIS_ROWS_GLSL
 #define NEUVV_PSI_BASIS_ROWS_GLSL
 
 uint frame_before() { return min(uint(clamp(push.frame, 0.0, float(push.frames - 1u))), push.frames - 1u); }
 
-// What a row of A or B counts for at this frame.
+// The share that a row of A or B has at this frame.
 float row_share(uint row) { return max(1.0 - abs(float(row) - clamp(push.frame, 0.0, float(push.frames - 1u))), 0.0); }
 
 // Element c of A_t (kind 0) or B_t (kind 1).

@@ -1,5 +1,5 @@
-// Samples of Ψ to rays: emission and absorption, front to back, over the segments of psi_resample.comp.
-// One workgroup a tile, one thread a ray. Reads 32 bytes a sample: bound by memory.
+// Composites the samples of Ψ along each ray: emission and absorption, front to back, over the segments of
+// psi_resample.comp. One workgroup per tile, one thread per ray. Reads 32 bytes per sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

@@ -1,5 +1,5 @@
-// psi_composite.comp, backwards: from ∂L/∂ray to ∂L/∂(σ, c) of every sample.
-// One workgroup a tile, one thread a ray. Reads 32 bytes a sample, writes 16: bound by memory.
+// The adjoint of psi_composite.comp: takes ∂L/∂ray to ∂L/∂(σ, c) of every sample. One workgroup per tile, one thread
+// per ray. Reads 32 bytes per sample and writes 16: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

@@ -1,5 +1,5 @@
-// The head of one time from output layer and rows: u_k = density · Σ_c A_tc W_kc, v_k = Σ_c B_tc W_k(C+c), then the
-// columns of w^HH as they are (shared/psi.h). One thread a number of the head; trivial work.
+// Folds the output layer with the rows of one time into the head: u_k = density · Σ_c A_tc W_kc, v_k = Σ_c B_tc
+// W_k(C+c), then the columns of w^HH unchanged (shared/psi.h). One thread per number of the head; little work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

@@ -1,6 +1,6 @@
-// The fold, backwards: from ∂L by the head to ∂L by output layer, A and B:
-//   ∂W_kc = density · A_tc ∂u_k,  ∂A_tc = density · Σ_k W_kc ∂u_k,  likewise B with v; rows of other frames get 0.
-// One thread a parameter from the output layer on; trivial work.
+// The adjoint of psi_fold.comp: takes gradients of the head to those of output layer, A and B:
+//   ∂W_kc = density · A_tc ∂u_k,  ∂A_tc = density · Σ_k W_kc ∂u_k,  and the same for B with v, without the density;
+// rows of other frames get 0. One thread per parameter from the output layer on; little work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

@@ -1,7 +1,8 @@
-// Ψ at a block of 64 samples: encoding → kLayers hidden layers → head (shared/psi.h) → σ and colour.
-// One workgroup a block; all layers in shared memory. Reads 16 bytes a sample and ray directions; writes 16 bytes a
-// sample, and 4 a row of activations where the adjoint wants them (1 KiB at 64 × 3).
-// Bound by arithmetic: 2·(inputs·width + (layers−1)·width² + width·heads) FLOP a sample, 27 k at 52 × 64 × 3 × 32.
+// Ψ at a block of 64 samples: encoding → kLayers hidden layers → head (shared/psi.h) → σ and colour. One workgroup per
+// block; all layers are computed in shared memory. Reads 16 bytes per sample, and directions of rays; writes 16 bytes
+// per sample, and where the adjoint follows 4 bytes per row and sample of activations (1 KiB per sample at width 64 and
+// 3 layers). Bound by arithmetic: 2·(inputs·width + (layers−1)·width² + width·head columns) FLOP per sample; that is 27
+// k with 52 inputs, width 64, 3 layers and 32 columns.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -23,6 +24,7 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 #include "psi_head.glsl"
 #include "psi_encode.glsl"
 
+// Writes `rows` rows from shared memory into the activations, beginning with row `first_row`.
 void keep_rows(uint rows, uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < rows * kPsiBlockTexels; i += kPsiBlock)
         imageStore(activations, int(first_row * kPsiBlockTexels + i), act[i]);

@@ -1,20 +1,21 @@
-// Trace, backwards: walks each ray again and says what the loss wants of every sample; main() of the trace adjoint and of
-// the direct adjoint. The includer's scatter() keeps it.
-// To it adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which asks each sample's colour c_i, not
-// only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
-// blending weights w_i count as constants there: it colours matter and never moves it.
+// The adjoint of trace along a ray: walks the ray again and computes the derivatives of the loss by every sample. It
+// has main() of the trace adjoint and of the direct adjoint; the file that includes this one defines scatter(), which
+// stores the derivatives. It adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which compares
+// not only the blend but the colour c_i of each sample with the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²
+// (roots are close to encoded values). The blending weights w_i count as constants there, so that the point loss
+// changes colours and never densities.
 #include "composite.glsl"
 #include "ray.glsl"
 
-const float kMaxSensitivityDepth = 8.0;  // optical depth
+const float kMaxSensitivityDepth = 8.0;  // the largest optical depth that the opacity sensitivity sees
 
 // ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `strength`: λ α*.
 vec3 point_adjoint(vec3 c, vec3 root, float strength) {
     return strength * (1.0 - root * inversesqrt(max(c, vec3(1e-6))));
 }
 
-// The includer's: takes the derivatives of the sample that the walk stopped at, by its σ and by its colour before the
-// sigmoid. `opacity_sensitivity`: |α ∂L/∂α|.
+// Defined by the file that includes this one: stores the derivatives of the sample at which the walk stopped, by its σ
+// and by its colour before the sigmoid. `weight`: its blending weight; `opacity_sensitivity`: |α ∂L/∂α|.
 void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw);
 
 void main() {
@@ -35,7 +36,8 @@ void main() {
             const float weight = composite_add(sum, sigma, delta, c, 0.0);
             const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, point_strength));
             const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
-            // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
+            // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ. The cap keeps opaque samples, whose σ hardly matters, from seeming
+            // sensitive.
             const float e_depth = exp(min(sigma * delta, kMaxSensitivityDepth));
             const float opacity_sensitivity = abs(d_sigma) * (e_depth - 1.0) / delta;
             scatter(weight, d_sigma, opacity_sensitivity, d_c * c * (1.0 - c));

@@ -1,5 +1,6 @@
-// The rows A_t and B_t move by the sum of what every leaf said to them (errata 9: a fractional frame moves two rows).
-// Reads slice_adjoint's partial sums, in a fixed order. One workgroup, one thread per column of both bases; trivial work.
+// Moves the rows A_t and B_t by the sum of the gradients that all leaves give them; a fractional frame moves two rows
+// of each basis (errata 9). Reads the partial sums of slice_adjoint.comp, in a fixed order. One workgroup, one thread
+// per column of both bases; little work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -14,7 +15,7 @@ layout(binding = kRowsAdjointSecondMoments, r32f) uniform imageBuffer second;
 layout(push_constant) uniform Push { RowsAdjointPush push; };
 #include "adam.glsl"
 
-// Moments of B follow those of A.
+// Moves one element of A or B. The moments of B follow those of A.
 void move_element(bool is_gamma, uint row, uint column, float gradient) {
     const int at = int(row * push.bases + column);
     const int moment = at + (is_gamma ? int(push.frames * push.bases) : 0);

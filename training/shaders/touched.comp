@@ -1,5 +1,5 @@
-// Lists the slots that rays reached in this step. One thread per live slot; reads 4 bytes each. Without it, SIMD lanes of
-// the expensive pass after it would idle beside slots that nobody saw.
+// Lists the slots that rays touched in this step. One thread per live slot; reads 4 bytes. Without the
+// list, lanes of the expensive passes after it would idle at slots that no ray touched.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"

@@ -1,5 +1,6 @@
-// Trace, backwards (ray_adjoint.glsl): scatters what the loss says to the σ and SH of every leaf that a ray crosses.
-// Reads the slice as trace.comp does; adds gradient_stride floats a sample to its slot. Bound by those atomic adds.
+// The adjoint of trace (ray_adjoint.glsl): adds gradients to the σ and SH of every leaf that a ray crosses. It reads
+// the slice as trace.comp does and adds gradient_stride floats per sample to the sample's slot. One workgroup per tile,
+// one thread per ray. Bound by these atomic additions.
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -26,7 +27,7 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 #include "every_tile.glsl"
 #include "ray_adjoint.glsl"
 
-// Adds one sample's derivatives to its slot.
+// Adds the derivatives of one sample to its slot.
 void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw) {
     atomicMax(max_weight[slot], max(floatBitsToUint(weight), 1u));
     uint at = slot * gradient_stride(kHhDegree);
