@@ -88,8 +88,8 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
     render::FrameCapacity capacity{size.width, size.height};
     capacity.views = xr::kEyes;
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
-    const EyeTargets images(device, size);
-    xr::EyePass pass(device, images.colour.shape.format, images.depth.shape.format);
+    const EyeTargets targets(device, size);
+    xr::EyePass pass(device, targets.colour.shape.format, targets.depth.shape.format);
     Result result;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
@@ -113,7 +113,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         const gpu::Buffer& images = renderer.frames().draw(cameras, settings);
         const double both = frame_milliseconds(device, renderer.frames());
         const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
-        pass.draw(renderer, images, cameras, {}, 0, images.target);
+        pass.draw(renderer, images, cameras, {}, 0, targets.target);
         const double eye_pass = milliseconds(pass.pass_times());
         // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
         renderer.frames().draw(cameras, settings);
